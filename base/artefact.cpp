@@ -1,0 +1,127 @@
+#include "base/artefact.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace calomel {
+
+const char* const version = CALOMEL_VERSION;
+
+std::string hash_text(std::string_view text) {
+  std::uint64_t h = 14695981039346656037ull;
+  for (const char c : text) h = (h ^ std::uint8_t(c)) * 1099511628211ull;
+  return fmt::format("{:016x}", h);
+}
+
+std::string hash_file(const std::filesystem::path& path) { return hash_text(read_text(path)); }
+
+void make_directory(const std::filesystem::path& path) {
+  if (path.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error && !std::filesystem::is_directory(path))
+    throw InputError({.problem = "the directory cannot be made: " + error.message(), .suggestion = "choose another --out", .file = path.string()});
+}
+
+void rename_durably(const std::filesystem::path& part, const std::filesystem::path& path) {
+  if (const int fd = ::open(part.c_str(), O_RDONLY); fd >= 0) {
+    ::fsync(fd);
+    ::close(fd);
+  }
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) throw InputError({.problem = "cannot be written: " + error.message(), .file = path.string()});
+}
+
+void write_atomically(const std::filesystem::path& path, std::string_view text) {
+  make_directory(path.parent_path());
+  const std::filesystem::path part = path.string() + ".part";
+  {
+    std::ofstream out(part, std::ios::binary);
+    out.write(text.data(), std::streamsize(text.size()));
+    out.close();
+    if (!out) throw InputError({.problem = "cannot be written", .suggestion = "check the free space and the rights", .file = path.string()});
+  }
+  rename_durably(part, path);
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) throw InputError({.problem = "cannot be opened", .suggestion = "check the name", .file = path.string()});
+  std::stringstream text;
+  text << in.rdbuf();
+  return std::move(text).str();
+}
+
+Json read_json(const std::filesystem::path& path) {
+  try {
+    return Json::parse(read_text(path));
+  } catch (const Json::exception& e) {
+    throw InputError({.problem = std::string("not valid JSON: ") + e.what(), .suggestion = "make it anew with --fresh", .file = path.string()});
+  }
+}
+
+namespace {
+void expect_finite(const Json& j) {
+  if (j.is_number_float()) expect(std::isfinite(j.get<double>()), "a number in a JSON artefact is finite");
+  if (j.is_structured())
+    for (const auto& item : j) expect_finite(item);
+}
+}  // namespace
+
+void write_json(const std::filesystem::path& path, const Json& json) {
+  expect_finite(json);
+  write_atomically(path, json.dump(2) + "\n");
+}
+
+std::string Provenance::identity() const {
+  return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump());
+}
+
+Json Provenance::json() const {
+  return {{"program", "calomel"}, {"version", version}, {"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}, {"identity", identity()}};
+}
+
+std::vector<std::string> changed_keys(const Json& before, const Json& now, const std::string& prefix) {
+  std::vector<std::string> keys;
+  if (!before.is_object() || !now.is_object()) {
+    if (before != now) keys.push_back(prefix);
+    return keys;
+  }
+  const auto name = [&](const std::string& k) { return prefix.empty() ? k : prefix + '.' + k; };
+  for (const auto& [k, v] : before.items()) {
+    const auto inner = now.contains(k) ? changed_keys(v, now[k], name(k)) : std::vector<std::string>{name(k)};
+    keys.insert(keys.end(), inner.begin(), inner.end());
+  }
+  for (const auto& [k, v] : now.items())
+    if (!before.contains(k)) keys.push_back(name(k));
+  return keys;
+}
+
+Reuse reusable(const std::filesystem::path& path, const Provenance& now) {
+  if (!std::filesystem::exists(path)) return Reuse::nothing_there;
+  const Json before = read_json(path).value("provenance", Json::object());
+  if (before.value("identity", "") == now.identity()) return Reuse::matches;
+  auto keys = changed_keys(before.value("options", Json::object()), now.options);
+  for (const auto& k : changed_keys(before.value("inputs", Json::object()), Json(now.inputs))) keys.push_back("the input " + k);
+  if (before.value("seed", std::uint64_t{0}) != now.seed) keys.push_back("the seed");
+  throw InputError({.problem = "was made with other settings; changed: " + (keys.empty() ? std::string("the program's version of this stage") : join(keys)),
+                    .suggestion = "use another --out, or --fresh to set the old artefacts aside",
+                    .file = path.string()});
+}
+
+void set_aside(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return;
+  for (int n = 1;; ++n) {
+    const std::filesystem::path target = fmt::format("{}.old-{}", path.string(), n);
+    if (std::filesystem::exists(target)) continue;
+    std::filesystem::rename(path, target);
+    return;
+  }
+}
+
+}  // namespace calomel

@@ -1,0 +1,60 @@
+#pragma once
+/// Artefacts on disk: atomic writes, JSON summaries with provenance, and the identity of a stage (the hash of the
+/// options it reads and of its inputs) by which a finished stage is reused or refused.
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "base/options.hpp"
+
+namespace calomel {
+
+/// The program's version, e.g. "0.1.0".
+extern const char* const version;
+
+/// FNV-1a, 64 bit (Fowler, Noll and Vo), as 16 hexadecimal digits.
+std::string hash_text(std::string_view text);
+/// Hash of a file's bytes. Errors: InputError when it cannot be read.
+std::string hash_file(const std::filesystem::path& path);
+
+/// Makes the directory and its parents. Errors: InputError naming it.
+void make_directory(const std::filesystem::path& path);
+/// Syncs `part` to disk and renames it to `path`, so that `path` is whole or absent at every instant.
+void rename_durably(const std::filesystem::path& part, const std::filesystem::path& path);
+/// Writes `text` to `path` through a temporary file. Errors: InputError.
+void write_atomically(const std::filesystem::path& path, std::string_view text);
+/// Whole file. Errors: InputError.
+std::string read_text(const std::filesystem::path& path);
+/// JSON of a file. Errors: InputError naming file and line.
+Json read_json(const std::filesystem::path& path);
+/// Pretty JSON, atomically; a NaN or infinity is a contract failure (JSON has none).
+void write_json(const std::filesystem::path& path, const Json& json);
+
+/// Where an artefact comes from.
+struct Provenance {
+  std::string stage;                          ///< "campaign", "train", ...
+  Json options = Json::object();              ///< resolved options that the stage reads, by table
+  std::uint64_t seed = 1;
+  std::map<std::string, std::string> inputs;  ///< name -> hash
+
+  /// Hash over stage, options, seed and inputs.
+  [[nodiscard]] std::string identity() const;
+  /// {program, version, stage, seed, options, inputs, identity}
+  [[nodiscard]] Json json() const;
+};
+
+enum class Reuse { nothing_there, matches };
+
+/// Compares the summary at `path` (its "provenance") with what would be made now.
+/// Errors: InputError naming the keys that changed when the artefact is of another identity.
+[[nodiscard]] Reuse reusable(const std::filesystem::path& path, const Provenance& now);
+
+/// Dotted keys at which two JSON objects differ.
+std::vector<std::string> changed_keys(const Json& before, const Json& now, const std::string& prefix = "");
+
+/// Renames the file to `name.old-N` (never deletes); nothing happens when it is absent.
+void set_aside(const std::filesystem::path& path);
+
+}  // namespace calomel

@@ -1,0 +1,346 @@
+#include "base/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+namespace calomel {
+
+std::string number_text(double x) {
+  const std::string brief = fmt::format("{:.6g}", x);
+  return std::stod(brief) == x || !std::isfinite(x) ? brief : fmt::format("{}", x);
+}
+
+std::string Range::text() const {
+  const bool has_low = std::isfinite(low), has_high = std::isfinite(high);
+  if (has_low && has_high)
+    return fmt::format("{} {} x {} {}", number_text(low), low_open ? "<" : "<=", high_open ? "<" : "<=", number_text(high));
+  if (has_low) return fmt::format("{} {}", low_open ? ">" : ">=", number_text(low));
+  if (has_high) return fmt::format("{} {}", high_open ? "<" : "<=", number_text(high));
+  return "any finite number";
+}
+
+void ReferenceVisitor::row(const std::string& key, const FieldInfo& field, const Json& value) {
+  std::string allowed;
+  if (!field.choices.empty()) allowed = join(field.choices);
+  else if (value.is_number() || value.is_null()) allowed = field.range.text();
+  markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, field.unit.empty() ? "" : field.unit,
+                          field.required ? "required" : (value.is_null() ? "none" : "`" + value.dump() + "`"), allowed, field.doc);
+}
+
+struct CaseFile::Document {
+  toml::table root;
+  std::set<std::string> accepted;
+};
+
+namespace {
+
+std::string value_text(const toml::node& node) {
+  std::ostringstream s;
+  if (node.is_table()) return "";
+  node.visit([&](const auto& v) { s << v; });
+  std::string text = s.str();
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+/// "sensor[1].position" -> the node, or null.
+const toml::node* node_at(const toml::table& root, const std::string& path) {
+  if (path.empty()) return &root;
+  return root.at_path(path).node();
+}
+
+InputError from_parse_error(const toml::parse_error& e, const std::string& name) {
+  const auto& at = e.source().begin;
+  return InputError({.problem = fmt::format("not valid TOML: {}", e.description()),
+                     .suggestion = "see https://toml.io for the format",
+                     .file = name,
+                     .line = int(at.line),
+                     .column = int(at.column)});
+}
+
+void merge(toml::table& into, toml::table&& from) {
+  for (auto&& [key, node] : from) {
+    auto* inner = into.get_as<toml::table>(key.str());
+    if (inner && node.is_table()) merge(*inner, std::move(*node.as_table()));
+    else into.insert_or_assign(key.str(), std::move(node));
+  }
+}
+
+void apply_override(toml::table& root, const std::string& text) {
+  const std::string origin = "--set " + text;
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError({.problem = "an override needs the form table.key=value", .value = '"' + origin + '"', .suggestion = "e.g. --set geometry.element_size=0.002"});
+  const std::string path = text.substr(0, equals), value = text.substr(equals + 1);
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value, origin);
+  } catch (const toml::parse_error&) {  // a bare word is a string
+    try {
+      parsed = toml::parse("value = \"" + value + "\"", origin);
+    } catch (const toml::parse_error& e) {
+      throw from_parse_error(e, origin);
+    }
+  }
+  toml::node& node = *parsed.get("value");
+  if (const auto bracket = path.find('['); bracket != std::string::npos) {  // an element of an array of tables: sensor[1].gain
+    const auto close = path.find(']', bracket), dot = path.rfind('.');
+    auto* owner = close == std::string::npos || dot == std::string::npos || dot < close
+                      ? nullptr
+                      : root.at_path(path.substr(0, dot)).as_table();
+    if (!owner) throw InputError({.problem = "no such element", .key = path, .file = origin, .suggestion = "elements count from 0"});
+    owner->insert_or_assign(path.substr(dot + 1), std::move(node));
+    return;
+  }
+  toml::table* at = &root;
+  std::size_t begin = 0;
+  for (auto dot = path.find('.'); dot != std::string::npos; begin = dot + 1, dot = path.find('.', begin)) {
+    const std::string key = path.substr(begin, dot - begin);
+    if (!at->contains(key)) at->insert(key, toml::parse("", origin));
+    at = at->get_as<toml::table>(key);
+    if (!at) throw InputError({.problem = fmt::format("\"{}\" is a value, not a table", key), .key = path, .file = origin});
+  }
+  const std::string last = path.substr(begin);
+  if (auto* table = node.as_table(); table && at->get_as<toml::table>(last)) merge(*at->get_as<toml::table>(last), std::move(*table));
+  else at->insert_or_assign(last, std::move(node));
+}
+
+}  // namespace
+
+CaseFile::~CaseFile() = default;
+CaseFile::CaseFile(CaseFile&&) noexcept = default;
+CaseFile& CaseFile::operator=(CaseFile&&) noexcept = default;
+
+CaseFile::CaseFile(std::filesystem::path path, std::span<const std::string> overrides) : path_(std::move(path)), document_(std::make_unique<Document>()) {
+  std::ifstream in(path_);
+  if (!in || std::filesystem::is_directory(path_))
+    throw InputError({.problem = "cannot be opened", .suggestion = "check the name; a case file ends in .toml (see examples/)", .file = path_.string()});
+  std::stringstream text;
+  text << in.rdbuf();
+  try {
+    document_->root = toml::parse(text.str(), path_.string());
+  } catch (const toml::parse_error& e) {
+    throw from_parse_error(e, path_.string());
+  }
+  for (const auto& o : overrides) apply_override(document_->root, o);
+}
+
+CaseFile CaseFile::from_text(const std::string& text, const std::string& name) {
+  CaseFile file;
+  file.path_ = name;
+  file.document_ = std::make_unique<Document>();
+  try {
+    file.document_->root = toml::parse(text, name);
+  } catch (const toml::parse_error& e) {
+    throw from_parse_error(e, name);
+  }
+  return file;
+}
+
+std::filesystem::path CaseFile::resolve(const std::string& relative) const {
+  const std::filesystem::path p(relative);
+  return p.is_absolute() ? p : path_.parent_path() / p;
+}
+
+bool CaseFile::has(const std::string& path) const { return node_at(document_->root, path) != nullptr; }
+
+std::vector<std::string> CaseFile::names(const std::string& path) const {
+  const auto* node = node_at(document_->root, path);
+  const auto* table = node ? node->as_table() : nullptr;
+  if (!table) return {};
+  // File order; what a --set added (its source is not the file) comes last, in alphabetical order.
+  std::vector<std::tuple<bool, std::uint32_t, std::uint32_t, std::string>> order;
+  for (const auto& [key, value] : *table) {
+    const auto& at = value.source().begin.line ? value.source() : key.source();
+    order.emplace_back(at.path && *at.path != path_.string(), at.begin.line, at.begin.column, std::string(key.str()));
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> out;
+  for (auto& o : order) out.push_back(std::get<3>(o));
+  return out;
+}
+
+std::size_t CaseFile::count(const std::string& path) const {
+  const auto* node = node_at(document_->root, path);
+  return node && node->is_array() ? node->as_array()->size() : 0;
+}
+
+std::optional<std::string> CaseFile::text(const std::string& path) const {
+  const auto* node = node_at(document_->root, path);
+  return node ? node->value_exact<std::string>() : std::nullopt;
+}
+
+std::optional<double> CaseFile::number(const std::string& path) const {
+  const auto* node = node_at(document_->root, path);
+  return node && node->is_number() ? node->value<double>() : std::nullopt;
+}
+
+void CaseFile::accept(const std::string& path) { document_->accepted.insert(path); }
+
+void CaseFile::expect_all_read(std::span<const std::string> known_tables) const {
+  for (const auto& name : names("")) {
+    if (document_->accepted.contains(name) || std::find(known_tables.begin(), known_tables.end(), name) != known_tables.end()) continue;
+    throw located(InputError({.problem = "unknown table or key", .key = name, .suggestion = "did you mean \"" + nearest_name(name, known_tables) + "\"?"}));
+  }
+}
+
+InputError CaseFile::located(const InputError& error) const {
+  auto parts = error.parts();
+  if (!parts.file.empty()) return error;
+  parts.file = path_.string();
+  // The key itself, or the nearest enclosing table that stands in the file.
+  std::string at = parts.key;
+  const toml::node* node = nullptr;
+  const toml::key* key = nullptr;
+  while (!(node = node_at(document_->root, at)) || at.empty()) {
+    const auto cut = at.find_last_of(".[");
+    if (cut == std::string::npos) break;
+    at = at.substr(0, cut);
+  }
+  if (node && !at.empty()) {
+    if (parts.value.empty() && at == parts.key) parts.value = value_text(*node);
+    const auto cut = at.rfind('.');
+    const auto* owner = node_at(document_->root, cut == std::string::npos ? "" : at.substr(0, cut));
+    if (owner && owner->is_table())
+      for (const auto& [k, v] : *owner->as_table())
+        if (&v == node) key = &k;
+    const auto& source = key && key->source().begin.line ? key->source() : node->source();
+    parts.line = int(source.begin.line);
+    parts.column = int(source.begin.column);
+    if (source.path && *source.path != path_.string()) parts.file = *source.path, parts.line = 0;
+  }
+  return InputError(parts);
+}
+
+CaseFile::Reader::Reader(CaseFile& file, std::string path) : file_(file), path_(std::move(path)) {
+  const auto* node = node_at(file_.document_->root, path_);
+  if (node && !node->is_table())
+    throw file_.located(InputError({.problem = "a table is expected here", .key = path_, .suggestion = "write [" + path_ + "] and its keys below"}));
+  table_ = node ? node->as_table() : nullptr;
+  if (table_) file_.accept(path_.substr(0, path_.find_first_of(".[")));
+}
+CaseFile::Reader::~Reader() = default;
+
+const toml::node* CaseFile::Reader::find(const char* key, const FieldInfo& info) {
+  known_.push_back(key);
+  const auto* node = table_ ? table_->get(key) : nullptr;
+  if (!node && info.required) {
+    std::vector<std::string> there;
+    if (table_)
+      for (const auto& [k, v] : *table_) there.emplace_back(k.str());
+    const auto near = nearest_name(key, there);
+    const bool typo = !near.empty() && edit_distance(near, key) <= 2;
+    if (typo) throw file_.located(InputError({.problem = "unknown key", .key = path_ + '.' + near, .suggestion = fmt::format("did you mean \"{}\"?", key)}));
+    throw file_.located(InputError({.problem = fmt::format("the key \"{}\" is missing and has no default: {}{}", key, info.doc, info.unit.empty() ? "" : " [" + info.unit + "]"),
+                                    .key = path_,
+                                    .range = info.choices.empty() ? "" : join(info.choices),
+                                    .suggestion = fmt::format("add {} = ... under [{}]", key, path_)}));
+  }
+  return node;
+}
+
+void CaseFile::Reader::fail(const toml::node&, const std::string& key, const std::string& expected, const FieldInfo& info) {
+  std::string range = !info.choices.empty() ? join(info.choices) : expected.find("number") != std::string::npos ? info.range.text() : "";
+  throw file_.located(InputError({.problem = expected + " is expected" + (info.unit.empty() ? "" : " [" + info.unit + "]") + ": " + info.doc,
+                                  .key = path_.empty() ? key : path_ + '.' + key,
+                                  .range = range}));
+}
+
+void CaseFile::Reader::fail_size(const char* key, std::size_t wanted, std::size_t got) {
+  throw file_.located(InputError({.problem = fmt::format("{} numbers are expected, {} given", wanted, got), .key = path_ + '.' + key}));
+}
+
+double CaseFile::Reader::number(const toml::node& node, const std::string& key, const FieldInfo& info) {
+  if (!node.is_number()) fail(node, key, "a number", info);
+  const double x = *node.value<double>();
+  if (!std::isfinite(x) || !info.range.contains(x))
+    throw file_.located(InputError({.problem = "out of range: " + info.doc + (info.unit.empty() ? "" : " [" + info.unit + "]"),
+                                    .key = path_.empty() ? key : path_ + '.' + key,
+                                    .value = number_text(x),
+                                    .range = info.range.text()}));
+  return x;
+}
+
+void CaseFile::Reader::operator()(const char* key, bool& value, const FieldInfo& info) {
+  if (const auto* n = find(key, info)) {
+    if (!n->is_boolean()) fail(*n, key, "true or false", info);
+    value = *n->value<bool>();
+  }
+}
+void CaseFile::Reader::operator()(const char* key, int& value, const FieldInfo& info) {
+  if (const auto* n = find(key, info)) {
+    const double x = number(*n, key, info);
+    if (x != std::floor(x) || std::abs(x) > 2e9) fail(*n, key, "a whole number", info);
+    value = int(x);
+  }
+}
+void CaseFile::Reader::operator()(const char* key, double& value, const FieldInfo& info) {
+  if (const auto* n = find(key, info)) value = number(*n, key, info);
+}
+void CaseFile::Reader::operator()(const char* key, std::optional<double>& value, const FieldInfo& info) {
+  if (const auto* n = find(key, info)) value = number(*n, key, info);
+}
+void CaseFile::Reader::operator()(const char* key, std::string& value, const FieldInfo& info) {
+  const auto* n = find(key, info);
+  if (!n) return;
+  if (!n->is_string()) fail(*n, key, "a text in quotes", info);
+  value = *n->value<std::string>();
+  if (!info.choices.empty() && std::find(info.choices.begin(), info.choices.end(), value) == info.choices.end())
+    throw file_.located(InputError({.problem = "not a known choice: " + info.doc,
+                                    .key = path_.empty() ? key : path_ + '.' + key,
+                                    .value = '"' + value + '"',
+                                    .range = join(info.choices),
+                                    .suggestion = "did you mean \"" + nearest_name(value, info.choices) + "\"?"}));
+}
+void CaseFile::Reader::operator()(const char* key, std::vector<double>& value, const FieldInfo& info) {
+  const auto* n = find(key, info);
+  if (!n) return;
+  if (!n->is_array()) fail(*n, key, "a list of numbers", info);
+  value.clear();
+  for (const auto& element : *n->as_array()) value.push_back(number(element, key, info));
+  if (value.size() < info.least_size) fail_size(key, info.least_size, value.size());
+}
+void CaseFile::Reader::operator()(const char* key, std::vector<int>& value, const FieldInfo& info) {
+  const auto* n = find(key, info);
+  if (!n) return;
+  std::vector<double> list;
+  (*this)(key, list, info);
+  value.clear();
+  for (const double x : list) {
+    if (x != std::floor(x)) fail(*n, key, "a list of whole numbers", info);
+    value.push_back(int(x));
+  }
+}
+void CaseFile::Reader::operator()(const char* key, std::vector<std::string>& value, const FieldInfo& info) {
+  const auto* n = find(key, info);
+  if (!n) return;
+  if (!n->is_array()) fail(*n, key, "a list of texts", info);
+  value.clear();
+  for (const auto& element : *n->as_array()) {
+    if (!element.is_string()) fail(*n, key, "a list of texts", info);
+    value.push_back(*element.value<std::string>());
+    if (!info.choices.empty() && std::find(info.choices.begin(), info.choices.end(), value.back()) == info.choices.end())
+      throw file_.located(InputError({.problem = "not a known choice: " + info.doc,
+                                      .key = path_ + '.' + key,
+                                      .value = '"' + value.back() + '"',
+                                      .range = join(info.choices),
+                                      .suggestion = "did you mean \"" + nearest_name(value.back(), info.choices) + "\"?"}));
+  }
+  if (value.size() < info.least_size) fail_size(key, info.least_size, value.size());
+}
+
+void CaseFile::Reader::finish(std::span<const std::string> extra) {
+  if (!table_) return;
+  known_.insert(known_.end(), extra.begin(), extra.end());
+  for (const auto& name : file_.names(path_))
+    if (std::find(known_.begin(), known_.end(), name) == known_.end())
+      throw file_.located(InputError({.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, known_) + "\"?"}));
+}
+
+}  // namespace calomel

@@ -1,0 +1,149 @@
+#pragma once
+/// Options: plain structs with defaults and one `visit(v)` that names every field. The visitors here and in
+/// case_file.hpp read, validate, echo, set and document them; nothing else lists the keys again.
+///
+///   struct TimeOptions {
+///     double end = 1e-3;
+///     template <class V> void visit(V& v) { v("end", end, {.unit = "s", .range = above(0), .doc = "end of the record"}); }
+///   };
+///
+/// Fields may be bool, int, double, std::string, std::optional<double>, std::array<double, N>,
+/// std::vector<double>, std::vector<int>, std::vector<std::string>; a nested Options joins through
+/// `v.table("profile", profile, "doc")`. Optional members: `validate() const` throws InputError for what spans fields.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "base/errors.hpp"
+
+namespace calomel {
+
+using Json = nlohmann::ordered_json;
+
+/// Allowed interval of a number, both ends closed unless said.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_open = false;
+  bool high_open = false;
+  [[nodiscard]] bool contains(double x) const {
+    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
+  }
+  [[nodiscard]] std::string text() const;
+};
+inline Range any() { return {}; }
+inline Range at_least(double low) { return {.low = low}; }
+inline Range above(double low) { return {.low = low, .low_open = true}; }
+inline Range between(double low, double high) { return {.low = low, .high = high}; }
+inline Range strictly_between(double low, double high) { return {.low = low, .high = high, .low_open = true, .high_open = true}; }
+
+/// 17 digits where needed, fewer where they say the same.
+std::string number_text(double x);
+
+/// What a field is, beside its key and value.
+struct FieldInfo {
+  std::string unit;                  ///< SI; empty for a pure number
+  Range range;                       ///< numbers (each element of a list)
+  std::string doc;                   ///< one line
+  bool required = false;             ///< no silent default
+  std::vector<std::string> choices;  ///< words
+  std::size_t least_size = 0;        ///< lists
+};
+
+/// Writes Options to JSON, in the order of the fields: the echo that every artefact carries.
+class EchoVisitor {
+ public:
+  Json json = Json::object();
+  template <class T>
+  void operator()(const char* key, T& value, const FieldInfo&) {
+    if constexpr (std::is_same_v<T, std::optional<double>>) {
+      if (value) json[key] = *value;
+    } else if constexpr (std::is_same_v<T, double>) {
+      if (std::isfinite(value)) json[key] = value;
+    } else {
+      json[key] = value;
+    }
+  }
+  template <class O>
+  void table(const char* key, O& options, const char*) {
+    EchoVisitor inner;
+    options.visit(inner);
+    json[key] = std::move(inner.json);
+  }
+};
+
+template <class O>
+Json echo(const O& options) {
+  EchoVisitor v;
+  const_cast<O&>(options).visit(v);  // a visit that only reads
+  return std::move(v.json);
+}
+
+/// Finds the number at a dotted path ("profile.decay", "center.1") so that a parameter can be bound to any number of a case.
+class NumberVisitor {
+ public:
+  explicit NumberVisitor(std::string path) : path_(std::move(path)) {}
+  double* number = nullptr;                   ///< set when the path names a double
+  std::optional<double>* optional = nullptr;  ///< set when it names an optional double
+  FieldInfo info;
+  std::vector<std::string> known;  ///< every path that names a number
+
+  template <class T>
+  void operator()(const char* key, T& value, const FieldInfo& field) {
+    const std::string full = prefix_ + key;
+    if constexpr (std::is_same_v<T, double>) {
+      known.push_back(full);
+      if (full == path_) number = &value, info = field;
+    } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+      known.push_back(full);
+      if (full == path_) optional = &value, info = field;
+    } else if constexpr (requires { value.size(); requires std::is_same_v<std::decay_t<decltype(value[0])>, double>; }) {
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        known.push_back(full + '.' + std::to_string(i));
+        if (known.back() == path_) number = &value[i], info = field;
+      }
+    }
+  }
+  template <class O>
+  void table(const char* key, O& options, const char*) {
+    const std::string outer = prefix_;
+    prefix_ += std::string(key) + '.';
+    options.visit(*this);
+    prefix_ = outer;
+  }
+
+ private:
+  std::string path_, prefix_;
+};
+
+/// Rows of the generated case reference: key, type, unit, default, range, doc.
+class ReferenceVisitor {
+ public:
+  explicit ReferenceVisitor(std::string prefix) : prefix_(std::move(prefix)) {}
+  std::string markdown;
+  template <class T>
+  void operator()(const char* key, T& value, const FieldInfo& field) {
+    Json j;
+    if constexpr (std::is_same_v<T, std::optional<double>>) j = value ? Json(*value) : Json();
+    else if constexpr (std::is_same_v<T, double>) j = std::isfinite(value) ? Json(value) : Json();
+    else j = value;
+    row(prefix_ + key, field, j);
+  }
+  template <class O>
+  void table(const char* key, O& options, const char*) {
+    ReferenceVisitor inner(prefix_ + key + '.');
+    options.visit(inner);
+    markdown += inner.markdown;
+  }
+
+ private:
+  void row(const std::string& key, const FieldInfo& field, const Json& value);
+  std::string prefix_;
+};
+
+}  // namespace calomel

@@ -1,0 +1,56 @@
+#pragma once
+/// The discretised target: hexahedra, what is fixed, what slips, and the faces that loads, boundaries and gauges need.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace calomel {
+
+using Vec3 = std::array<double, 3>;
+using NodeId = std::int32_t;
+
+enum class Region : std::uint8_t { steel = 0, mercury = 1 };
+
+/// A quadrilateral face; nodes run counter-clockwise seen from outside `element`, so that the normal points out of it.
+struct Face {
+  std::array<NodeId, 4> nodes;
+  std::int32_t element;
+};
+
+/// A steel and a mercury node at the same place on a wetted face. They move together along `normals[0..count)`
+/// (orthonormal; 1 on a face, 2 along an edge between two wetted faces, 3 in a corner) and independently otherwise.
+/// normals[0..count) point out of the mercury where that has a meaning (count == 1).
+struct SlipPair {
+  NodeId steel;
+  NodeId mercury;
+  int count;
+  std::array<Vec3, 3> normals;
+};
+
+/// Worst and mean element quality, for `check` and the report.
+struct MeshQuality {
+  double least_scaled_jacobian = 1;  ///< over all corners, 1 = right angles [-]
+  double greatest_aspect_ratio = 1;  ///< longest to shortest edge of an element [-]
+  double shortest_edge = 0;          ///< [m]
+  double steel_volume = 0, mercury_volume = 0;  ///< [m^3]
+  int least_wall_elements = 0;       ///< fewest elements through any steel wall (0 = no walls)
+};
+
+struct Mesh {
+  std::vector<Vec3> nodes;                           ///< reference coordinates [m]
+  std::vector<std::array<NodeId, 8>> elements;       ///< corner i + 2j + 4k at (xi, eta, zeta) = (+-1): bit set means +1; right-handed
+  std::vector<Region> region;                        ///< per element
+  std::vector<std::uint8_t> fixed;                   ///< per node: bit 0, 1, 2 set when the x, y, z displacement is zero (symmetry)
+  std::vector<SlipPair> slip;                        ///< empty when wetted = "tied" (shared nodes) or there is no mercury
+  std::vector<Face> outer;                           ///< outer steel surface: where gauges may sit
+  std::vector<Face> wetted;                          ///< faces of mercury elements that touch steel
+  std::vector<Face> rear;                            ///< mercury faces of a non-reflecting rear end
+  std::vector<Face> loaded;                          ///< faces on which an end_stress acts (bar: x = 0)
+  bool plane_strain = false;                         ///< one element across y, both y faces symmetric
+  bool half = false;                                 ///< y >= 0 only; gauges are mirrored into it
+  double liquid_element_size = 0;                    ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
+  MeshQuality quality;
+};
+
+}  // namespace calomel

@@ -1,0 +1,36 @@
+#include "forward/model.hpp"
+
+#include <limits>
+
+#include "base/parallel.hpp"
+
+namespace calomel {
+
+Eigen::MatrixXf ForwardModel::means(const Eigen::MatrixXd& thetas, int threads) const {
+  Eigen::MatrixXf out(Eigen::Index(shape().values()), thetas.cols());
+  parallel_for(std::size_t(thetas.cols()), threads, [&](std::size_t i) {
+    const Eigen::Index column(i);
+    const Prediction p = evaluate({thetas.col(column).data(), std::size_t(thetas.rows())});
+    if (p.ok)
+      for (Eigen::Index k = 0; k < out.rows(); ++k) out(k, column) = float(p.mean[std::size_t(k)]);
+    else
+      out.col(column).setConstant(std::numeric_limits<float>::quiet_NaN());
+  });
+  return out;
+}
+
+Eigen::VectorXd ForwardModel::pull_back(std::span<const double>, std::span<const double>) const {
+  expect(false, "pull_back is only called where has_gradient() is true");
+  return {};
+}
+
+std::vector<double> nominal(const ModelShape& shape) {
+  std::vector<double> theta;
+  for (const auto& p : shape.parameters) {
+    expect(p.nominal.has_value(), "a model's shape carries every nominal value");
+    theta.push_back(*p.nominal);
+  }
+  return theta;
+}
+
+}  // namespace calomel

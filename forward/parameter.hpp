@@ -1,0 +1,42 @@
+#pragma once
+/// The uncertain parameters of a case: name, the number they stand for, bounds, prior and nominal value.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/case_file.hpp"
+
+namespace calomel {
+
+/// `[parameter.NAME]` of a case file.
+struct Parameter {
+  std::string name;            ///< the table's name, not a key
+  std::string key;             ///< dotted path of the number in the case; default "material.mercury.NAME"
+  double min = 0, max = 0;     ///< bounds, in the number's own unit
+  std::string prior = "uniform";
+  std::optional<double> nominal;  ///< default: the value that the case's tables give
+  std::optional<double> mean, sd, mu, sigma, scale, alpha, beta;
+
+  template <class V>
+  void visit(V& v) {
+    v("key", key, {.doc = "dotted path of the number in the case that this parameter is; default material.mercury.NAME"});
+    v("min", min, {.doc = "lower bound", .required = true});
+    v("max", max, {.doc = "upper bound", .required = true});
+    v("prior", prior, {.doc = "kind of prior", .choices = {"uniform", "normal", "lognormal", "truncated_normal", "half_cauchy", "beta"}});
+    v("nominal", nominal, {.doc = "nominal value; default: the value in the case's tables"});
+    v("mean", mean, {.doc = "of a normal or truncated normal prior"});
+    v("sd", sd, {.range = above(0), .doc = "of a normal or truncated normal prior"});
+    v("mu", mu, {.doc = "of a lognormal prior: mean of the logarithm"});
+    v("sigma", sigma, {.range = above(0), .doc = "of a lognormal prior: sd of the logarithm"});
+    v("scale", scale, {.range = above(0), .doc = "of a half-Cauchy prior"});
+    v("alpha", alpha, {.range = above(0), .doc = "of a beta prior"});
+    v("beta", beta, {.range = above(0), .doc = "of a beta prior"});
+  }
+  /// Errors: InputError when max <= min, the nominal lies outside, or the prior lacks one of its keys.
+  void validate() const;
+};
+
+/// All `[parameter.*]` tables in file order. Errors: InputError with the place.
+std::vector<Parameter> read_parameters(CaseFile& file);
+
+}  // namespace calomel
