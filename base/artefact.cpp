@@ -78,9 +78,7 @@ void write_json(const std::filesystem::path& path, const Json& json) {
   write_atomically(path, json.dump(2) + "\n");
 }
 
-std::string Provenance::identity() const {
-  return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump());
-}
+std::string Provenance::identity() const { return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump()); }
 
 Json Provenance::json() const {
   return {{"program", "calomel"}, {"version", version}, {"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}, {"identity", identity()}};

@@ -34,8 +34,8 @@ void write_json(const std::filesystem::path& path, const Json& json);
 
 /// Where an artefact comes from.
 struct Provenance {
-  std::string stage;                          ///< "campaign", "train", ...
-  Json options = Json::object();              ///< resolved options that the stage reads, by table
+  std::string stage;              ///< "campaign", "train", ...
+  Json options = Json::object();  ///< resolved options that the stage reads, by table
   std::uint64_t seed = 1;
   std::map<std::string, std::string> inputs;  ///< name -> hash
 

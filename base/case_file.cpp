@@ -18,8 +18,7 @@ std::string number_text(double x) {
 
 std::string Range::text() const {
   const bool has_low = std::isfinite(low), has_high = std::isfinite(high);
-  if (has_low && has_high)
-    return fmt::format("{} {} x {} {}", number_text(low), low_open ? "<" : "<=", high_open ? "<" : "<=", number_text(high));
+  if (has_low && has_high) return fmt::format("{} {} x {} {}", number_text(low), low_open ? "<" : "<=", high_open ? "<" : "<=", number_text(high));
   if (has_low) return fmt::format("{} {}", low_open ? ">" : ">=", number_text(low));
   if (has_high) return fmt::format("{} {}", high_open ? "<" : "<=", number_text(high));
   return "any finite number";
@@ -27,8 +26,10 @@ std::string Range::text() const {
 
 void ReferenceVisitor::row(const std::string& key, const FieldInfo& field, const Json& value) {
   std::string allowed;
-  if (!field.choices.empty()) allowed = join(field.choices);
-  else if (value.is_number() || value.is_null()) allowed = field.range.text();
+  if (!field.choices.empty())
+    allowed = join(field.choices);
+  else if (value.is_number() || value.is_null())
+    allowed = field.range.text();
   markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, field.unit.empty() ? "" : field.unit,
                           field.required ? "required" : (value.is_null() ? "none" : "`" + value.dump() + "`"), allowed, field.doc);
 }
@@ -67,8 +68,10 @@ InputError from_parse_error(const toml::parse_error& e, const std::string& name)
 void merge(toml::table& into, toml::table&& from) {
   for (auto&& [key, node] : from) {
     auto* inner = into.get_as<toml::table>(key.str());
-    if (inner && node.is_table()) merge(*inner, std::move(*node.as_table()));
-    else into.insert_or_assign(key.str(), std::move(node));
+    if (inner && node.is_table())
+      merge(*inner, std::move(*node.as_table()));
+    else
+      into.insert_or_assign(key.str(), std::move(node));
   }
 }
 
@@ -76,7 +79,8 @@ void apply_override(toml::table& root, const std::string& text) {
   const std::string origin = "--set " + text;
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw InputError({.problem = "an override needs the form table.key=value", .value = '"' + origin + '"', .suggestion = "e.g. --set geometry.element_size=0.002"});
+    throw InputError(
+        {.problem = "an override needs the form table.key=value", .value = '"' + origin + '"', .suggestion = "e.g. --set geometry.element_size=0.002"});
   const std::string path = text.substr(0, equals), value = text.substr(equals + 1);
   toml::table parsed;
   try {
@@ -91,10 +95,8 @@ void apply_override(toml::table& root, const std::string& text) {
   toml::node& node = *parsed.get("value");
   if (const auto bracket = path.find('['); bracket != std::string::npos) {  // an element of an array of tables: sensor[1].gain
     const auto close = path.find(']', bracket), dot = path.rfind('.');
-    auto* owner = close == std::string::npos || dot == std::string::npos || dot < close
-                      ? nullptr
-                      : root.at_path(path.substr(0, dot)).as_table();
-    if (!owner) throw InputError({.problem = "no such element", .key = path, .file = origin, .suggestion = "elements count from 0"});
+    auto* owner = close == std::string::npos || dot == std::string::npos || dot < close ? nullptr : root.at_path(path.substr(0, dot)).as_table();
+    if (!owner) throw InputError({.problem = "no such element", .key = path, .suggestion = "elements count from 0", .file = origin});
     owner->insert_or_assign(path.substr(dot + 1), std::move(node));
     return;
   }
@@ -107,8 +109,10 @@ void apply_override(toml::table& root, const std::string& text) {
     if (!at) throw InputError({.problem = fmt::format("\"{}\" is a value, not a table", key), .key = path, .file = origin});
   }
   const std::string last = path.substr(begin);
-  if (auto* table = node.as_table(); table && at->get_as<toml::table>(last)) merge(*at->get_as<toml::table>(last), std::move(*table));
-  else at->insert_or_assign(last, std::move(node));
+  if (auto* table = node.as_table(); table && at->get_as<toml::table>(last))
+    merge(*at->get_as<toml::table>(last), std::move(*table));
+  else
+    at->insert_or_assign(last, std::move(node));
 }
 
 }  // namespace
@@ -237,10 +241,11 @@ const toml::node* CaseFile::Reader::find(const char* key, const FieldInfo& info)
     const auto near = nearest_name(key, there);
     const bool typo = !near.empty() && edit_distance(near, key) <= 2;
     if (typo) throw file_.located(InputError({.problem = "unknown key", .key = path_ + '.' + near, .suggestion = fmt::format("did you mean \"{}\"?", key)}));
-    throw file_.located(InputError({.problem = fmt::format("the key \"{}\" is missing and has no default: {}{}", key, info.doc, info.unit.empty() ? "" : " [" + info.unit + "]"),
-                                    .key = path_,
-                                    .range = info.choices.empty() ? "" : join(info.choices),
-                                    .suggestion = fmt::format("add {} = ... under [{}]", key, path_)}));
+    throw file_.located(InputError(
+        {.problem = fmt::format("the key \"{}\" is missing and has no default: {}{}", key, info.doc, info.unit.empty() ? "" : " [" + info.unit + "]"),
+         .key = path_,
+         .range = info.choices.empty() ? "" : join(info.choices),
+         .suggestion = fmt::format("add {} = ... under [{}]", key, path_)}));
   }
   return node;
 }
@@ -340,7 +345,8 @@ void CaseFile::Reader::finish(std::span<const std::string> extra) {
   known_.insert(known_.end(), extra.begin(), extra.end());
   for (const auto& name : file_.names(path_))
     if (std::find(known_.begin(), known_.end(), name) == known_.end())
-      throw file_.located(InputError({.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, known_) + "\"?"}));
+      throw file_.located(InputError(
+          {.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, known_) + "\"?"}));
 }
 
 }  // namespace calomel

@@ -125,8 +125,7 @@ void CaseFile::read(const std::string& path, O& options, std::span<const std::st
   Reader reader(*this, path);
   options.visit(reader);
   reader.finish(extra);
-  if constexpr (requires { options.validate(); })
-    try {
+  if constexpr (requires { options.validate(); }) try {
       options.validate();
     } catch (const InputError& e) {
       auto parts = e.parts();

@@ -41,8 +41,10 @@ class InputError : public std::runtime_error {
       if (p.line > 0 && p.column > 0) s += ':' + std::to_string(p.column);
       s += ": ";
     }
-    if (!p.key.empty()) s += p.key + (p.value.empty() ? "" : " = " + p.value) + ": ";
-    else if (!p.value.empty()) s += p.value + ": ";
+    if (!p.key.empty())
+      s += p.key + (p.value.empty() ? "" : " = " + p.value) + ": ";
+    else if (!p.value.empty())
+      s += p.value + ": ";
     s += p.problem;
     if (!p.range.empty()) s += " (allowed: " + p.range + ")";
     if (!p.suggestion.empty()) s += "; " + p.suggestion;
@@ -71,8 +73,7 @@ class ContractFailure : public std::logic_error {
 
 /// Throws ContractFailure with the caller's place in the source when `holds` is false.
 inline void expect(bool holds, const char* what, std::source_location at = std::source_location::current()) {
-  if (!holds)
-    throw ContractFailure(std::string(at.file_name()) + ':' + std::to_string(at.line()) + ": " + what);
+  if (!holds) throw ContractFailure(std::string(at.file_name()) + ':' + std::to_string(at.line()) + ": " + what);
 }
 
 /// Edit distance of two names (Levenshtein 1966), a neighbouring swap counting as one edit.

@@ -1,8 +1,8 @@
 #include "base/netcdf_file.hpp"
 
+#include <fcntl.h>
 #include <netcdf.h>
 #include <unistd.h>
-#include <fcntl.h>
 
 #include <cmath>
 #include <limits>
@@ -26,8 +26,7 @@ void check(int status, const std::filesystem::path& path, const std::string& doi
 }
 
 void put_attributes(int id, int variable, const Attributes& attributes, const std::filesystem::path& path) {
-  for (const auto& [name, text] : attributes)
-    check(nc_put_att_text(id, variable, name.c_str(), text.size(), text.c_str()), path, "attribute " + name);
+  for (const auto& [name, text] : attributes) check(nc_put_att_text(id, variable, name.c_str(), text.size(), text.c_str()), path, "attribute " + name);
 }
 
 }  // namespace
@@ -130,8 +129,7 @@ NetcdfReader::~NetcdfReader() {
 
 int NetcdfReader::variable_id(const std::string& variable) const {
   int v = 0;
-  if (nc_inq_varid(id_, variable.c_str(), &v) != NC_NOERR)
-    throw InputError({.problem = "has no variable \"" + variable + "\"", .file = path_.string()});
+  if (nc_inq_varid(id_, variable.c_str(), &v) != NC_NOERR) throw InputError({.problem = "has no variable \"" + variable + "\"", .file = path_.string()});
   return v;
 }
 

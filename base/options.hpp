@@ -31,9 +31,7 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
   bool low_open = false;
   bool high_open = false;
-  [[nodiscard]] bool contains(double x) const {
-    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
-  }
+  [[nodiscard]] bool contains(double x) const { return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high); }
   [[nodiscard]] std::string text() const;
 };
 inline Range any() { return {}; }
@@ -102,7 +100,11 @@ class NumberVisitor {
     } else if constexpr (std::is_same_v<T, std::optional<double>>) {
       known.push_back(full);
       if (full == path_) optional = &value, info = field;
-    } else if constexpr (requires { value.size(); requires std::is_same_v<std::decay_t<decltype(value[0])>, double>; }) {
+    } else if constexpr (requires {
+                           value.size();
+                           requires std::is_same_v < std::decay_t<decltype(value[0])>,
+                           double > ;
+                         }) {
       for (std::size_t i = 0; i < value.size(); ++i) {
         known.push_back(full + '.' + std::to_string(i));
         if (known.back() == path_) number = &value[i], info = field;
@@ -129,9 +131,12 @@ class ReferenceVisitor {
   template <class T>
   void operator()(const char* key, T& value, const FieldInfo& field) {
     Json j;
-    if constexpr (std::is_same_v<T, std::optional<double>>) j = value ? Json(*value) : Json();
-    else if constexpr (std::is_same_v<T, double>) j = std::isfinite(value) ? Json(value) : Json();
-    else j = value;
+    if constexpr (std::is_same_v<T, std::optional<double>>)
+      j = value ? Json(*value) : Json();
+    else if constexpr (std::is_same_v<T, double>)
+      j = std::isfinite(value) ? Json(value) : Json();
+    else
+      j = value;
     row(prefix_ + key, field, j);
   }
   template <class O>

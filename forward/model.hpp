@@ -13,11 +13,11 @@ namespace calomel {
 
 /// What a model takes and gives. One condition (an operating point such as a beam power) is the common case.
 struct ModelShape {
-  std::vector<Parameter> parameters;     ///< in declared order; `nominal` is filled
-  std::vector<std::string> conditions;   ///< at least one; {"default"} when the case lists none
+  std::vector<Parameter> parameters;    ///< in declared order; `nominal` is filled
+  std::vector<std::string> conditions;  ///< at least one; {"default"} when the case lists none
   std::vector<std::string> sensors;
-  std::vector<double> times;             ///< [s], common to all sensors
-  std::string unit = "strain";           ///< of the values
+  std::vector<double> times;    ///< [s], common to all sensors
+  std::string unit = "strain";  ///< of the values
   [[nodiscard]] std::size_t values() const { return conditions.size() * sensors.size() * times.size(); }
   /// Position of (condition, sensor, time) in a value vector: time is the last axis.
   [[nodiscard]] std::size_t at(std::size_t condition, std::size_t sensor, std::size_t time) const {

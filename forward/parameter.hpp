@@ -10,9 +10,9 @@ namespace calomel {
 
 /// `[parameter.NAME]` of a case file.
 struct Parameter {
-  std::string name;            ///< the table's name, not a key
-  std::string key;             ///< dotted path of the number in the case; default "material.mercury.NAME"
-  double min = 0, max = 0;     ///< bounds, in the number's own unit
+  std::string name;         ///< the table's name, not a key
+  std::string key;          ///< dotted path of the number in the case; default "material.mercury.NAME"
+  double min = 0, max = 0;  ///< bounds, in the number's own unit
   std::string prior = "uniform";
   std::optional<double> nominal;  ///< default: the value that the case's tables give
   std::optional<double> mean, sd, mu, sigma, scale, alpha, beta;

@@ -30,26 +30,26 @@ struct SlipPair {
 
 /// Worst and mean element quality, for `check` and the report.
 struct MeshQuality {
-  double least_scaled_jacobian = 1;  ///< over all corners, 1 = right angles [-]
-  double greatest_aspect_ratio = 1;  ///< longest to shortest edge of an element [-]
-  double shortest_edge = 0;          ///< [m]
+  double least_scaled_jacobian = 1;             ///< over all corners, 1 = right angles [-]
+  double greatest_aspect_ratio = 1;             ///< longest to shortest edge of an element [-]
+  double shortest_edge = 0;                     ///< [m]
   double steel_volume = 0, mercury_volume = 0;  ///< [m^3]
-  int least_wall_elements = 0;       ///< fewest elements through any steel wall (0 = no walls)
+  int least_wall_elements = 0;                  ///< fewest elements through any steel wall (0 = no walls)
 };
 
 struct Mesh {
-  std::vector<Vec3> nodes;                           ///< reference coordinates [m]
-  std::vector<std::array<NodeId, 8>> elements;       ///< corner i + 2j + 4k at (xi, eta, zeta) = (+-1): bit set means +1; right-handed
-  std::vector<Region> region;                        ///< per element
-  std::vector<std::uint8_t> fixed;                   ///< per node: bit 0, 1, 2 set when the x, y, z displacement is zero (symmetry)
-  std::vector<SlipPair> slip;                        ///< empty when wetted = "tied" (shared nodes) or there is no mercury
-  std::vector<Face> outer;                           ///< outer steel surface: where gauges may sit
-  std::vector<Face> wetted;                          ///< faces of mercury elements that touch steel
-  std::vector<Face> rear;                            ///< mercury faces of a non-reflecting rear end
-  std::vector<Face> loaded;                          ///< faces on which an end_stress acts (bar: x = 0)
-  bool plane_strain = false;                         ///< one element across y, both y faces symmetric
-  bool half = false;                                 ///< y >= 0 only; gauges are mirrored into it
-  double liquid_element_size = 0;                    ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
+  std::vector<Vec3> nodes;                      ///< reference coordinates [m]
+  std::vector<std::array<NodeId, 8>> elements;  ///< corner i + 2j + 4k at (xi, eta, zeta) = (+-1): bit set means +1; right-handed
+  std::vector<Region> region;                   ///< per element
+  std::vector<std::uint8_t> fixed;              ///< per node: bit 0, 1, 2 set when the x, y, z displacement is zero (symmetry)
+  std::vector<SlipPair> slip;                   ///< empty when wetted = "tied" (shared nodes) or there is no mercury
+  std::vector<Face> outer;                      ///< outer steel surface: where gauges may sit
+  std::vector<Face> wetted;                     ///< faces of mercury elements that touch steel
+  std::vector<Face> rear;                       ///< mercury faces of a non-reflecting rear end
+  std::vector<Face> loaded;                     ///< faces on which an end_stress acts (bar: x = 0)
+  bool plane_strain = false;                    ///< one element across y, both y faces symmetric
+  bool half = false;                            ///< y >= 0 only; gauges are mirrored into it
+  double liquid_element_size = 0;               ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
   MeshQuality quality;
 };
 

@@ -1,0 +1,39 @@
+#include "forward/parameter.hpp"
+
+namespace calomel {
+
+void Parameter::validate() const {
+  if (!(max > min))
+    throw InputError({.problem = "the upper bound must exceed the lower one, min = " + number_text(min),
+                      .key = "max",
+                      .value = number_text(max),
+                      .range = "> " + number_text(min)});
+  if (nominal && (*nominal < min || *nominal > max))
+    throw InputError(
+        {.problem = "the nominal value lies outside the bounds", .key = "nominal", .value = number_text(*nominal), .range = Range{min, max}.text()});
+  const auto need = [&](const char* word, const std::optional<double>& value) {
+    if (!value)
+      throw InputError({.problem = "a " + prior + " prior needs \"" + word + "\"",
+                        .key = "prior",
+                        .value = '"' + prior + '"',
+                        .suggestion = std::string("add ") + word + " = ..."});
+  };
+  if (prior == "normal" || prior == "truncated_normal") need("mean", mean), need("sd", sd);
+  if (prior == "lognormal") need("mu", mu), need("sigma", sigma);
+  if (prior == "half_cauchy") need("scale", scale);
+  if (prior == "beta") need("alpha", alpha), need("beta", beta);
+}
+
+std::vector<Parameter> read_parameters(CaseFile& file) {
+  std::vector<Parameter> all;
+  for (const auto& name : file.names("parameter")) {
+    Parameter p;
+    p.name = name;
+    p.key = "material.mercury." + name;
+    file.read("parameter." + name, p);
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+}  // namespace calomel

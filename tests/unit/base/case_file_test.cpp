@@ -1,0 +1,120 @@
+#include "base/case_file.hpp"
+
+#include <gmock/gmock.h>
+
+using namespace calomel;
+using testing::HasSubstr;
+
+namespace {
+
+struct Inner {
+  double decay = 0.13;
+  std::array<double, 2> widths{0.1, 0.02};
+  template <class V>
+  void visit(V& v) {
+    v("decay", decay, {.unit = "m", .range = above(0), .doc = "decay length"});
+    v("widths", widths, {.unit = "m", .range = above(0), .doc = "two widths"});
+  }
+};
+
+struct Load {
+  std::string policy = "fixed";
+  double peak_pressure = 25e6;
+  int pulses = 8;
+  bool quiet = false;
+  std::optional<double> energy;
+  std::vector<std::string> exclude;
+  Inner profile;
+  template <class V>
+  void visit(V& v) {
+    v("policy", policy, {.doc = "what p0 follows", .choices = {"fixed", "gruneisen"}});
+    v("peak_pressure", peak_pressure, {.unit = "Pa", .range = above(0), .doc = "peak"});
+    v("pulses", pulses, {.range = at_least(1), .doc = "number"});
+    v("quiet", quiet, {.doc = "say little"});
+    v("energy", energy, {.unit = "J", .range = above(0), .doc = "deposited"});
+    v("exclude", exclude, {.doc = "sensors"});
+    v.table("profile", profile, "shape");
+  }
+};
+
+std::string message_of(const std::string& text) {
+  CaseFile file = CaseFile::from_text(text);
+  Load load;
+  try {
+    file.read("load", load);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST(CaseFile, ReadsEveryKindOfField) {
+  CaseFile file = CaseFile::from_text(
+      "[load]\npolicy='gruneisen'\npeak_pressure=3e7\npulses=4\nquiet=true\nenergy=1\nexclude=['A','B']\n[load.profile]\ndecay=1\nwidths=[1, 2.5]\n");
+  Load load;
+  file.read("load", load);
+  EXPECT_EQ(load.policy, "gruneisen");
+  EXPECT_EQ(load.peak_pressure, 3e7);
+  EXPECT_EQ(load.pulses, 4);
+  EXPECT_TRUE(load.quiet);
+  EXPECT_EQ(load.energy, 1.0);
+  EXPECT_EQ(load.exclude, (std::vector<std::string>{"A", "B"}));
+  EXPECT_EQ(load.profile.widths[1], 2.5);
+}
+
+TEST(CaseFile, NamesTheNearestKey) {
+  const auto m = message_of("\n[load]\npeak_presure = 1e6\n");
+  EXPECT_THAT(m, HasSubstr("case.toml:3:1"));
+  EXPECT_THAT(m, HasSubstr("load.peak_presure"));
+  EXPECT_THAT(m, HasSubstr("did you mean \"peak_pressure\"?"));
+}
+
+TEST(CaseFile, SaysValueAndRange) {
+  const auto m = message_of("[load]\npeak_pressure = -3\n");
+  EXPECT_THAT(m, HasSubstr("case.toml:2:"));
+  EXPECT_THAT(m, HasSubstr("-3"));
+  EXPECT_THAT(m, HasSubstr("> 0"));
+  EXPECT_THAT(m, HasSubstr("[Pa]"));
+}
+
+TEST(CaseFile, RejectsWrongTypes) {
+  EXPECT_THAT(message_of("[load]\npulses = 2.5\n"), HasSubstr("a whole number is expected"));
+  EXPECT_THAT(message_of("[load]\npeak_pressure = 'high'\n"), HasSubstr("a number is expected"));
+  EXPECT_THAT(message_of("[load]\npolicy = 'fixd'\n"), HasSubstr("did you mean \"fixed\"?"));
+  EXPECT_THAT(message_of("[load.profile]\nwidths = [1]\n"), HasSubstr("2 numbers are expected, 1 given"));
+  EXPECT_THAT(message_of("[load]\npeak_pressure = nan\n"), HasSubstr("out of range"));
+  EXPECT_THAT(message_of("load = 3\n"), HasSubstr("a table is expected"));
+}
+
+TEST(CaseFile, KeepsTheOrderOfTheFile) {
+  const CaseFile file = CaseFile::from_text("[parameter.zeta]\nmin=1\n[parameter.alpha]\nmin=2\n[parameter.mid]\nmin=3\n");
+  EXPECT_EQ(file.names("parameter"), (std::vector<std::string>{"zeta", "alpha", "mid"}));
+}
+
+TEST(CaseFile, NamesAnUnknownTable) {
+  CaseFile file = CaseFile::from_text("[lod]\nx=1\n");
+  const std::vector<std::string> known{"load", "time"};
+  try {
+    file.expect_all_read(known);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("did you mean \"load\"?"));
+  }
+}
+
+TEST(CaseFile, SetsANumberByPath) {
+  Load load;
+  NumberVisitor v("profile.decay");
+  load.visit(v);
+  ASSERT_NE(v.number, nullptr);
+  *v.number = 7;
+  EXPECT_EQ(load.profile.decay, 7);
+  EXPECT_THAT(v.known, testing::Contains("profile.widths.1"));
+}
+
+TEST(CaseFile, EchoesInOrder) {
+  EXPECT_EQ(echo(Load{}).dump(),
+            R"({"policy":"fixed","peak_pressure":25000000.0,"pulses":8,"quiet":false,"exclude":[],"profile":{"decay":0.13,"widths":[0.1,0.02]}})");
+}
