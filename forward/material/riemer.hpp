@@ -35,7 +35,7 @@ struct MercuryOptions {
   double regularising_viscosity = 2000;    // Pa s, physics.md section 1
   double least_mesh_viscosity = 0.1;       // eta >= this rho c h
   double quadratic_viscosity = 0;          // b2 of q = rho (b2 h de_v/dt)^2
-  double hourglass = 0.02;                 // share of the greatest dilatational stiffness
+  double hourglass = 0.005;                // share of the greatest dilatational stiffness
   double thermal_expansion = 1.8e-4;       // 1/K
   double specific_heat = 138.3;            // J/(kg K), Vukalovich tables at 333 K
   template <class V>

@@ -288,6 +288,14 @@ SolveSummary ExplicitSolver::Parts::solve(const RunSetup& setup, std::span<const
   }
 
   AlignedArray<R> u(nodes * width), v(nodes * width), outbox(layout.outbox_size * width);
+  const auto start_from = [&](const std::vector<Vec3>& field, R* to) {
+    for (std::size_t n = 0; n < field.size(); ++n)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!(mesh->fixed[n] & (1 << c)))
+          for (std::size_t l = 0; l < lane_stride; ++l) to[std::size_t(layout.to_solver[n]) * width + c * lane_stride + l] = R(field[n][c]);
+  };
+  start_from(setup.initial_displacement, u.data());
+  start_from(setup.initial_velocity, v.data());
   const int threads = std::max(1, std::min<int>(options.threads, int(blocks)));
   std::vector<AlignedArray<R>> scratch;
   for (int t = 0; t < threads; ++t) scratch.emplace_back(scratch_rows * 2 * width + 64);

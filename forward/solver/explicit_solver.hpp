@@ -47,6 +47,8 @@ struct RunSetup {
   std::function<double(const Vec3&)> p0_at;           ///< the same at a point, for the rear face
   double pulse_length = 0;                            ///< [s]
   History end_stress;                                 ///< [Pa], tension positive; empty: none
+  std::vector<Vec3> initial_displacement;             ///< per mesh node [m]; empty: none
+  std::vector<Vec3> initial_velocity;                 ///< per mesh node at t = 0 [m/s]; empty: rest
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 };
@@ -104,7 +106,7 @@ class ExplicitSolver {
   /// Steps that divide the output interval.
   [[nodiscard]] int steps_per_output(const RunSetup& setup, double safety) const;
 
-  /// Runs from rest. `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
+  /// Runs from the setup's initial state (rest unless given). `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
   [[nodiscard]] SolveSummary solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const;
 
   [[nodiscard]] const Mesh& mesh() const;
