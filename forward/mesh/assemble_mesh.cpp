@@ -70,31 +70,6 @@ std::vector<std::pair<NodeId, NodeId>> split_wetted_nodes(Mesh& mesh) {
   return pairs;
 }
 
-/// Normals of the wetted mercury faces about each pair.
-void set_slip_pairs(Mesh& mesh, const std::vector<std::pair<NodeId, NodeId>>& pairs) {
-  if (pairs.empty()) return;
-  std::vector<std::int32_t> pair_of(mesh.nodes.size(), -1);
-  for (std::size_t p = 0; p < pairs.size(); ++p) pair_of[std::size_t(pairs[p].second)] = std::int32_t(p);
-  std::vector<std::int32_t> begin(pairs.size() + 1, 0);
-  for (const auto& f : mesh.wetted)
-    for (const NodeId n : f.nodes) ++begin[std::size_t(pair_of[std::size_t(n)]) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Point> areas(4 * mesh.wetted.size());
-  auto next = begin;
-  for (const auto& f : mesh.wetted) {
-    const Point a = hexahedron::area_vector(mesh, f);
-    for (const NodeId n : f.nodes) areas[std::size_t(next[std::size_t(pair_of[std::size_t(n)])]++)] = a;
-  }
-  mesh.slip.reserve(pairs.size());
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    SlipPair pair{.steel = pairs[p].first, .mercury = pairs[p].second, .count = 0, .normals = {}};
-    expect(begin[p] < begin[p + 1], "a node shared by steel and mercury lies on a wetted face");
-    const std::span<const Point> own(areas.data() + begin[p], std::size_t(begin[p + 1] - begin[p]));
-    pair.count = distinct_normals(own, mesh.fixed[std::size_t(pair.mercury)], pair.normals);
-    mesh.slip.push_back(pair);
-  }
-}
-
 }  // namespace
 
 int distinct_normals(std::span<const Point> areas, std::uint8_t fixed, std::array<Vec3, 3>& normals) {
@@ -125,6 +100,31 @@ int distinct_normals(std::span<const Point> areas, std::uint8_t fixed, std::arra
   }
   for (int k = count; k < 3; ++k) normals[std::size_t(k)] = {0, 0, 0};
   return count;
+}
+
+void update_slip_normals(Mesh& mesh) {
+  if (mesh.slip.empty()) return;
+  std::vector<std::int32_t> pair_of(mesh.nodes.size(), -1);
+  for (std::size_t p = 0; p < mesh.slip.size(); ++p) pair_of[std::size_t(mesh.slip[p].mercury)] = std::int32_t(p);
+  std::vector<std::int32_t> begin(mesh.slip.size() + 1, 0);
+  for (const auto& f : mesh.wetted)
+    for (const NodeId n : f.nodes) {
+      expect(pair_of[std::size_t(n)] >= 0, "every node of a wetted face is paired");
+      ++begin[std::size_t(pair_of[std::size_t(n)]) + 1];
+    }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Point> areas(4 * mesh.wetted.size());
+  auto next = begin;
+  for (const auto& f : mesh.wetted) {
+    const Point a = hexahedron::area_vector(mesh, f);
+    for (const NodeId n : f.nodes) areas[std::size_t(next[std::size_t(pair_of[std::size_t(n)])]++)] = a;
+  }
+  for (std::size_t p = 0; p < mesh.slip.size(); ++p) {
+    auto& pair = mesh.slip[p];
+    expect(begin[p] < begin[p + 1], "a node shared by steel and mercury lies on a wetted face");
+    const std::span<const Point> own(areas.data() + begin[p], std::size_t(begin[p + 1] - begin[p]));
+    pair.count = distinct_normals(own, mesh.fixed[std::size_t(pair.mercury)], pair.normals);
+  }
 }
 
 MeshQuality measure_quality(const Mesh& mesh) {
@@ -213,7 +213,8 @@ Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {
       mesh.rear.push_back(face);
   }
   for (const FaceId f : wetted) mesh.wetted.push_back({.nodes = face_nodes(mesh.elements, f), .element = element_of(f)});
-  set_slip_pairs(mesh, pairs);
+  for (const auto& [steel, mercury] : pairs) mesh.slip.push_back({.steel = steel, .mercury = mercury, .count = 0, .normals = {}});
+  update_slip_normals(mesh);
   mesh.quality = measure_quality(mesh);
   expect(mesh.quality.least_scaled_jacobian > 0, "every element of a parametric target has positive Jacobians");
   mesh.liquid_element_size = median_liquid_edge(mesh);

@@ -29,6 +29,8 @@ struct AssemblyOptions {
 /// and paired. Errors: contract failure when an element is inverted or mercury lies bare on an outer face.
 Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options);
 
+/// Sets count and normals of every slip pair from the wetted faces about it.
+void update_slip_normals(Mesh& mesh);
 /// Quality of the mesh, apart from `least_wall_elements`, which is kept.
 MeshQuality measure_quality(const Mesh& mesh);
 /// Median over the mercury elements of the shortest edge (in plane strain: of those not along y) [m]; 0 without mercury.

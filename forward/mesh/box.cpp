@@ -58,7 +58,8 @@ Mesh make_box(const GeometryOptions& options) {
 
 Mesh make_mesh(const GeometryOptions& options) {
   options.validate();
-  expect(options.kind == "box", "only boxes are meshed yet");
+  if (options.kind == "bar") return make_bar(options);
+  if (options.kind == "jet_flow") return make_jet_flow(options);
   return make_box(options);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -48,11 +49,6 @@ void leave_mercury(const GeometryOptions& g, double size, const std::string& siz
                     .suggestion = fmt::format("thinner walls, or more {}", size_key)});
 }
 
-double layer(const GeometryOptions& g, double thickness, bool steel) {
-  const double even = std::max(1.0, std::ceil(thickness / *g.element_size * (1 - 1e-9)));
-  return steel ? (g.wall_elements > 0 ? g.wall_elements : std::max(2.0, even)) : even;
-}
-
 }  // namespace
 
 std::string GeometryOptions::wall_key(const std::string& name) const { return named_wall(walls, name) ? "walls." + name : "wall"; }
@@ -82,8 +78,13 @@ GeometryOptions GeometryOptions::resolved() const {
   return g;
 }
 
+double GeometryOptions::layer_count(double thickness, bool steel) const {
+  const double even = std::max(1.0, std::ceil(thickness / *element_size * (1 - 1e-9)));
+  return steel ? (wall_elements > 0 ? wall_elements : std::max(2.0, even)) : even;
+}
+
 int GeometryOptions::divisions(double thickness, bool steel) const {
-  const double n = layer(*this, thickness, steel);
+  const double n = layer_count(thickness, steel);
   expect(n < 1e9, "the number of elements is checked before layers are divided");
   return int(n);
 }
@@ -92,21 +93,68 @@ double GeometryOptions::estimated_elements() const {
   const GeometryOptions g = resolved();
   const auto t = [&](const char* name) { return g.wall_thickness(name); };
   if (kind == "bar") {
-    const double n = std::max(2.0, layer(g, 0.55 * *g.radius, false)), m = layer(g, 0.45 * *g.radius, false);
-    return (quarter ? 1 : 4) * (n * n + 2 * n * m) * layer(g, *g.length, false);
+    const auto n = bar_divisions(g);
+    return (quarter ? 1 : 4) * (n.core * n.core + 2 * n.core * n.shell) * n.along;
   }
-  const double across_y = plane_strain ? 1
-                                       : (half ? layer(g, *g.width / 2 - t("side"), false) + layer(g, t("side"), true)
-                                               : layer(g, *g.width - 2 * t("side"), false) + 2 * layer(g, t("side"), true));
-  const double rear_wall = rear == "wall" ? t("rear") : 0, rear_layers = rear == "wall" ? layer(g, rear_wall, true) : 0;
-  const double across_z = layer(g, t("top"), true) + layer(g, t("bottom"), true);
-  if (kind == "box")
-    return across_y * (across_z + layer(g, *g.height - t("top") - t("bottom"), false)) *
-           (layer(g, t("front"), true) + layer(g, *g.length - t("front") - rear_wall, false) + rear_layers);
-  // A jet-flow section: one wrap of layers around the core.
-  const double plates = jet.thickness > 0 ? 2 * layer(g, jet.thickness, true) : 0;
-  const double inner = *g.height - t("top") - t("bottom") - 2 * (plates > 0 ? jet.thickness : 0);
-  return across_y * (across_z + plates + layer(g, inner, false)) * (layer(g, *g.length, false) + rear_layers);
+  double across_y = 1;
+  if (!plane_strain) {
+    const double side = g.layer_count(t("side"), true);
+    across_y = half ? g.layer_count(*g.width / 2 - t("side"), false) + side : g.layer_count(*g.width - 2 * t("side"), false) + 2 * side;
+  }
+  if (kind == "jet_flow") return across_y * jet_flow_plan(g).elements();
+  const double rear_wall = rear == "wall" ? t("rear") : 0;
+  return across_y * (g.layer_count(t("top"), true) + g.layer_count(t("bottom"), true) + g.layer_count(*g.height - t("top") - t("bottom"), false)) *
+         (g.layer_count(t("front"), true) + g.layer_count(*g.length - t("front") - rear_wall, false) + (rear_wall > 0 ? g.layer_count(rear_wall, true) : 0));
+}
+
+BarDivisions bar_divisions(const GeometryOptions& g) {
+  const double R = *g.radius;
+  return {
+      .core = std::max(2.0, g.layer_count(std::numbers::pi / 4 * R, false)), .shell = g.layer_count(0.45 * R, false), .along = g.layer_count(*g.length, false)};
+}
+
+double JetFlowPlan::elements() const {
+  double to_corner = 0, from_corner = flat_count;
+  for (const double n : leg_counts) to_corner += n;
+  for (std::size_t i = 0; i < arc_counts.size(); ++i) (i < corner ? to_corner : from_corner) += (i < corner ? 1 : 2) * arc_counts[i];
+  return (2 * to_corner + from_corner) * (wall + channel + plate + transition) + to_corner * from_corner;
+}
+
+JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
+  const double R = *g.nose_radius, length = *g.length;
+  JetFlowPlan plan;
+  plan.leg.push_back(length);
+  if (g.rear == "wall") {
+    plan.leg.push_back(length - g.wall_thickness("rear"));
+    plan.leg_counts.push_back(g.layer_count(g.wall_thickness("rear"), true));
+  }
+  plan.leg_counts.push_back(g.layer_count(plan.leg.back() - R, false));
+  plan.leg.push_back(R);
+
+  // The core's corner lies at 45 degrees, or where a plate ends within 15 degrees of that, lest a sliver arise.
+  const bool plates = g.jet.thickness > 0;
+  double corner = 45;
+  plan.angles = {0, 90};
+  if (plates) {
+    const double near = std::abs(g.jet.lower_turn - 45) <= std::abs(g.jet.upper_turn - 45) ? g.jet.lower_turn : g.jet.upper_turn;
+    if (std::abs(near - 45) < 15) corner = near;
+    for (const double turn : {g.jet.lower_turn, g.jet.upper_turn})
+      if (turn > 0) plan.angles.push_back(turn);
+  }
+  plan.angles.push_back(corner);
+  std::sort(plan.angles.begin(), plan.angles.end());
+  plan.angles.erase(std::unique(plan.angles.begin(), plan.angles.end()), plan.angles.end());
+  plan.corner = std::size_t(std::find(plan.angles.begin(), plan.angles.end(), corner) - plan.angles.begin());
+  for (std::size_t i = 0; i + 1 < plan.angles.size(); ++i)
+    plan.arc_counts.push_back(g.layer_count((plan.angles[i + 1] - plan.angles[i]) * std::numbers::pi / 180 * R, false));
+  const double flat = *g.height - 2 * R;
+  plan.flat_count = flat > 1e-9 * R ? g.layer_count(flat, false) : 0;
+
+  const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window});
+  plan.wall = g.layer_count(wall, true);
+  if (plates) plan.channel = g.layer_count(g.jet.channel, false), plan.plate = g.layer_count(g.jet.thickness, true);
+  plan.transition = g.layer_count(0.45 * (R - wall - (plates ? g.jet.channel + g.jet.thickness : 0)), false);
+  return plan;
 }
 
 void GeometryOptions::validate() const {
@@ -118,6 +166,8 @@ void GeometryOptions::validate() const {
   refuse(!file.empty(), "file", kind);
   if (!bar) refuse(radius.has_value(), "radius", kind);
   if (!jet_flow) refuse(nose_radius.has_value(), "nose_radius", kind), refuse(window.has_value(), "window", kind);
+  if (jet_flow && walls.front)
+    throw InputError({.problem = "the front wall of a jet_flow target is its window", .key = "walls.front", .suggestion = "set window instead"});
   if (!box) refuse(plane_strain, "plane_strain", kind);
   if (bar) {
     refuse(width.has_value(), "width", kind), refuse(height.has_value(), "height", kind), refuse(wall.has_value(), "wall", kind);

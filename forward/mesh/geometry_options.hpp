@@ -93,8 +93,30 @@ struct GeometryOptions {
   [[nodiscard]] GeometryOptions resolved() const;
   /// Elements through a layer of this thickness [m]; `steel` layers have at least 2, or `wall_elements`.
   [[nodiscard]] int divisions(double thickness, bool steel) const;
-  /// Number of elements that `make_mesh` would make (jet_flow: within 10 %).
+  /// The same for any thickness, however many that is.
+  [[nodiscard]] double layer_count(double thickness, bool steel) const;
+  /// Number of elements that `make_mesh` would make.
   [[nodiscard]] double estimated_elements() const;
 };
+
+/// Divisions of a bar's section and length.
+struct BarDivisions {
+  double core, shell, along;
+};
+BarDivisions bar_divisions(const GeometryOptions& resolved);
+
+/// Plan of the section of a jet-flow target: a wrap of layers around the nose and both legs, and a core within it.
+/// Each list of counts belongs to the intervals between neighbouring entries of the list before it.
+struct JetFlowPlan {
+  std::vector<double> leg;  ///< x from the rear end to where the nose begins [m]
+  std::vector<double> leg_counts;
+  std::vector<double> angles;  ///< from where the nose begins, 0, to its tip, 90 [deg]
+  std::vector<double> arc_counts;
+  std::size_t corner = 0;                                   ///< the angle that ends at the core's corner
+  double flat_count = 0;                                    ///< intervals on the flat front of a nose of less than half the height
+  double wall = 0, channel = 0, plate = 0, transition = 0;  ///< layers of the wrap
+  [[nodiscard]] double elements() const;
+};
+JetFlowPlan jet_flow_plan(const GeometryOptions& resolved);
 
 }  // namespace calomel

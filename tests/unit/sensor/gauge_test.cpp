@@ -57,6 +57,17 @@ void expect_exact(const Mesh& mesh, const LocatedGauge& g) {
   for (const auto* row : {&g.axial, &g.transverse, &g.shear}) EXPECT_NEAR((*row)(rigid), 0, 1e-8);
 }
 
+/// On a curved surface transverse and shear strains are means over faces of several planes; the axial one stays exact
+/// along the chord.
+void expect_exact_axial(const Mesh& mesh, const LocatedGauge& g) {
+  const Eigen::Matrix3d G = Eigen::Matrix3d::Identity() * 3;
+  EXPECT_NEAR(g.axial(linear(mesh, G)), 3, 1e-8);
+  EXPECT_NEAR(g.transverse(linear(mesh, G)), 3, 1e-8);
+  Eigen::Matrix3d W;
+  W << 0, -3, 2, 3, 0, -1, -2, 1, 0;
+  for (const auto* row : {&g.axial, &g.transverse}) EXPECT_NEAR((*row)(linear(mesh, W)), 0, 1e-8);
+}
+
 }  // namespace
 
 TEST(Gauge, IsExactInALinearDisplacementAndZeroInARigidMotion) {
@@ -150,6 +161,56 @@ TEST(Gauge, IsMovedToTheSurfaceAndSaysHowFar) {
   // On an edge the face along the direction is taken.
   EXPECT_NEAR(locate_gauge(m, sensor({0.0, 0.01, 0.05}, {1, 0, 0})).normal[2], 1, 1e-12);
   EXPECT_NEAR(locate_gauge(m, sensor({0.0, 0.01, 0.05}, {0, 0, 1})).normal[0], -1, 1e-12);
+}
+
+TEST(Gauge, IsExactOnACurvedNoseToo) {
+  GeometryOptions options;
+  options.kind = "jet_flow";
+  options.element_size = 0.006;
+  const Mesh m = make_mesh(options);
+  const GaugeLocator locator(m);
+  for (const double l : {0.0, 0.003, 0.01}) {
+    expect_exact_axial(m, locator.locate(sensor({0.0, 0.031, 0.06}, {0, 0.3, 1}, l)));
+    expect_exact_axial(m, locator.locate(sensor({0.018, -0.031, 0.018}, {1, 0, -1}, l)));
+    expect_exact_axial(m, locator.locate(sensor({0.3, 0.2, 0.05}, {1, 0, 0}, l)));
+  }
+  EXPECT_LT(locator.locate(sensor({0.0, 0.031, 0.06}, {0, 0, 1})).distance, 1e-4);
+}
+
+TEST(Gauge, OfAQuarterBarIsMirroredInBothPlanes) {
+  GeometryOptions options;
+  options.kind = "bar";
+  options.length = 0.05, options.radius = 0.01;
+  const Mesh m = make_mesh(options);
+  // Symmetric about both planes: u_x even, u_y odd in y, u_z odd in z.
+  std::vector<Vec3> u;
+  for (const auto& [x, y, z] : m.nodes) u.push_back({2 * x, -3 * y, 5 * z});
+  for (const double y : {0.0, 0.006, -0.006})
+    for (const double z : {0.008, -0.008}) {
+      const auto g = locate_gauge(m, sensor({0.02, y, z}, {1, 0, 0}, 0.002));
+      EXPECT_NEAR(g.axial(u), 2, 1e-9);
+      EXPECT_EQ(g.mirrored, y < 0 || z < 0);
+      EXPECT_GE(g.placed[2], 0);
+    }
+  // A gauge across the plane z = 0, transverse to the axis.
+  EXPECT_NEAR(locate_gauge(m, sensor({0.02, 0.01, 0.0}, {0, 0, 1}, 0.002)).axial(u), 5, 0.1);
+}
+
+// gamma changes its sign with the hand of (d, t): a mirrored gauge reads what the original would.
+TEST(Gauge, ShearOfAMirroredGaugeKeepsItsSign) {
+  auto options = box(0.004);
+  const Mesh full = make_mesh(options);
+  options.half = true;
+  const Mesh half = make_mesh(options);
+  const auto field = [](const Mesh& m) {
+    std::vector<Vec3> u;
+    for (const auto& [x, y, z] : m.nodes) u.push_back({y * y, 0, 0});  // gamma_xy = 2 y
+    return u;
+  };
+  const auto s = sensor({0.03, -0.015, 0.05}, {1, 0, 0});
+  const double a = locate_gauge(full, s).shear(field(full)), b = locate_gauge(half, s).shear(field(half));
+  EXPECT_NEAR(a, -0.03, 2e-3);
+  EXPECT_NEAR(b, a, 2e-3);
 }
 
 TEST(Gauge, MistakesNameTheSensorAndTheKey) {
