@@ -59,7 +59,11 @@ TimeGrid fit_grid(const RecordRows& table, const std::vector<const RecordRow*>& 
     const double r = std::abs(series[i]->time - grid.start - k[i] * grid.step) / grid.step;
     if (r > grid.residual) grid.residual = r, worst = i;
   }
-  if (grid.residual > 0.3) {
+  // Rounded prints miss the grid throughout a long series; a single uneven sample does not.
+  const std::size_t missing_it = std::size_t(std::count_if(k.begin(), k.end(), [&, i = std::size_t{0}](double place) mutable {
+    return std::abs(series[i++]->time - grid.start - place * grid.step) > 0.01 * grid.step;
+  }));
+  if (grid.residual > 0.2 || (grid.residual > 0.01 && (n < 20 || 4 * missing_it < n))) {
     for (std::size_t i = 1; i < n; ++i) {  // name the first uneven gap rather than the largest remainder of the fit
       const double r = gaps[i - 1] / sorted[sorted.size() / 2];
       if (std::abs(r - std::round(r)) > 0.2 || r < 0.5) {
@@ -111,8 +115,8 @@ Recordings assemble(const RecordRows& table) {
 
   // 2. The grid, and every sample on it.
   const TimeGrid grid = fit_grid(table, series);
-  const bool rounded = grid.residual > 1e-3;
-  const double tolerance = rounded ? 0.3 : 0.01;
+  const bool rounded = grid.residual > 0.01;
+  const double tolerance = rounded ? 0.3 : 0.02;
   std::vector<long long> place(table.rows.size());
   long long low = std::numeric_limits<long long>::max(), high = std::numeric_limits<long long>::min();
   const long long reach = 20 * (long long)series.size() + 1000;

@@ -254,7 +254,7 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
         while (ahead.next(after) && (trimmed(after).empty() || trimmed(after).front() == '#')) {
         }
         split(after, separator_of(line), row);
-        if (row.size() != fields.size()) {
+        if (row.size() != fields.size() || parse_number(row[0], x) == Field::text) {
           ++skipped;
           continue;
         }
