@@ -110,7 +110,7 @@ std::vector<EncOptimizer> by_optimizer(const EncSummary& summary, const std::vec
 }  // namespace
 
 EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options, std::uint64_t seed,
-                   int threads, const Progress& progress) {
+                   int threads, const EncProgress& progress) {
   const auto& parameters = problem.shape.parameters;
   expect(surrogate.shape().values() == problem.shape.values() && true_model.shape().values() == problem.shape.values(),
          "surrogate, true model and problem have one shape");

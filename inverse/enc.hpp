@@ -82,13 +82,13 @@ struct EncSummary {
 };
 
 /// What is done and what there is to do, of "rounds" or "true-model runs"; called from any thread, one at a time.
-using Progress = std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
+using EncProgress = std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
 
 /// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`
 /// have the shape of `problem`.
 /// Errors: InputError for an unknown optimiser or objective; what the models throw.
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
-                                 std::uint64_t seed, int threads, const Progress& progress = {});
+                                 std::uint64_t seed, int threads, const EncProgress& progress = {});
 
 /// The contents of enc.json.
 Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);

@@ -196,3 +196,21 @@ TEST(Enc, ArtefactsHoldTheContract) {
   const auto low = file.doubles("band_low"), mean = file.doubles("record_mean"), high = file.doubles("band_high");
   for (std::size_t i = 0; i < low.size(); ++i) EXPECT_TRUE(low[i] < mean[i] && mean[i] < high[i]);
 }
+
+TEST(Enc, OptionsAreReadAndHeldToTheCatalogues) {
+  CaseFile file = CaseFile::from_text("[enc]\nrounds = 7\noptimizers = ['de', 'cmaes']\nobjective = 'rrmse'\n");
+  EncOptions o;
+  file.read("enc", o);
+  EXPECT_EQ(o.rounds, 7);
+  EXPECT_EQ(o.optimizers, (std::vector<std::string>{"de", "cmaes"}));
+  for (const char* text : {"[enc]\noptimizers = ['gow']\n", "[enc]\nobjective = 'rmse'\n", "[enc]\npopulation = 3\n", "[enc]\noptimizers = []\n"}) {
+    CaseFile bad = CaseFile::from_text(text);
+    EncOptions ignored;
+    try {
+      bad.read("enc", ignored);
+      ADD_FAILURE() << text;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("case.toml:2"));
+    }
+  }
+}
