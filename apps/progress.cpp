@@ -15,16 +15,16 @@ std::string duration_text(double seconds) {
   return minutes < 60 ? fmt::format("{} min", minutes) : fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
 
-Progress::Progress(std::string what, std::string unit, Style style, std::ostream& out, Clock clock)
+ProgressDisplay::ProgressDisplay(std::string what, std::string unit, Style style, std::ostream& out, Clock clock)
     : what_(std::move(what)), unit_(std::move(unit)), style_(style), out_(out), clock_(std::move(clock)) {
   if (!clock_) clock_ = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
 }
 
-Progress::~Progress() {
+ProgressDisplay::~ProgressDisplay() {
   if (width_ > 0) out_ << '\n' << std::flush;
 }
 
-void Progress::update(std::size_t done, std::size_t total, const std::string& note) {
+void ProgressDisplay::update(std::size_t done, std::size_t total, const std::string& note) {
   if (style_ == Style::silent) return;
   const double now = clock_();
   if (!began_) began_ = now, first_ = done;
@@ -54,6 +54,8 @@ void Progress::update(std::size_t done, std::size_t total, const std::string& no
   width_ = width;
 }
 
-Progress::Style progress_style(bool quiet) { return quiet ? Progress::Style::silent : ::isatty(STDERR_FILENO) ? Progress::Style::bar : Progress::Style::lines; }
+ProgressDisplay::Style progress_style(bool quiet) {
+  return quiet ? ProgressDisplay::Style::silent : ::isatty(STDERR_FILENO) ? ProgressDisplay::Style::bar : ProgressDisplay::Style::lines;
+}
 
 }  // namespace calomel

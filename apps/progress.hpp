@@ -11,17 +11,17 @@ namespace calomel {
 /// 59 s, 12 min, 3 h 20 min.
 std::string duration_text(double seconds);
 
-class Progress {
+class ProgressDisplay {
  public:
   enum class Style { silent, lines, bar };
   using Clock = std::function<double()>;  ///< [s], monotonic
 
   /// `what` is done, e.g. "campaign"; `unit` names what is counted, e.g. "runs".
-  Progress(std::string what, std::string unit, Style style, std::ostream& out, Clock clock = {});
+  ProgressDisplay(std::string what, std::string unit, Style style, std::ostream& out, Clock clock = {});
   /// Ends an open bar with a new line.
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ~ProgressDisplay();
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
   /// Reports `done` of `total`; `note` is added, e.g. "2 failed". Rate and time left count from the first call, so that
   /// reused work does not flatter them. A bar is drawn at most ten times a second, a line written every ten seconds.
@@ -38,6 +38,6 @@ class Progress {
 };
 
 /// silent when quiet, a bar when stderr is a terminal, else lines.
-Progress::Style progress_style(bool quiet);
+ProgressDisplay::Style progress_style(bool quiet);
 
 }  // namespace calomel

@@ -193,8 +193,11 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   return summary;
 }
 
-void set_campaign_aside(const std::filesystem::path& directory) {
-  for (const char* name : {"campaign.nc", "campaign.json", "campaign.journal"}) set_aside(directory / name);
+void set_campaign_aside(const std::filesystem::path& directory, const Provenance& now) {
+  const auto journal = directory / "campaign.journal";
+  if (std::filesystem::exists(journal) && journal_identity(journal) != now.identity()) set_aside(journal);
+  set_aside(directory / "campaign.json");
+  set_aside(directory / "campaign.nc");
 }
 
 }  // namespace calomel

@@ -63,7 +63,8 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
                                            const Provenance& provenance, const std::filesystem::path& directory, const CampaignProgress& progress = {},
                                            const std::atomic<bool>* stop = nullptr);
 
-/// Renames campaign.nc, campaign.json and campaign.journal of `directory` to NAME.old-N (--fresh).
-void set_campaign_aside(const std::filesystem::path& directory);
+/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N; a journal too, unless it is of the settings
+/// of `now`: then it is what an interrupted fresh start left, and is resumed.
+void set_campaign_aside(const std::filesystem::path& directory, const Provenance& now);
 
 }  // namespace calomel

@@ -84,7 +84,33 @@ InputError unwritable(const std::filesystem::path& path) {
                      .file = path.string()});
 }
 
+/// The payload of the frame at `offset`; empty when no whole frame stands there below `limit`.
+std::string read_frame(int file, std::uint64_t offset, std::uint64_t limit) {
+  std::uint64_t head[2];
+  if (limit < offset + head_bytes || !read_at(file, offset, reinterpret_cast<char*>(head), head_bytes)) return {};
+  if (head[0] < sizeof(std::uint64_t) || head[0] > limit - offset - head_bytes) return {};
+  std::string payload(head[0], '\0');
+  if (!read_at(file, offset + head_bytes, payload.data(), payload.size()) || checksum(payload) != head[1]) return {};
+  return payload;
+}
+
+/// The provenance at the head; empty when this is no journal.
+std::string read_head(int file, std::uint64_t size) {
+  std::string start(magic.size(), '\0');
+  if (size < magic.size() || !read_at(file, 0, start.data(), start.size()) || start != magic) return {};
+  return read_frame(file, magic.size(), size);
+}
+
 }  // namespace
+
+std::string journal_identity(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return {};
+  struct stat status {};
+  const std::string head = ::fstat(file, &status) == 0 ? read_head(file, std::uint64_t(status.st_size)) : "";
+  ::close(file);
+  return head.empty() ? "" : Json::parse(head).value("identity", "");
+}
 
 Journal::Journal(std::filesystem::path path, const Provenance& provenance) : path_(std::move(path)), synced_(std::chrono::steady_clock::now()) {
   make_directory(path_.parent_path());
@@ -114,14 +140,13 @@ void Journal::scan(const Provenance& provenance) {
     end_ = 0;
     write(own_head);
     size = own_head.size();
-    head = own_head;
   }
-  const std::string before = head.starts_with(magic) ? read_frame(magic.size(), size) : "";
+  const std::string before = read_head(file_, size);
   if (before.empty())
     throw InputError({.problem = "is not a campaign's journal, or its head is damaged", .suggestion = "--fresh sets it aside", .file = path_.string()});
   expect_same_provenance(Json::parse(before), provenance, path_);
   end_ = magic.size() + head_bytes + before.size();
-  for (std::string payload; !(payload = read_frame(end_, size)).empty(); end_ += head_bytes + payload.size())
+  for (std::string payload; !(payload = read_frame(file_, end_, size)).empty(); end_ += head_bytes + payload.size())
     places_[Taker{payload}.value<std::uint64_t>()] = {end_, payload.size()};
   if (end_ < size && ::ftruncate(file_, off_t(end_)) != 0) throw unwritable(path_);
 }
@@ -135,16 +160,6 @@ void Journal::write(std::string_view bytes) {
     written += std::uint64_t(n);
   }
   end_ += bytes.size();
-}
-
-/// The payload of the frame at `offset`; empty when no whole frame stands there below `limit`.
-std::string Journal::read_frame(std::uint64_t offset, std::uint64_t limit) const {
-  std::uint64_t head[2];
-  if (limit < offset + head_bytes || !read_at(file_, offset, reinterpret_cast<char*>(head), head_bytes)) return {};
-  if (head[0] < sizeof(std::uint64_t) || head[0] > limit - offset - head_bytes) return {};
-  std::string payload(head[0], '\0');
-  if (!read_at(file_, offset + head_bytes, payload.data(), payload.size()) || checksum(payload) != head[1]) return {};
-  return payload;
 }
 
 bool Journal::contains(std::size_t run) const {
@@ -187,7 +202,7 @@ RunRecord Journal::read(std::size_t run) const {
     if (const auto at = places_.find(run); at != places_.end()) place = at->second;
   }
   expect(place.has_value(), "only a run that the journal holds is read");
-  const std::string payload = read_frame(place->offset, place->offset + head_bytes + place->bytes);
+  const std::string payload = read_frame(file_, place->offset, place->offset + head_bytes + place->bytes);
   if (payload.empty())
     throw InputError({.problem = "changed while it was in use", .suggestion = "run the same command again to resume", .file = path_.string()});
   Taker taker{payload};

@@ -27,6 +27,9 @@ struct RunRecord {
   bool operator==(const RunRecord&) const = default;
 };
 
+/// Identity of the settings that the journal at `path` was begun with; empty when it is absent or no journal.
+std::string journal_identity(const std::filesystem::path& path);
+
 class Journal {
  public:
   /// Opens the journal at `path`, or begins one. Whole records are kept, and what follows the last whole record (the
@@ -55,7 +58,6 @@ class Journal {
   };
   void scan(const Provenance& provenance);
   void write(std::string_view bytes);
-  [[nodiscard]] std::string read_frame(std::uint64_t offset, std::uint64_t limit) const;
 
   std::filesystem::path path_;
   int file_ = -1;

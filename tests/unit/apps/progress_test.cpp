@@ -9,7 +9,7 @@ using namespace calomel;
 TEST(Progress, WritesPlainLinesEveryTenSecondsAndAtTheEnd) {
   std::ostringstream out;
   double now = 100;
-  Progress p("campaign", "runs", Progress::Style::lines, out, [&] { return now; });
+  ProgressDisplay p("campaign", "runs", ProgressDisplay::Style::lines, out, [&] { return now; });
   p.update(20, 100);  // reused
   for (std::size_t done = 21; done <= 100; ++done) {
     now += 0.5;
@@ -27,7 +27,7 @@ TEST(Progress, DrawsABarOverItselfAndEndsItsLine) {
   std::ostringstream out;
   double now = 0;
   {
-    Progress p("campaign", "runs", Progress::Style::bar, out, [&] { return now; });
+    ProgressDisplay p("campaign", "runs", ProgressDisplay::Style::bar, out, [&] { return now; });
     p.update(0, 4, "a long note that goes");
     now = 0.05, p.update(1, 4);  // too soon to be drawn again
     now = 1, p.update(2, 4);
@@ -40,10 +40,10 @@ TEST(Progress, DrawsABarOverItselfAndEndsItsLine) {
 
 TEST(Progress, IsSilentWhenQuiet) {
   std::ostringstream out;
-  Progress p("campaign", "runs", Progress::Style::silent, out);
+  ProgressDisplay p("campaign", "runs", ProgressDisplay::Style::silent, out);
   p.update(1, 1);
   EXPECT_EQ(out.str(), "");
-  EXPECT_EQ(progress_style(true), Progress::Style::silent);
+  EXPECT_EQ(progress_style(true), ProgressDisplay::Style::silent);
 }
 
 TEST(Progress, DurationsReadWell) {

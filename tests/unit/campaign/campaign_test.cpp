@@ -212,7 +212,7 @@ TEST(Campaign, OtherSettingsAreRefusedByNameAndNothingIsLost) {
   EXPECT_EQ(read_text(dir / "campaign.json"), json);
   EXPECT_FALSE(std::filesystem::exists(dir / "campaign.journal"));
 
-  set_campaign_aside(dir);  // --fresh
+  set_campaign_aside(dir, provenance_of(o));  // --fresh
   EXPECT_EQ(run(Ringing(), dir, o).reused, 0u);
   EXPECT_EQ(read_text(dir / "campaign.nc.old-1"), before);
 }
@@ -231,6 +231,21 @@ TEST(Campaign, TheStopFlagEndsItAfterTheRunsInProgressAndASecondCallResumes) {
   EXPECT_EQ(summary.reused, std::size_t(model.calls));
   EXPECT_EQ(second.calls, 40 - model.calls);
   EXPECT_EQ(arrays(dir), arrays(whole));
+}
+
+TEST(Campaign, AFreshStartSetsTheJournalOfOtherSettingsAsideAndResumesItsOwn) {
+  const auto dir = scratch("campaign_fresh");
+  const auto o = small(), other = small(30);
+  Ringing model;
+  model.stop_at = 11;
+  EXPECT_THROW((void)run_campaign(model, o, 1, 1, provenance_of(o), dir, {}, &model.stop), Interrupted);
+  const auto journal = read_text(dir / "campaign.journal");
+  EXPECT_THROW((void)run(Ringing(), dir, other), InputError);
+  set_campaign_aside(dir, provenance_of(o));
+  EXPECT_EQ(read_text(dir / "campaign.journal"), journal);
+  set_campaign_aside(dir, provenance_of(other));
+  EXPECT_EQ(read_text(dir / "campaign.journal.old-1"), journal);
+  EXPECT_EQ(run(Ringing(), dir, other).reused, 0u);
 }
 
 TEST(Campaign, ProgressCountsEveryRunOnce) {
