@@ -102,14 +102,18 @@ std::vector<std::string> changed_keys(const Json& before, const Json& now, const
 
 Reuse reusable(const std::filesystem::path& path, const Provenance& now) {
   if (!std::filesystem::exists(path)) return Reuse::nothing_there;
-  const Json before = read_json(path).value("provenance", Json::object());
-  if (before.value("identity", "") == now.identity()) return Reuse::matches;
+  expect_same_provenance(read_json(path).value("provenance", Json::object()), now, path);
+  return Reuse::matches;
+}
+
+void expect_same_provenance(const Json& before, const Provenance& now, const std::filesystem::path& file) {
+  if (before.value("identity", "") == now.identity()) return;
   auto keys = changed_keys(before.value("options", Json::object()), now.options);
   for (const auto& k : changed_keys(before.value("inputs", Json::object()), Json(now.inputs))) keys.push_back("the input " + k);
   if (before.value("seed", std::uint64_t{0}) != now.seed) keys.push_back("the seed");
   throw InputError({.problem = "was made with other settings; changed: " + (keys.empty() ? std::string("the program's version of this stage") : join(keys)),
                     .suggestion = "use another --out, or --fresh to set the old artefacts aside",
-                    .file = path.string()});
+                    .file = file.string()});
 }
 
 void set_aside(const std::filesystem::path& path) {

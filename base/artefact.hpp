@@ -51,6 +51,9 @@ enum class Reuse { nothing_there, matches };
 /// Errors: InputError naming the keys that changed when the artefact is of another identity.
 [[nodiscard]] Reuse reusable(const std::filesystem::path& path, const Provenance& now);
 
+/// The same for a provenance read from elsewhere; `file` is the artefact named in the error.
+void expect_same_provenance(const Json& before, const Provenance& now, const std::filesystem::path& file);
+
 /// Dotted keys at which two JSON objects differ.
 std::vector<std::string> changed_keys(const Json& before, const Json& now, const std::string& prefix = "");
 

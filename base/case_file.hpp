@@ -61,7 +61,7 @@ class CaseFile {
   [[nodiscard]] InputError located(const InputError& error) const;
   /// Runs `body`; an InputError without a place leaves it with one.
   template <class F>
-  auto locating(F&& body) {
+  auto locating(F&& body) const {
     try {
       return body();
     } catch (const InputError& e) {

@@ -1,0 +1,52 @@
+#pragma once
+/// What the user typed: `calomel VERB CASE.toml [options]`.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/errors.hpp"
+
+namespace calomel {
+
+/// The words of one call, checked. Fields that a verb has no option for keep their defaults.
+struct CommandLine {
+  std::string verb;
+  std::filesystem::path case_file;
+  std::filesystem::path out;           ///< default: the case's path with ".out" in place of its extension
+  std::vector<std::string> overrides;  ///< --set table.key=value, in order
+  int threads = 1;                     ///< default: all that the machine shows
+  std::uint64_t seed = 1;
+  bool quiet = false;
+  bool fresh = false;  ///< set old artefacts of the verb's stages aside
+
+  std::vector<std::string> methods;          ///< calibrate: enc, spe, map
+  std::vector<std::filesystem::path> files;  ///< import
+  std::string unit = "strain";               ///< import
+  bool fields = false;                       ///< simulate
+  bool mean = false;                         ///< simulate
+  bool csv = false;                          ///< report
+};
+
+/// What a verb takes beside the options that all of them share.
+enum class Takes { nothing, case_file, files };
+
+/// One verb of the program: one file of this folder.
+struct Verb {
+  std::string name;
+  std::string summary;  ///< one line of --help
+  Takes takes;
+  ExitStatus (*run)(const CommandLine&);
+};
+
+/// Options of `verb` beyond the shared ones.
+enum class Extra { method, fields, mean, csv, unit };
+std::vector<Extra> extras_of(const std::string& verb);
+
+/// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed
+/// to `out`. Errors: InputError for whatever the parser refuses, and for an unknown verb, with the nearest known.
+bool parse(std::span<const std::string> words, std::span<const Verb> verbs, CommandLine& command, std::ostream& out);
+
+}  // namespace calomel

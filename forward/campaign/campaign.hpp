@@ -1,0 +1,70 @@
+#pragma once
+/// A campaign: the model run at every point of a design, saved run by run, resumed after any kill to the same data.
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "base/artefact.hpp"
+#include "forward/campaign/design.hpp"
+#include "forward/model.hpp"
+
+namespace calomel {
+
+/// `[campaign]` of a case file.
+struct CampaignOptions {
+  int runs = 150;
+  std::string design = "chebyshev";
+  int pulses = 8;
+  double pulse_energy_sd = 0.015;
+  bool keep_pulses = true;
+  double allowed_failures = 0.2;
+
+  template <class V>
+  void visit(V& v) {
+    v("runs", runs, {.range = between(1, 1e6), .doc = "points of the design, each one ensemble mean"});
+    v("design", design, {.doc = "where the points lie", .choices = designs().names()});
+    v("pulses", pulses, {.range = between(1, 64), .doc = "pulse energies in each ensemble mean; 1 is a single run"});
+    v("pulse_energy_sd", pulse_energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
+    v("keep_pulses", keep_pulses, {.doc = "store the single pulses beside their mean (single precision)"});
+    v("allowed_failures", allowed_failures, {.range = between(0, 1), .doc = "share of failed runs above which the campaign is not to be trusted"});
+  }
+};
+
+/// The campaign's share of Provenance::options: all keys on which campaign.nc depends (not allowed_failures).
+Json identity_options(const CampaignOptions& options);
+
+struct CampaignSummary {
+  ExitStatus status = ExitStatus::done;  ///< not_to_be_trusted when the share of failed runs exceeds allowed_failures
+  std::string message = "the campaign was not run";
+  std::size_t runs = 0;       ///< of the design
+  std::size_t completed = 0;  ///< with a prediction
+  std::size_t failed = 0;     ///< with a reason why there is none
+  std::size_t reused = 0;     ///< completed or failed in an earlier call
+  double wall_s = 0;          ///< of this call [s]
+};
+
+/// Told after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
+using CampaignProgress = std::function<void(std::size_t finished, std::size_t failed, std::size_t runs)>;
+
+/// Points of a design in natural units, shape (n_parameters, runs): the unit cube carried to the parameters' bounds.
+/// Errors: InputError when there is no parameter, or the design is unknown or has too few dimensions.
+Eigen::MatrixXd design_points(const std::string& design, std::span<const Parameter> parameters, std::size_t runs, std::uint64_t seed);
+
+/// Runs `model` at options.runs points on `threads` threads and writes campaign.nc and campaign.json to `directory`;
+/// until they stand, campaign.journal holds the runs that are finished. Each run is one evaluation, redone whole when it
+/// was interrupted, so the data do not depend on interruptions or threads. A run whose evaluation fails, throws or gives
+/// values that are not finite is recorded with its reason. A finished campaign of the same identity is reused.
+/// `provenance` is of stage "campaign", with this seed and identity_options under "campaign".
+/// Errors: InputError when artefacts of other settings stand there (naming the changed keys; nothing is touched), when the
+/// disk is full, or from the model; Interrupted when `stop` became true, after the runs in progress.
+[[nodiscard]] CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads,
+                                           const Provenance& provenance, const std::filesystem::path& directory, const CampaignProgress& progress = {},
+                                           const std::atomic<bool>* stop = nullptr);
+
+/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N; a journal too, unless it is of the settings
+/// of `now`: then it is what an interrupted fresh start left, and is resumed.
+void set_campaign_aside(const std::filesystem::path& directory, const Provenance& now);
+
+}  // namespace calomel

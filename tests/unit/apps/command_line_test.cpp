@@ -1,0 +1,106 @@
+#include "apps/command_line.hpp"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "base/artefact.hpp"
+#include "base/parallel.hpp"
+
+using namespace calomel;
+using testing::HasSubstr;
+
+namespace {
+
+ExitStatus nothing(const CommandLine&) { return ExitStatus::done; }
+const std::vector<Verb> verbs{{"list", "names", Takes::nothing, nothing},
+                              {"campaign", "runs", Takes::case_file, nothing},
+                              {"calibrate", "fits", Takes::case_file, nothing},
+                              {"simulate", "one run", Takes::case_file, nothing},
+                              {"import", "recordings", Takes::files, nothing}};
+
+CommandLine parsed(std::vector<std::string> words) {
+  CommandLine command;
+  std::ostringstream out;
+  EXPECT_TRUE(parse(words, verbs, command, out));
+  EXPECT_EQ(out.str(), "");
+  return command;
+}
+
+std::string refused(std::vector<std::string> words) {
+  CommandLine command;
+  std::ostringstream out;
+  try {
+    (void)parse(words, verbs, command, out);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+std::string printed(std::vector<std::string> words) {
+  CommandLine command;
+  std::ostringstream out;
+  EXPECT_FALSE(parse(words, verbs, command, out));
+  return out.str();
+}
+
+}  // namespace
+
+TEST(CommandLine, HasTheDefaultsOfThePage) {
+  const auto c = parsed({"campaign", "some/where/case.toml"});
+  EXPECT_EQ(c.verb, "campaign");
+  EXPECT_EQ(c.case_file, "some/where/case.toml");
+  EXPECT_EQ(c.out, "some/where/case.out");
+  EXPECT_EQ(c.seed, 1u);
+  EXPECT_EQ(c.threads, default_threads());
+  EXPECT_FALSE(c.quiet);
+  EXPECT_FALSE(c.fresh);
+}
+
+TEST(CommandLine, TakesOptionsInAnyOrder) {
+  const auto c = parsed({"campaign", "--set", "a.b=1", "case.toml", "--quiet", "--set", "c.d=[1, 2]", "--threads", "3", "--seed", "18446744073709551615",
+                         "--out", "x", "--fresh"});
+  EXPECT_EQ(c.case_file, "case.toml");
+  EXPECT_THAT(c.overrides, testing::ElementsAre("a.b=1", "c.d=[1, 2]"));
+  EXPECT_EQ(c.threads, 3);
+  EXPECT_EQ(c.seed, 18446744073709551615u);
+  EXPECT_EQ(c.out, "x");
+  EXPECT_TRUE(c.quiet);
+  EXPECT_TRUE(c.fresh);
+}
+
+TEST(CommandLine, OverridesKeepBracketsCommasAndNegativeNumbers) {
+  const auto c = parsed({"campaign", "case.toml", "--set", "a=[1,2]", "--set", "sensor[1].gain=-2", "--set=b=-1e-3"});
+  EXPECT_THAT(c.overrides, testing::ElementsAre("a=[1,2]", "sensor[1].gain=-2", "b=-1e-3"));
+}
+
+TEST(CommandLine, AnUnknownVerbIsAnsweredWithTheNearest) {
+  EXPECT_THAT(refused({"campain", "case.toml"}), testing::AllOf(HasSubstr("campain"), HasSubstr("did you mean \"campaign\"?")));
+}
+
+TEST(CommandLine, WhatTheParserRefusesIsAnInputError) {
+  EXPECT_THAT(refused({}), HasSubstr("--help"));
+  EXPECT_THAT(refused({"campaign"}), HasSubstr("CASE"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--outt", "x"}), HasSubstr("--outt"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--threads", "0"}), HasSubstr("--threads"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--threads", "many"}), HasSubstr("--threads"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--seed", "-1"}), HasSubstr("--seed"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "other.toml"}), HasSubstr("other.toml"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--fields"}), HasSubstr("--fields"));  // another verb's
+  EXPECT_THAT(refused({"calibrate", "case.toml", "--method", "magic"}), HasSubstr("magic"));
+  EXPECT_THAT(refused({"import", "a.csv"}), HasSubstr("--out"));
+}
+
+TEST(CommandLine, VerbsHaveTheirOwnOptions) {
+  EXPECT_THAT(parsed({"calibrate", "case.toml"}).methods, testing::ElementsAre("enc"));
+  EXPECT_THAT(parsed({"calibrate", "case.toml", "--method", "map"}).methods, testing::ElementsAre("map"));
+  EXPECT_TRUE(parsed({"simulate", "case.toml", "--fields"}).fields);
+  EXPECT_THAT(parsed({"import", "a.csv", "b.csv", "--out", "x"}).files, testing::ElementsAre("a.csv", "b.csv"));
+}
+
+TEST(CommandLine, HelpNamesEveryVerbAndVersionItself) {
+  for (const auto& v : verbs) EXPECT_THAT(printed({"--help"}), HasSubstr(v.name));
+  EXPECT_THAT(printed({"campaign", "--help"}), testing::AllOf(HasSubstr("--set"), HasSubstr("--fresh"), HasSubstr("CASE")));
+  EXPECT_EQ(printed({"--version"}), std::string("calomel ") + version + "\n");
+}
