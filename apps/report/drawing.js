@@ -54,15 +54,14 @@ function span(values) {
 function axes(root, box, x, y) {
   const sx = v => box.left + box.width * (v - x.span[0]) / (x.span[1] - x.span[0]);
   const sy = v => box.top + box.height * (1 - (v - y.span[0]) / (y.span[1] - y.span[0]));
-  const xt = ticks(x.span[0], x.span[1], x.about || 7), yt = ticks(y.span[0], y.span[1], y.about || 6);
+  const xt = ticks(x.span[0], x.span[1], x.about || 7), yt = y.log ? log_ticks(y.span[0], y.span[1]) : ticks(y.span[0], y.span[1], y.about || 6);
   for (const v of xt.list) {
     svg('line', { class: 'grid', x1: sx(v), x2: sx(v), y1: box.top, y2: box.top + box.height }, root);
     if (x.labels !== false) svg('text', { x: sx(v), y: box.top + box.height + 17, 'text-anchor': 'middle' }, root, x.text ? x.text(v) : number(v, xt.step));
   }
   for (const v of yt.list) {
-    if (y.log && Math.abs(v - Math.round(v)) > 1e-9) continue;
     svg('line', { class: 'grid', y1: sy(v), y2: sy(v), x1: box.left, x2: box.left + box.width }, root);
-    if (y.labels !== false) svg('text', { x: box.left - 7, y: sy(v) + 4, 'text-anchor': 'end' }, root, y.log ? power_of_ten(v) : number(v, yt.step));
+    if (y.labels !== false) svg('text', { x: box.left - 7, y: sy(v) + 4, 'text-anchor': 'end' }, root, y.log ? log_text(v, yt.decades) : number(v, yt.step));
   }
   svg('rect', { class: 'frame', x: box.left, y: box.top, width: box.width, height: box.height }, root);
   if (x.label) svg('text', { x: box.left + box.width / 2, y: box.top + box.height + 37, 'text-anchor': 'middle' }, root, x.label);
@@ -73,6 +72,18 @@ function axes(root, box, x, y) {
   return { sx, sy };
 }
 
+/// Exponents of the ticks of a logarithmic axis: 1, 2, 5 times powers of ten over few decades, else the powers alone.
+function log_ticks(low, high) {
+  const list = [], decades = high - low > 3;
+  for (let n = Math.floor(low); n <= high; ++n)
+    for (const m of decades ? [1] : [1, 2, 5]) if (n + Math.log10(m) >= low && n + Math.log10(m) <= high) list.push(n + Math.log10(m));
+  return { list, decades };
+}
+
+function log_text(v, decades) {
+  return decades ? power_of_ten(v) : number(Number(Math.pow(10, v).toPrecision(1)));
+}
+
 function power_of_ten(v) {
   const digits = { '-': '\u207b', 0: '\u2070', 1: '\u00b9', 2: '\u00b2', 3: '\u00b3', 4: '\u2074', 5: '\u2075', 6: '\u2076', 7: '\u2077', 8: '\u2078', 9: '\u2079' };
   return '10' + String(Math.round(v)).split('').map(c => digits[c]).join('');
@@ -81,13 +92,12 @@ function power_of_ten(v) {
 /// Lines {label, x, y} with a legend below; `log` draws log10 of y.
 function draw_lines(place, data, log) {
   if (!place || !data) return;
-  const height = 340, columns = Math.max(1, Math.min(data.lines.length, 3)), rows = Math.ceil(data.lines.length / columns);
+  const longest = Math.max(...data.lines.map(l => l.label.length));
+  const height = 340, columns = Math.max(1, Math.min(data.lines.length, Math.floor(710 / (64 + 7.6 * longest)))), rows = Math.ceil(data.lines.length / columns);
   const root = svg('svg', { class: 'drawing', viewBox: `0 0 800 ${height + 62 + 20 * rows}` }, place);
-  const shown = data.lines.map(l => ({ label: l.label, x: l.x, y: log ? l.y.map(v => v > 0 ? Math.log10(v) : null) : l.y }));
+  const shown = data.lines.map(l => ({ label: l.label, group: l.group, variant: l.variant, x: l.x, y: log ? l.y.map(v => v > 0 ? Math.log10(v) : null) : l.y }));
   const box = { left: 78, top: 10, width: 710, height };
-  let ys = span(shown.flatMap(l => l.y));
-  if (log) ys = [Math.floor(ys[0]), Math.ceil(ys[1])];
-  const xs = span(shown.flatMap(l => l.x));
+  const ys = span(shown.flatMap(l => l.y)), xs = span(shown.flatMap(l => l.x));
   const scale = axes(root, box, { span: [Math.max(xs[0], 0), xs[1]], label: data.x_label }, { span: ys, label: data.y_label, log });
   shown.forEach((line, i) => {
     let path = '', pen = 'M';
@@ -96,7 +106,7 @@ function draw_lines(place, data, log) {
       path += `${pen}${scale.sx(x).toFixed(1)},${scale.sy(line.y[k]).toFixed(1)}`;
       pen = 'L';
     });
-    const style = { fill: 'none', stroke: palette[i % palette.length], 'stroke-width': 2, 'stroke-dasharray': dashes[i % dashes.length] };
+    const style = { fill: 'none', stroke: palette[line.group % palette.length], 'stroke-width': 2, 'stroke-dasharray': dashes[line.variant % dashes.length] };
     svg('title', {}, svg('path', Object.assign({ d: path }, style), root), line.label);
     const lx = box.left + (i % columns) * (box.width / columns), ly = height + 68 + 20 * Math.floor(i / columns);
     svg('line', Object.assign({ x1: lx, x2: lx + 34, y1: ly - 4, y2: ly - 4 }, style), root);
@@ -133,7 +143,7 @@ function draw_ridge(place, data) {
   }
   const taken = [];  // places of the labels, so that marks close together keep theirs apart
   data.marks.forEach((m, i) => {
-    const cx = scale.sx(m.x), cy = scale.sy(m.y), colour = m.label === 'nominal' ? '#d55e00' : palette[i % palette.length];
+    const cx = scale.sx(m.x), cy = scale.sy(m.y), colour = (series_style[m.label.toLowerCase()] || { color: palette[i % palette.length] }).color;
     svg('path', { d: `M${cx - 9},${cy}H${cx + 9}M${cx},${cy - 9}V${cy + 9}`, stroke: '#fff', 'stroke-width': 5 }, root);
     svg('path', { d: `M${cx - 9},${cy}H${cx + 9}M${cx},${cy - 9}V${cy + 9}`, stroke: colour, 'stroke-width': 2.6 }, root);
     const right = cx < box.left + box.width - 80;
@@ -153,7 +163,7 @@ function draw_ridge(place, data) {
   } else if (sorted.length) {
     svg('text', { x: bar.left + 22, y: bar.top + 8 }, root, number(high));
   }
-  svg('text', { x: 796, y: 20, 'text-anchor': 'end' }, root, data.value_label);
+  svg('text', { transform: `translate(788,${bar.top + bar.height / 2}) rotate(-90)`, 'text-anchor': 'middle' }, root, data.value_label);
   svg('line', { x1: 80, x2: 112, y1: 450, y2: 450, stroke: '#444', 'stroke-width': 1.5, 'stroke-dasharray': '6 4' }, root);
   svg('text', { x: 120, y: 454 }, root, '\u03c1c = const through the calibrated point');
 }

@@ -139,7 +139,8 @@ std::string history_section(const Study& study, const ReportInput& input) {
       s += missing(escape_html(c.method) + ".nc is missing, so the histories of " + escape_html(c.label) + " are not drawn.",
                    "Make it with " + command(input, "calibrate", "--method " + c.method + " --fresh") + ".");
   s += "<p>Strain is positive in tension; time 0 is the start of the pulse. Drag across a plot to zoom in time: all plots follow. "
-       "Double-click, or the button, shows everything again. A trace is switched on and off in the legend.</p>\n"
+       "Double-click, or the button, shows everything again. A trace is switched on and off in the legend. "
+       "Beside each name stand the share of samples inside the band and the mean absolute error.</p>\n"
        "<div id=\"history-controls\" class=\"controls\"></div>\n<div id=\"histories-plots\" class=\"plots\"></div>\n";
   return s;
 }

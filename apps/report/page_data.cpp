@@ -34,10 +34,18 @@ Json target_json(const ReportInput& input, std::size_t quads) {
 /// Every k-th, so that at most `most` stay.
 std::size_t stride(std::size_t n, std::size_t most) { return most == 0 ? n + 1 : std::max<std::size_t>(1, (n + most - 1) / most); }
 
+std::string lower_first(std::string text) {
+  if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z') text[0] = char(text[0] - 'A' + 'a');
+  return text;
+}
+
+/// Lines of one group share a colour and those of one variant a dash.
 Json lines_json(const Table& table, const std::vector<std::size_t>& value_columns) {
   // Rows are (name, x, y, ...): one line for each name and value column, in the order in which they come.
   Json lines = Json::array();
-  for (const auto column : value_columns) {
+  std::vector<std::string> names;
+  for (std::size_t variant = 0; variant < value_columns.size(); ++variant) {
+    const auto column = value_columns[variant];
     std::string name;
     Json* line = nullptr;
     for (const auto& row : table.rows) {
@@ -47,8 +55,10 @@ Json lines_json(const Table& table, const std::vector<std::size_t>& value_column
       const auto& row_name = std::get<std::string>(row[0].value);
       if (!line || row_name != name) {
         name = row_name;
-        const std::string label = value_columns.size() > 1 ? name + ", " + table.columns[column].title : name;
-        lines.push_back({{"label", label}, {"x", Json::array()}, {"y", Json::array()}});
+        const std::string label = value_columns.size() > 1 ? name + ", " + lower_first(table.columns[column].title) : name;
+        auto at = std::find(names.begin(), names.end(), name);
+        if (at == names.end()) at = names.insert(at, name);
+        lines.push_back({{"label", label}, {"group", at - names.begin()}, {"variant", value_columns.size() > 1 ? variant : std::size_t(at - names.begin())}, {"x", Json::array()}, {"y", Json::array()}});
         line = &lines.back();
       }
       (*line)["x"].push_back(rounded(*x, 6));
@@ -107,7 +117,7 @@ Json score_lines(const Study& study, const ReportInput& input) {
   const auto add = [&](const std::string& sensor, const std::string& who, const std::optional<double>& accuracy, const std::optional<double>& mae) {
     if (!accuracy || !mae) return;
     std::string text = lines.contains(sensor) ? lines[sensor].get<std::string>() + "; " : "";
-    lines[sensor] = text + fmt::format("{} {:.1f} % in band, {:.1f} {}", who, *accuracy, *mae, unit);
+    lines[sensor] = text + fmt::format("{} {:.1f}\u00a0%, {:.1f}\u00a0{}", who, *accuracy, *mae, unit);
   };
   for (const auto& c : study.calibrations)
     for (const auto& s : list_at(c.summary, "sensors")) add(text_at(s, "name"), c.label, number_at(s, "accuracy"), number_at(s, "mae"));

@@ -93,10 +93,12 @@ function draw_target_webgl(view, data, extent) {
   camera.up.set(0, 0, 1);
   const centre = new THREE.Vector3(...extent.centre);
   camera.position.copy(centre).add(new THREE.Vector3(-0.62, -0.85, 0.62).normalize().multiplyScalar(extent.radius * 3.3));
-  scene.add(new THREE.HemisphereLight(0xffffff, 0x8a939c, 0.95));
-  const lamp = new THREE.DirectionalLight(0xffffff, 0.35);
+  scene.add(new THREE.AmbientLight(0xffffff, 0.55));
+  const lamp = new THREE.DirectionalLight(0xffffff, 0.5);  // from the eye, a little from above
+  lamp.position.set(0, 0.4 * extent.radius, 0);
+  lamp.target.position.copy(centre);
   camera.add(lamp);
-  scene.add(camera);
+  scene.add(camera, lamp.target);
 
   for (const name of ['wetted', 'outer']) {
     const surface = data[name];
@@ -123,10 +125,20 @@ function draw_target_webgl(view, data, extent) {
   const size = extent.radius * 0.02;
   for (const s of data.sensors) {
     const at = new THREE.Vector3(...s.position), direction = new THREE.Vector3(...s.direction);
-    const ball = new THREE.Mesh(new THREE.SphereGeometry(size, 16, 12), new THREE.MeshBasicMaterial({ color: 0xb33c00 }));
-    ball.position.copy(at);
-    scene.add(ball);
-    if (direction.length() > 0) scene.add(new THREE.ArrowHelper(direction.normalize(), at, size * 8, 0xb33c00, size * 2.6, size * 1.8));
+    for (const hidden of [true, false]) {  // a sensor behind the target shows through it, paler
+      const look = { depthTest: !hidden, transparent: true, opacity: hidden ? 0.35 : 1 };
+      const ball = new THREE.Mesh(new THREE.SphereGeometry(size, 16, 12), new THREE.MeshBasicMaterial(Object.assign({ color: 0xb33c00 }, look)));
+      ball.position.copy(at);
+      ball.renderOrder = 2;
+      scene.add(ball);
+      if (direction.length() === 0) continue;
+      const arrow = new THREE.ArrowHelper(direction.clone().normalize(), at, size * 8, 0xb33c00, size * 2.6, size * 1.8);
+      for (const part of [arrow.line, arrow.cone]) {
+        Object.assign(part.material, look);
+        part.renderOrder = 2;
+      }
+      scene.add(arrow);
+    }
   }
   const labels = target_labels(view, data.sensors.map(s => s.name));
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
