@@ -36,7 +36,7 @@ pagmo::population MothFlame::evolve(pagmo::population population) const {
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t k = 0; k < d; ++k) {
         const double flame = flames[std::min(i, lit - 1)][k];
-        const double distance = std::abs(flames[i][k] - moths[i][k]);  // to the moth's own flame, as in the published code
+        const double distance = std::abs(flames[i][k] - moths[i][k]);  // to the moth's own flame
         const double t = random.uniform(r, 1);
         moths[i][k] = std::clamp(distance * std::exp(b * t) * std::cos(2 * std::numbers::pi * t) + flame, low[k], high[k]);
       }

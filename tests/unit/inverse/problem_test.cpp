@@ -48,7 +48,7 @@ Recordings noisy(std::size_t n, double step) {
 }  // namespace
 
 TEST(Band, FollowsStudentsT) {
-  // Quantiles of t at 0.975 from the table in Student's tests (e.g. Abramowitz and Stegun, table 26.10).
+  // Quantiles of t at 0.975 as printed in any table of Student's t, three decimals.
   EXPECT_NEAR(band_factor(2, false), 12.706, 5e-4);
   EXPECT_NEAR(band_factor(3, false), 4.303, 5e-4);
   EXPECT_NEAR(band_factor(5, false), 2.776, 5e-4);
