@@ -24,7 +24,8 @@ int main(int argc, char** argv) {
                              {"c 1000..2000", mimic_records(runs, 12, times, 8000, 1000, 2000, 7)},
                              {"c 500..3000", mimic_records(runs, 12, times, 1350, 500, 3000, 7)},
                              {"c 100..10000", mimic_records(runs, 12, times, 1350, 100, 10000, 7)}};
-  std::printf("%-14s %-22s %8s %8s %10s %7s %8s %6s %9s %9s\n", "family", "kind", "R2", "R2train", "mae", "var", "train s", "modes", "40 pts ms", "gradient ms");
+  std::printf("%-14s %-22s %8s %8s %10s %7s %8s %6s %9s %9s\n", "family", "kind", "R2", "R2train", "mae", "var", "train s", "modes", "40 pts ms",
+              "gradient ms");
   for (const auto& family : families)
     for (const auto& kind : kinds) {
       SurrogateOptions options;
@@ -40,8 +41,8 @@ int main(int argc, char** argv) {
       for (int i = 0; i < 5; ++i) (void)surrogate->pull_back({batch.data(), 3}, weights);
       const auto t2 = Clock::now();
       const auto ms = [](auto d) { return std::chrono::duration<double, std::milli>(d).count() / 5; };
-      std::printf("%-14s %-22s %8.4f %8.4f %10.3g %7.2f %8.2f %6d %9.2f %9.2f\n", family.name, kind.c_str(), s.test.r2, s.train.r2, s.test.mae, s.variance_ratio,
-                  s.train_seconds, s.record.modes, ms(t1 - t0), ms(t2 - t1));
+      std::printf("%-14s %-22s %8.4f %8.4f %10.3g %7.2f %8.2f %6d %9.2f %9.2f\n", family.name, kind.c_str(), s.test.r2, s.train.r2, s.test.mae,
+                  s.variance_ratio, s.train_seconds, s.record.modes, ms(t1 - t0), ms(t2 - t1));
       std::fflush(stdout);
     }
 }
