@@ -1,5 +1,5 @@
 /// Held-out accuracy and cost of every kind of surrogate on the analytic families; run by hand:
-///   surrogate_accuracy [runs] [times] [kinds...]
+///   surrogate_accuracy [runs] [times] [epochs] [kinds...]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,7 @@ using namespace calomel;
 int main(int argc, char** argv) {
   const std::size_t runs = argc > 1 ? std::size_t(std::atoi(argv[1])) : 150, times = argc > 2 ? std::size_t(std::atoi(argv[2])) : 500;
   std::vector<std::string> kinds;
-  for (int i = 3; i < argc; ++i) kinds.emplace_back(argv[i]);
+  for (int i = 4; i < argc; ++i) kinds.emplace_back(argv[i]);
   if (kinds.empty()) kinds = surrogate_kinds().names();
   struct Family {
     const char* name;
@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     for (const auto& kind : kinds) {
       SurrogateOptions options;
       options.kind = kind;
+      if (argc > 3) options.epochs = std::atoi(argv[3]);
       SurrogateSummary s;
       const auto surrogate = train_surrogate(options, family.archive, 1, default_threads(), s);
       const Eigen::MatrixXd batch = family.archive.theta.leftCols(std::min<Eigen::Index>(40, family.archive.theta.cols()));

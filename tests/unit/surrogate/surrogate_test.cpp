@@ -155,6 +155,8 @@ TEST_P(EveryKind, OutsideTheBoundsIsAFailedRun) {
 TEST(ModeNetworkSurrogate, LearnsDampedOscillationsAndNothingFromShuffledOnes) {
   SurrogateOptions options;
   options.kind = "mode_network";
+  options.mode_network.members = 2;
+  options.mode_network.weight_decay = {0.03};
   const Archive archive = damped_oscillations(150, 4, 200, 7);
   SurrogateSummary summary, control;
   (void)train_surrogate(options, archive, 1, 2, summary);
