@@ -42,8 +42,8 @@ struct TrainingRecord {
   int epochs = 0;                  ///< passes over the runs; 0 where the word has no meaning
   std::vector<double> train_loss;  ///< an epoch each, in the kind's own scale
   std::vector<double> test_loss;
-  int modes = 0;                   ///< 0 for a kind without modes
-  double mode_energy = 0;          ///< share of the training variance in them
+  int modes = 0;           ///< 0 for a kind without modes
+  double mode_energy = 0;  ///< share of the training variance in them
 };
 
 struct EmulatorKind {

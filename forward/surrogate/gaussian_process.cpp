@@ -162,9 +162,7 @@ Eigen::MatrixXd GaussianProcess::scaled(const Eigen::MatrixXd& x) const {
   return w;
 }
 
-Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& x) const {
-  return matern(squared_distances(points_, scaled(x))).matrix().transpose() * weights_;
-}
+Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& x) const { return matern(squared_distances(points_, scaled(x))).matrix().transpose() * weights_; }
 
 Eigen::VectorXd GaussianProcess::gradient(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd at = scaled(x);

@@ -72,8 +72,7 @@ std::unique_ptr<Emulator> ModeGaussianProcess::load(const NetcdfReader& file, co
   const auto packed = stored_matrix<double>(file, prefix + "hyperparameters");
   std::vector<GaussianProcess> processes;
   for (Eigen::Index k = 0; k < z.rows(); ++k) processes.emplace_back(x, z.row(k).transpose(), GaussianProcessHyperparameters::unpacked(packed.col(k)));
-  return std::unique_ptr<Emulator>(
-      new ModeGaussianProcess(InputScaling::load(file, prefix), ModeBasis::load(file, prefix), x, z, std::move(processes)));
+  return std::unique_ptr<Emulator>(new ModeGaussianProcess(InputScaling::load(file, prefix), ModeBasis::load(file, prefix), x, z, std::move(processes)));
 }
 
 }  // namespace calomel

@@ -9,9 +9,9 @@
 namespace calomel {
 
 struct ModeOptions {
-  double energy = 0.9999;
+  double energy = 0.99999;
   int most = 400;
-  bool per_sensor_scaling = false;
+  bool per_sensor_scaling = true;
 
   template <class V>
   void visit(V& v) {
@@ -52,10 +52,10 @@ class ModeBasis {
  private:
   ModeBasis() = default;
   void make_map();
-  Eigen::VectorXf mean_, scale_;   ///< (values)
-  Eigen::VectorXf discarded_;      ///< variance of the values over the training runs that the kept modes miss, (values)
-  Eigen::MatrixXf vectors_;        ///< (values, modes)
-  Eigen::VectorXd deviation_;      ///< (modes)
+  Eigen::VectorXf mean_, scale_;  ///< (values)
+  Eigen::VectorXf discarded_;     ///< variance of the values over the training runs that the kept modes miss, (values)
+  Eigen::MatrixXf vectors_;       ///< (values, modes)
+  Eigen::VectorXd deviation_;     ///< (modes)
   double energy_ = 0;
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> map_;  ///< scale * vectors * deviation
 };

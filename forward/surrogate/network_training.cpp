@@ -23,8 +23,7 @@ double loss_of_error(Loss loss, double scale, Eigen::MatrixBase<Derived>& error)
 }
 
 template <class Scalar>
-double mean_loss(const Network<Scalar>& network, const typename Network<Scalar>::Matrix& x, const typename Network<Scalar>::Matrix& y, Loss loss,
-                 int threads) {
+double mean_loss(const Network<Scalar>& network, const typename Network<Scalar>::Matrix& x, const typename Network<Scalar>::Matrix& y, Loss loss, int threads) {
   typename Network<Scalar>::Tape tape;
   const auto h = network.hidden(x, tape);
   const Eigen::Index rows = NetworkTrainer<Scalar>::rows_per_block, n = y.rows();
@@ -130,8 +129,8 @@ double NetworkTrainer<Scalar>::step(const Matrix& x, const Matrix& y) {
 
 template <class Scalar>
 NetworkSummary train_network(Network<Scalar>& network, const typename Network<Scalar>::Matrix& x, const typename Network<Scalar>::Matrix& y,
-                             const typename Network<Scalar>::Matrix& x_test, const typename Network<Scalar>::Matrix& y_test,
-                             const NetworkTraining& options, RandomStream& random, int threads) {
+                             const typename Network<Scalar>::Matrix& x_test, const typename Network<Scalar>::Matrix& y_test, const NetworkTraining& options,
+                             RandomStream& random, int threads) {
   expect(x.cols() == y.cols() && x.cols() > 0, "a network is trained on at least one sample");
   NetworkSummary summary;
   NetworkTrainer<Scalar> trainer(network, options, threads);
@@ -168,9 +167,9 @@ NetworkSummary train_network(Network<Scalar>& network, const typename Network<Sc
   summary.final_rate = schedule.rate();
   return summary;
 }
-#define CALOMEL_INSTANTIATE(S)                                                                                                                         \
-  template class NetworkTrainer<S>;                                                                                                                    \
-  template NetworkSummary train_network(Network<S>&, const Network<S>::Matrix&, const Network<S>::Matrix&, const Network<S>::Matrix&,                  \
+#define CALOMEL_INSTANTIATE(S)                                                                                                        \
+  template class NetworkTrainer<S>;                                                                                                   \
+  template NetworkSummary train_network(Network<S>&, const Network<S>::Matrix&, const Network<S>::Matrix&, const Network<S>::Matrix&, \
                                         const Network<S>::Matrix&, const NetworkTraining&, RandomStream&, int)
 CALOMEL_INSTANTIATE(float);
 CALOMEL_INSTANTIATE(double);

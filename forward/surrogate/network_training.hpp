@@ -87,7 +87,7 @@ class NetworkTrainer {
 /// The plateau rule watches the training loss, so held-out samples stay unseen. Deterministic for a given stream.
 template <class Scalar>
 NetworkSummary train_network(Network<Scalar>& network, const typename Network<Scalar>::Matrix& x, const typename Network<Scalar>::Matrix& y,
-                             const typename Network<Scalar>::Matrix& x_test, const typename Network<Scalar>::Matrix& y_test,
-                             const NetworkTraining& options, RandomStream& random, int threads);
+                             const typename Network<Scalar>::Matrix& x_test, const typename Network<Scalar>::Matrix& y_test, const NetworkTraining& options,
+                             RandomStream& random, int threads);
 
 }  // namespace calomel

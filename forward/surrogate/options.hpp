@@ -16,18 +16,19 @@ struct ModeNetworkOptions {
   int passes_per_epoch = 10;
   double learning_rate = 4e-3;
   int batch_size = 16;
-  double weight_decay = 1e-3;
-  double whitening = 0.5;
+  std::vector<double> weight_decay = {0.03, 0.3, 1.0};
+  double whitening = 0;
 
   template <class V>
   void visit(V& v) {
     v("layers", layers, {.range = at_least(1), .doc = "widths of the hidden layers", .least_size = 1});
     v("activation", activation, {.doc = "of the hidden layers", .choices = {"relu", "tanh", "silu"}});
     v("members", members, {.range = between(1, 100), .doc = "networks from different starts whose mean is the surrogate"});
-    v("passes_per_epoch", passes_per_epoch, {.range = between(1, 10000), .doc = "passes over the runs that make one of surrogate.epochs: a pass here is that much cheaper"});
+    v("passes_per_epoch", passes_per_epoch,
+      {.range = between(1, 10000), .doc = "passes over the runs that make one of surrogate.epochs: a pass here is that much cheaper"});
     v("learning_rate", learning_rate, {.range = above(0), .doc = "initial rate of Adam"});
     v("batch_size", batch_size, {.range = at_least(1), .doc = "runs in a mini-batch"});
-    v("weight_decay", weight_decay, {.range = at_least(0), .doc = "decoupled weight decay"});
+    v("weight_decay", weight_decay, {.range = at_least(0), .doc = "decoupled weight decays to choose from on a fifth of the training runs", .least_size = 1});
     v("whitening", whitening, {.range = between(0, 1), .doc = "1: every mode counts alike in the loss; 0: as much as its share of the histories"});
   }
 };
@@ -43,8 +44,8 @@ struct GaussianProcessOptions {
 };
 
 struct SurrogateOptions {
-  std::string kind = "mode_network";
-  std::vector<std::string> compare = {"network"};
+  std::string kind = "mode_gaussian_process";
+  std::vector<std::string> compare = {"network", "mode_network"};
   double test_fraction = 0.2;
   int epochs = 100;
   double learning_rate = 9.5e-4;

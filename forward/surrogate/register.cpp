@@ -11,8 +11,7 @@ Registry<EmulatorKind> surrogate_kinds() {
   Registry<EmulatorKind> kinds("surrogate");
   kinds.add("network", "the published feedforward network from parameters to every sample of every sensor",
             {&PublishedNetwork::train, &PublishedNetwork::load});
-  kinds.add("mode_network", "small smooth networks from parameters to the proper orthogonal modes of the histories",
-            {&ModeNetwork::train, &ModeNetwork::load});
+  kinds.add("mode_network", "small smooth networks from parameters to the proper orthogonal modes of the histories", {&ModeNetwork::train, &ModeNetwork::load});
   kinds.add("mode_gaussian_process", "a Gaussian process for each proper orthogonal mode; gives a predictive variance",
             {&ModeGaussianProcess::train, &ModeGaussianProcess::load});
   return kinds;

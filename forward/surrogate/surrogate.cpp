@@ -94,7 +94,7 @@ Eigen::VectorXd Surrogate::pull_back(std::span<const double> theta, std::span<co
 
 Eigen::VectorXd Surrogate::error_variance(std::span<const double> theta) const {
   const Eigen::VectorXd own = parts_.mean->variance(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())));
-  return own.size() > 0 ? own : Eigen::VectorXd(parts_.held_out.cast<double>());
+  return own.size() > 0 ? Eigen::VectorXd(parts_.variance_factor * own) : Eigen::VectorXd(parts_.held_out.cast<double>());
 }
 
 void Surrogate::save(const std::filesystem::path& path) const {
@@ -105,6 +105,7 @@ void Surrogate::save(const std::filesystem::path& path) const {
   file.dimension("time", parts_.shape.times.size());
   file.variable("time", {"time"}, std::span<const double>(parts_.shape.times), {{"units", "s"}});
   store(file, "held_out_error", Eigen::MatrixXf(parts_.held_out), {{"long_name", "mean squared error over the held-out runs"}});
+  store(file, "variance_factor", Eigen::MatrixXd(Eigen::MatrixXd::Constant(1, 1, parts_.variance_factor)));
   parts_.mean->save(file, "mean_");
   file.attribute("has_energy_slope", parts_.slope ? "yes" : "no");
   file.attribute("has_scatter", parts_.scatter ? "yes" : "no");
@@ -132,6 +133,7 @@ std::unique_ptr<Surrogate> load_surrogate(const std::filesystem::path& path) {
   parts.shape.unit = shape.at("unit").get<std::string>();
   parts.shape.times = file.doubles("time");
   parts.held_out = stored_matrix<float>(file, "held_out_error").col(0);
+  parts.variance_factor = file.doubles("variance_factor")[0];
   const auto kinds = surrogate_kinds();
   parts.mean = kinds.get(parts.kind).load(file, "mean_");
   const auto& companion = kinds.get("mode_gaussian_process");

@@ -13,12 +13,14 @@ namespace calomel {
 class Surrogate final : public ForwardModel {
  public:
   /// The emulators of one campaign; `slope` and `scatter` may be null. `held_out`: mean squared error of the mean over
-  /// the held-out runs (values), in the data's unit squared.
+  /// the held-out runs (values), in the data's unit squared. `variance_factor`: what the kind's own variance is multiplied
+  /// by, so that on the held-out runs it is not smaller than the errors were; at least 1.
   struct Parts {
     std::string kind;
     ModelShape shape;
     std::unique_ptr<Emulator> mean, slope, scatter;
     Eigen::VectorXf held_out;
+    double variance_factor = 1;
   };
   explicit Surrogate(Parts parts);
 
@@ -30,8 +32,8 @@ class Surrogate final : public ForwardModel {
   [[nodiscard]] bool has_gradient() const override { return true; }
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
 
-  /// Variance of (model - surrogate) at theta (values), in the data's unit squared: the kind's predictive variance,
-  /// discarded modes included, where it has one; else the mean squared error over the held-out runs.
+  /// Variance of (model - surrogate) at theta (values), in the data's unit squared: the kind's predictive variance
+  /// times the factor found on held-out runs, discarded modes included, where it has one; else the mean squared error over the held-out runs.
   [[nodiscard]] Eigen::VectorXd error_variance(std::span<const double> theta) const;
   /// Mean squared error over the held-out runs (values), wherever they lay in the box.
   [[nodiscard]] const Eigen::VectorXf& held_out_error() const { return parts_.held_out; }

@@ -56,15 +56,11 @@ void score(const Surrogate& surrogate, const Archive& archive, const RunSplit& s
     }
     summary.sensors.push_back({shape.sensors[s], fit_metrics(p, a)});
   }
-  double squared = 0, expected = 0;
   for (Eigen::Index r = 0; r < actual.cols(); ++r) {
     const Eigen::VectorXd error = (predicted.col(r) - actual.col(r)).cast<double>();
     const double size = actual.col(r).cast<double>().norm();
     summary.run_error.push_back(size > 0 ? error.norm() / size : 0);
-    squared += error.squaredNorm();
-    expected += surrogate.error_variance({thetas.col(r).data(), std::size_t(thetas.rows())}).sum();
   }
-  summary.variance_ratio = expected > 0 ? squared / expected : 0;
 }
 
 std::unique_ptr<Surrogate> train_on_split(const SurrogateOptions& options, const std::string& kind, const Archive& archive, const RunSplit& split,
@@ -87,6 +83,13 @@ std::unique_ptr<Surrogate> train_on_split(const SurrogateOptions& options, const
   summary.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Eigen::MatrixXf error = parts.mean->histories(archive.theta(Eigen::all, split.test), threads) - archive.mean(Eigen::all, split.test);
   parts.held_out = error.cwiseAbs2().rowwise().mean();
+  double expected = 0;
+  for (const std::size_t r : split.test) {
+    const Eigen::VectorXd own = parts.mean->variance(archive.theta.col(Eigen::Index(r)));
+    if (own.size() > 0) expected += own.sum();
+  }
+  if (expected > 0) summary.variance_ratio = error.cast<double>().squaredNorm() / expected;
+  parts.variance_factor = std::max(1.0, summary.variance_ratio);
   auto surrogate = std::make_unique<Surrogate>(std::move(parts));
   score(*surrogate, archive, split, threads, summary);
   return surrogate;

@@ -29,7 +29,8 @@ struct SurrogateSummary {
   FitMetrics test, train;
   std::vector<SensorMetrics> sensors;  ///< on held-out runs, conditions pooled
   std::vector<double> run_error;       ///< of each held-out run: rmse / root mean square of its record
-  double variance_ratio = 0;           ///< mean over held-out samples of error^2 / its mean predicted variance; 1 = honest
+  double variance_ratio = 0;           ///< held-out sum of error^2 / sum of the kind's own variance; 1 = honest, 0 = has none;
+                                       ///< above 1 the surrogate's error_variance is raised by it
   double train_seconds = 0;
   TrainingRecord record;
 };
@@ -55,8 +56,7 @@ FitMetrics fit_metrics(const Eigen::MatrixXf& predicted, const Eigen::MatrixXf& 
 
 /// One surrogate of `options.kind` on the split that `seed` gives. The same for any number of threads.
 /// Errors: InputError for too few runs or histories that do not vary; NumericsError when the loss diverges.
-std::unique_ptr<Surrogate> train_surrogate(const SurrogateOptions& options, const Archive& archive, std::uint64_t seed, int threads,
-                                           SurrogateSummary& summary);
+std::unique_ptr<Surrogate> train_surrogate(const SurrogateOptions& options, const Archive& archive, std::uint64_t seed, int threads, SurrogateSummary& summary);
 
 struct Training {
   TrainSummary summary;

@@ -1,5 +1,5 @@
 /// Held-out accuracy and cost of every kind of surrogate on the analytic families; run by hand:
-///   surrogate_accuracy [runs] [times] [kinds...]
+///   surrogate_accuracy [runs] [times] [epochs] [kinds...]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,7 @@ using namespace calomel;
 int main(int argc, char** argv) {
   const std::size_t runs = argc > 1 ? std::size_t(std::atoi(argv[1])) : 150, times = argc > 2 ? std::size_t(std::atoi(argv[2])) : 500;
   std::vector<std::string> kinds;
-  for (int i = 3; i < argc; ++i) kinds.emplace_back(argv[i]);
+  for (int i = 4; i < argc; ++i) kinds.emplace_back(argv[i]);
   if (kinds.empty()) kinds = surrogate_kinds().names();
   struct Family {
     const char* name;
@@ -24,11 +24,13 @@ int main(int argc, char** argv) {
                              {"c 1000..2000", mimic_records(runs, 12, times, 8000, 1000, 2000, 7)},
                              {"c 500..3000", mimic_records(runs, 12, times, 1350, 500, 3000, 7)},
                              {"c 100..10000", mimic_records(runs, 12, times, 1350, 100, 10000, 7)}};
-  std::printf("%-14s %-22s %8s %8s %10s %7s %8s %6s %9s %9s\n", "family", "kind", "R2", "R2train", "mae", "var", "train s", "modes", "40 pts ms", "gradient ms");
+  std::printf("%-14s %-22s %8s %8s %10s %7s %8s %6s %9s %9s\n", "family", "kind", "R2", "R2train", "mae", "var", "train s", "modes", "40 pts ms",
+              "gradient ms");
   for (const auto& family : families)
     for (const auto& kind : kinds) {
       SurrogateOptions options;
       options.kind = kind;
+      if (argc > 3) options.epochs = std::atoi(argv[3]);
       SurrogateSummary s;
       const auto surrogate = train_surrogate(options, family.archive, 1, default_threads(), s);
       const Eigen::MatrixXd batch = family.archive.theta.leftCols(std::min<Eigen::Index>(40, family.archive.theta.cols()));
@@ -40,8 +42,8 @@ int main(int argc, char** argv) {
       for (int i = 0; i < 5; ++i) (void)surrogate->pull_back({batch.data(), 3}, weights);
       const auto t2 = Clock::now();
       const auto ms = [](auto d) { return std::chrono::duration<double, std::milli>(d).count() / 5; };
-      std::printf("%-14s %-22s %8.4f %8.4f %10.3g %7.2f %8.2f %6d %9.2f %9.2f\n", family.name, kind.c_str(), s.test.r2, s.train.r2, s.test.mae, s.variance_ratio,
-                  s.train_seconds, s.record.modes, ms(t1 - t0), ms(t2 - t1));
+      std::printf("%-14s %-22s %8.4f %8.4f %10.3g %7.2f %8.2f %6d %9.2f %9.2f\n", family.name, kind.c_str(), s.test.r2, s.train.r2, s.test.mae,
+                  s.variance_ratio, s.train_seconds, s.record.modes, ms(t1 - t0), ms(t2 - t1));
       std::fflush(stdout);
     }
 }

@@ -59,7 +59,7 @@ inline Archive damped_oscillations(std::size_t runs, std::size_t sensors, std::s
 }
 
 /// Strain [-] of a gauge over 1 ms: a steel precursor, mercury waves of travel times d / c and their echoes (amplitude
-/// by the impedances rho c against the wall's, tension clipped softly at the cutoff), and a wall that rings with the
+/// by the impedances rho c against the wall's, fronts 1.5 cm wide, tension clipped softly at the cutoff), and a wall that rings with the
 /// mercury's added mass from each arrival on. theta = (tensile_cutoff, density, sound_speed).
 inline double mimic_strain(const Eigen::VectorXd& theta, std::size_t sensor, double t) {
   const double sigma = theta[0], rho = theta[1], c = theta[2], x = 0.03 + 0.02 * double(sensor % 12);
@@ -72,7 +72,7 @@ inline double mimic_strain(const Eigen::VectorXd& theta, std::size_t sensor, dou
   double amplitude = 1;
   for (const double distance : travel) {
     const double after = t - distance / c;
-    double p = amplitude * pressure * std::exp(-std::max(after, 0.0) / 1.2e-4) * smooth_step(after / 6e-6);
+    double p = amplitude * pressure * std::exp(-std::max(after, 0.0) / 1.2e-4) * smooth_step(after * c / 0.015);
     if (p < 0) p = -sigma - (pressure * 0.05) * (1 - std::exp((p + sigma) / (pressure * 0.05))) * (p < -sigma ? 1 : 0) + (p > -sigma ? sigma + p : 0);
     const double wall = after > 0 ? 1 - std::cos(ring * after) * std::exp(-after / 2.5e-4) : 0;
     strain += p / modulus * wall;
