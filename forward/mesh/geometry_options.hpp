@@ -1,4 +1,5 @@
 #pragma once
+/// The parametric targets of a case file, `[geometry]`.
 #include <optional>
 #include <string>
 
@@ -18,5 +19,104 @@ struct WallOptions {
     v("bottom", bottom, {.unit = "m", .range = above(0), .doc = "thickness of the bottom wall"});
   }
 };
+
+/// The steel plates inside a jet-flow target. Both come from the rear end, parallel to the bottom and the top wall, and
+/// follow the nose; between their ends the jet runs along the window and turns into the middle.
+struct JetOptions {
+  double channel = 0.02;
+  double thickness = 0.005;
+  double lower_turn = 50;
+  double upper_turn = 0;
+  template <class V>
+  void visit(V& v) {
+    v("channel", channel, {.unit = "m", .range = above(0), .doc = "clear height of the mercury channel between wall and plate"});
+    v("thickness", thickness, {.unit = "m", .range = at_least(0), .doc = "thickness of the plates; 0 leaves them out"});
+    v("lower_turn", lower_turn, {.unit = "deg", .range = between(0, 85), .doc = "angle by which the lower plate follows the nose"});
+    v("upper_turn", upper_turn, {.unit = "deg", .range = between(0, 85), .doc = "angle by which the upper plate follows the nose"});
+  }
+};
+
+/// Outer dimensions, walls and mesh of a target. x runs along the beam and is 0 at the outer front face, z is 0 at the
+/// outer bottom face, y is 0 in the middle.
+struct GeometryOptions {
+  std::string kind;                             ///< box | jet_flow | bar | mesh
+  std::optional<double> length, width, height;  ///< outer [m]
+  std::optional<double> wall;                   ///< thickness where `walls` says nothing [m]
+  WallOptions walls;
+  std::string rear = "non_reflecting";  ///< | wall
+  bool plane_strain = false;
+  bool half = false;
+  bool quarter = true;                 ///< bar
+  std::optional<double> radius;        ///< bar [m]
+  std::optional<double> nose_radius;   ///< jet_flow [m]
+  std::optional<double> window;        ///< jet_flow [m]
+  JetOptions jet;                      ///< jet_flow
+  std::optional<double> element_size;  ///< upper bound [m]
+  int wall_elements = 0;
+  std::string wetted = "slip";  ///< | tied
+  std::string file;             ///< kind = "mesh"
+  double max_elements = 2e8;
+
+  template <class V>
+  void visit(V& v) {
+    v("kind", kind, {.doc = "shape of the target", .required = true, .choices = {"box", "jet_flow", "bar", "mesh"}});
+    v("length", length, {.unit = "m", .range = above(0), .doc = "outer length along x (jet_flow: 0.55)"});
+    v("width", width, {.unit = "m", .range = above(0), .doc = "outer width along y (jet_flow: 0.4)"});
+    v("height", height, {.unit = "m", .range = above(0), .doc = "outer height along z (jet_flow: 0.12)"});
+    v("wall", wall, {.unit = "m", .range = above(0), .doc = "thickness of the walls that `walls` does not name (jet_flow: 0.004)"});
+    v.table("walls", walls, "thicknesses of single walls");
+    v("rear", rear, {.doc = "rear end: mercury goes on behind it, or a steel wall", .choices = {"non_reflecting", "wall"}});
+    v("plane_strain", plane_strain, {.doc = "box: one element across y, no side walls, no motion along y"});
+    v("half", half, {.doc = "keep y >= 0 only, with a symmetry plane; gauges are mirrored into it"});
+    v("quarter", quarter, {.doc = "bar: keep y >= 0 and z >= 0 only, with symmetry planes; gauges are mirrored into it"});
+    v("radius", radius, {.unit = "m", .range = above(0), .doc = "bar: radius"});
+    v("nose_radius", nose_radius, {.unit = "m", .range = above(0), .doc = "jet_flow: outer radius of the nose (default: half the height)"});
+    v("window", window, {.unit = "m", .range = above(0), .doc = "jet_flow: wall thickness at the tip of the nose (default 0.002)"});
+    v.table("jet", jet, "jet_flow: the plates that lead a jet along the window");
+    v("element_size", element_size,
+      {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly (jet_flow: 0.003, bar: radius/4)"});
+    v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
+    v("wetted", wetted, {.doc = "steel and mercury slip along each other, or share nodes", .choices = {"slip", "tied"}});
+    v("file", file, {.doc = "mesh file of kind = \"mesh\""});
+    v("max_elements", max_elements, {.range = between(1, 3e8), .doc = "refuse a mesh of more elements than this"});
+  }
+
+  /// Errors: InputError on the key that is missing, does not belong to the kind, leaves no mercury, or asks for more
+  /// than `max_elements`. Nothing is allocated.
+  void validate() const;
+
+  /// Thickness [m] of "front", "rear", "side", "top" or "bottom". Errors: InputError when neither `walls` nor `wall` gives it.
+  [[nodiscard]] double wall_thickness(const std::string& name) const;
+  /// Key that gave that thickness: "walls.top" or "wall".
+  [[nodiscard]] std::string wall_key(const std::string& name) const;
+  /// The dimensions with the defaults of the kind filled in.
+  [[nodiscard]] GeometryOptions resolved() const;
+  /// Elements through a layer of this thickness [m]; `steel` layers have at least 2, or `wall_elements`.
+  [[nodiscard]] int divisions(double thickness, bool steel) const;
+  /// The same for any thickness, however many that is.
+  [[nodiscard]] double layer_count(double thickness, bool steel) const;
+  /// Number of elements that `make_mesh` would make.
+  [[nodiscard]] double estimated_elements() const;
+};
+
+/// Divisions of a bar's section and length.
+struct BarDivisions {
+  double core, shell, along;
+};
+BarDivisions bar_divisions(const GeometryOptions& resolved);
+
+/// Plan of the section of a jet-flow target: a wrap of layers around the nose and both legs, and a core within it.
+/// Each list of counts belongs to the intervals between neighbouring entries of the list before it.
+struct JetFlowPlan {
+  std::vector<double> leg;  ///< x from the rear end to where the nose begins [m]
+  std::vector<double> leg_counts;
+  std::vector<double> angles;  ///< from where the nose begins, 0, to its tip, 90 [deg]
+  std::vector<double> arc_counts;
+  std::size_t corner = 0;                                   ///< the angle that ends at the core's corner
+  double flat_count = 0;                                    ///< intervals on the flat front of a nose of less than half the height
+  double wall = 0, channel = 0, plate = 0, transition = 0;  ///< layers of the wrap
+  [[nodiscard]] double elements() const;
+};
+JetFlowPlan jet_flow_plan(const GeometryOptions& resolved);
 
 }  // namespace calomel

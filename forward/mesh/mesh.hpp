@@ -49,6 +49,7 @@ struct Mesh {
   std::vector<Face> loaded;                     ///< faces on which an end_stress acts (bar: x = 0)
   bool plane_strain = false;                    ///< one element across y, both y faces symmetric
   bool half = false;                            ///< y >= 0 only; gauges are mirrored into it
+  bool quarter = false;                         ///< y >= 0 and z >= 0 only (bar); gauges are mirrored into it
   double liquid_element_size = 0;               ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
   MeshQuality quality;
 };

@@ -1,0 +1,21 @@
+'use strict';
+// Everything is drawn from the one block of data; a drawing that fails says so in its place and leaves the others alone.
+(function () {
+  const data = JSON.parse(document.getElementById('report-data').textContent);
+  const attempt = (id, draw) => {
+    try {
+      draw();
+    } catch (error) {
+      const place = document.getElementById(id);
+      if (place) element('p', { class: 'missing' }, place, `This drawing could not be made: ${error.message}`);
+      console.error(error);
+    }
+  };
+  attempt('histories-plots', () => draw_histories(data.histories));
+  attempt('convergence-plot', () => draw_lines(document.getElementById('convergence-plot'), data.convergence, false));
+  attempt('loss-plot', () => draw_lines(document.getElementById('loss-plot'), data.loss, true));
+  attempt('ridge-plot', () => draw_ridge(document.getElementById('ridge-plot'), data.ridge));
+  attempt('design-plot', () => draw_design(document.getElementById('design-plot'), data.design));
+  attempt('target-view', () => draw_target(document.getElementById('target-view'), document.getElementById('target-note'), data.target));
+  document.documentElement.setAttribute('data-drawn', 'yes');
+})();

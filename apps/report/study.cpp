@@ -1,0 +1,134 @@
+#include "apps/report/study.hpp"
+
+#include <cmath>
+
+#include "base/artefact.hpp"
+#include "base/netcdf_file.hpp"
+
+namespace calomel {
+
+std::optional<double> number_at(const Json& json, const std::string& key) {
+  const Json& j = part_at(json, key);
+  return j.is_number() ? std::optional(j.get<double>()) : std::nullopt;
+}
+
+std::string text_at(const Json& json, const std::string& key, const std::string& otherwise) {
+  const Json& j = part_at(json, key);
+  return j.is_string() ? j.get<std::string>() : otherwise;
+}
+
+const Json& list_at(const Json& json, const std::string& key) {
+  static const Json nothing = Json::array();
+  const Json& j = part_at(json, key);
+  return j.is_array() ? j : nothing;
+}
+
+const Json& part_at(const Json& json, const std::string& key) {
+  static const Json nothing;
+  if (!json.is_object()) return nothing;
+  const auto found = json.find(key);
+  return found == json.end() ? nothing : *found;
+}
+
+const Calibration* Study::calibration(const std::string& method) const {
+  for (const auto& c : calibrations)
+    if (c.method == method) return &c;
+  return nullptr;
+}
+
+namespace {
+std::optional<Json> json_if_there(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  return read_json(path);
+}
+
+/// Values of a (condition, sensor, time) variable; a file of one condition may leave the first axis out.
+std::vector<double> values(const NetcdfReader& file, const std::string& name, const Histories& h, std::size_t times, const std::filesystem::path& path) {
+  if (!file.has(name)) return {};
+  auto list = file.doubles(name);
+  const std::size_t wanted = h.conditions.size() * h.sensors.size() * times;
+  if (list.size() != wanted)
+    throw InputError({.problem = "has " + std::to_string(list.size()) + " values where its sensors and times make " + std::to_string(wanted),
+                      .key = name,
+                      .suggestion = "make the artefact anew with --fresh",
+                      .file = path.string()});
+  return list;
+}
+
+Histories axes(const NetcdfReader& file) {
+  Histories h;
+  h.sensors = file.strings("sensor");
+  h.conditions = file.has("condition") ? file.strings("condition") : std::vector<std::string>{"default"};
+  h.time = file.doubles("time");
+  return h;
+}
+
+std::optional<Histories> calibration_histories(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const NetcdfReader file(path);
+  Histories h = axes(file);
+  if (file.has("record_time")) h.record_time = file.doubles("record_time");
+  h.calibrated = values(file, "calibrated", h, h.time.size(), path);
+  h.nominal = values(file, "nominal", h, h.time.size(), path);
+  h.record_mean = values(file, "record_mean", h, h.record_time.size(), path);
+  h.band_low = values(file, "band_low", h, h.record_time.size(), path);
+  h.band_high = values(file, "band_high", h, h.record_time.size(), path);
+  return h;
+}
+
+std::optional<Histories> simulation_histories(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const NetcdfReader file(path);
+  Histories h = axes(file);
+  h.nominal = values(file, "strain", h, h.time.size(), path);
+  return h;
+}
+
+std::optional<CampaignRuns> campaign_runs(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const NetcdfReader file(path);
+  CampaignRuns c;
+  c.parameters = file.strings("parameter");
+  c.theta = file.doubles("theta");
+  c.status = file.integers("status");
+  if (file.has("sensor")) c.sensors = file.strings("sensor");
+  c.message = file.has("message") ? file.strings("message") : std::vector<std::string>(c.runs());
+  std::string word;
+  for (const char letter : file.attribute("flag_meanings", "status") + ' ')
+    if (letter != ' ')
+      word += letter;
+    else if (!word.empty())
+      c.status_words.push_back(std::move(word)), word.clear();
+  if (c.theta.size() != c.runs() * c.parameters.size() || c.message.size() != c.runs())
+    throw InputError({.problem = "theta, status and message are not of one number of runs", .suggestion = "make it anew with --fresh", .file = path.string()});
+
+  // The scatter has the axes (run, [condition,] sensor, time).
+  if (file.has("scatter") && !c.sensors.empty()) {
+    const auto shape = file.shape("scatter");
+    const auto list = file.doubles("scatter");
+    const std::size_t times = shape.empty() ? 0 : shape.back();
+    std::vector<double> sum(c.sensors.size()), count(c.sensors.size());
+    for (std::size_t i = 0; times > 0 && i < list.size(); ++i) {
+      const std::size_t s = i / times % c.sensors.size();
+      if (std::isfinite(list[i])) sum[s] += list[i] * list[i], ++count[s];
+    }
+    for (std::size_t s = 0; s < sum.size(); ++s) c.scatter.push_back(count[s] > 0 ? std::sqrt(sum[s] / count[s]) : std::nan(""));
+  }
+  return c;
+}
+}  // namespace
+
+Study read_study(const std::filesystem::path& out_dir) {
+  Study study;
+  for (const auto& [method, label] : {std::pair{"enc", "ENC"}, std::pair{"spe", "SPE"}, std::pair{"map", "MAP"}})
+    if (auto summary = json_if_there(out_dir / (std::string(method) + ".json")))
+      study.calibrations.push_back({method, label, std::move(*summary), calibration_histories(out_dir / (std::string(method) + ".nc"))});
+  study.campaign = json_if_there(out_dir / "campaign.json");
+  study.train = json_if_there(out_dir / "train.json");
+  study.simulate = json_if_there(out_dir / "simulate.json");
+  study.runs = campaign_runs(out_dir / "campaign.nc");
+  study.simulation = simulation_histories(out_dir / "simulate.nc");
+  return study;
+}
+
+}  // namespace calomel

@@ -1,0 +1,60 @@
+#pragma once
+/// The artefacts of an output directory as the report reads them: what is there, and nothing where a stage has not run.
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+
+namespace calomel {
+
+/// Time histories of a calibration (METHOD.nc) or of one simulation (simulate.nc), in the data's unit.
+/// Arrays are (condition, sensor, time) or (condition, sensor, record_time), row-major; empty where the file has none.
+struct Histories {
+  std::vector<std::string> conditions, sensors;
+  std::vector<double> time, record_time;                 ///< [s]
+  std::vector<double> calibrated, nominal;               ///< over `time`
+  std::vector<double> record_mean, band_low, band_high;  ///< over `record_time`
+};
+
+struct Calibration {
+  std::string method;  ///< "enc", "spe", "map"
+  std::string label;   ///< "ENC", ...
+  Json summary;        ///< METHOD.json
+  std::optional<Histories> histories;
+};
+
+/// campaign.nc without its histories.
+struct CampaignRuns {
+  std::vector<std::string> parameters, sensors;
+  std::vector<double> theta;  ///< (run, parameter)
+  std::vector<int> status;    ///< (run), 0 = done
+  std::vector<std::string> status_words;
+  std::vector<std::string> message;  ///< (run)
+  std::vector<double> scatter;       ///< (sensor): root mean square over runs, conditions and times of the scatter between pulses [data's unit]; or empty
+  [[nodiscard]] std::size_t runs() const { return status.size(); }
+};
+
+struct Study {
+  std::vector<Calibration> calibrations;
+  std::optional<Json> campaign, train, simulate;
+  std::optional<CampaignRuns> runs;
+  std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
+
+  [[nodiscard]] const Calibration* calibration(const std::string& method) const;
+};
+
+/// Errors: InputError naming a file that is there but cannot be read.
+Study read_study(const std::filesystem::path& out_dir);
+
+/// The number at `key`, when `json` is an object that has one.
+std::optional<double> number_at(const Json& json, const std::string& key);
+/// The text at `key`, or `otherwise`.
+std::string text_at(const Json& json, const std::string& key, const std::string& otherwise = "");
+/// The list at `key`, or an empty one.
+const Json& list_at(const Json& json, const std::string& key);
+/// The object or list at `key`, or null.
+const Json& part_at(const Json& json, const std::string& key);
+
+}  // namespace calomel

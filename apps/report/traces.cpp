@@ -1,0 +1,228 @@
+#include "apps/report/traces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "apps/report/table.hpp"
+#include "apps/report/tables.hpp"
+
+namespace calomel {
+
+Json rounded(double x, int digits) {
+  if (!std::isfinite(x)) return nullptr;
+  const double r = std::strtod(fmt::format("{:.{}e}", x, digits - 1).c_str(), nullptr);
+  // Whole numbers are written without ".0".
+  if (r == std::trunc(r) && std::abs(r) < 1e15) return Json(std::int64_t(r));
+  return r;
+}
+
+std::vector<double> interpolated(std::span<const double> times, std::span<const double> values, std::span<const double> at) {
+  std::vector<double> out;
+  out.reserve(at.size());
+  if (times.empty()) return std::vector<double>(at.size(), std::nan(""));
+  const double tolerance = times.size() > 1 ? 1e-6 * (times.back() - times.front()) / double(times.size() - 1) : 0;
+  for (const double t : at) {
+    const auto next = std::lower_bound(times.begin(), times.end(), t - tolerance);
+    if (next == times.end() || t < times.front() - tolerance) {
+      out.push_back(std::nan(""));
+      continue;
+    }
+    const auto i = std::size_t(next - times.begin());
+    if (std::abs(times[i] - t) <= tolerance || i == 0) {  // on a sample: the sample itself, whatever its neighbours hold
+      out.push_back(values[i]);
+      continue;
+    }
+    const double w = (t - times[i - 1]) / (times[i] - times[i - 1]);
+    out.push_back((1 - w) * values[i - 1] + w * values[i]);
+  }
+  return out;
+}
+
+Thinning::Thinning(std::size_t n, std::size_t most) : n_(n) {
+  if (n > most) width_ = 2 * ((n + most - 1) / most);  // samples a window, of which two are kept
+}
+
+std::vector<double> Thinning::times(std::span<const double> t) const {
+  if (!active()) return {t.begin(), t.end()};
+  std::vector<double> out;
+  for (std::size_t b = 0; b < n_; b += width_) {
+    const std::size_t n = std::min(n_ - b, width_);
+    out.push_back(t[b + n / 4]);
+    if (n > 1) out.push_back(t[b + 3 * n / 4]);
+  }
+  return out;
+}
+
+std::vector<double> Thinning::extremes(std::span<const double> values) const {
+  if (!active()) return {values.begin(), values.end()};
+  std::vector<double> out;
+  for (std::size_t b = 0; b < n_; b += width_) {
+    const std::size_t end = std::min(n_, b + width_);
+    std::size_t low = n_, high = n_;
+    for (std::size_t i = b; i < end; ++i) {
+      if (!std::isfinite(values[i])) continue;
+      if (low == n_ || values[i] < values[low]) low = i;
+      if (high == n_ || values[i] > values[high]) high = i;
+    }
+    const auto at = [&](std::size_t i) { return i == n_ ? std::nan("") : values[i]; };
+    out.push_back(at(std::min(low, high)));
+    if (end - b > 1) out.push_back(at(std::max(low, high)));
+  }
+  return out;
+}
+
+namespace {
+/// One trace of the page: its times and, for a condition and a sensor, its values.
+struct Series {
+  std::string key, label;
+  const Histories* histories;
+  const std::vector<double>* values;
+  bool on_records;  ///< over record_time, else over time
+  [[nodiscard]] const std::vector<double>& times() const { return on_records ? histories->record_time : histories->time; }
+  /// Empty when these histories lack the sensor or the condition.
+  [[nodiscard]] std::span<const double> at(const std::string& condition, const std::string& sensor) const {
+    const auto& h = *histories;
+    const auto c = std::size_t(std::find(h.conditions.begin(), h.conditions.end(), condition) - h.conditions.begin());
+    const auto s = std::size_t(std::find(h.sensors.begin(), h.sensors.end(), sensor) - h.sensors.begin());
+    if (c == h.conditions.size() || s == h.sensors.size() || values->empty()) return {};
+    const std::size_t n = times().size();
+    return std::span(*values).subspan((c * h.sensors.size() + s) * n, n);
+  }
+};
+
+struct Traces {
+  std::vector<Series> series;  ///< measured mean, band low, band high, nominal, methods
+  std::vector<std::string> conditions, sensors;
+};
+
+Traces collect(const Study& study, const ReportInput& input) {
+  Traces t;
+  const Histories* records = nullptr;
+  const Histories* nominal = nullptr;
+  for (const auto& c : study.calibrations) {
+    if (!c.histories) continue;
+    if (!records && !c.histories->record_mean.empty()) records = &*c.histories;
+    if (!nominal && !c.histories->nominal.empty()) nominal = &*c.histories;
+  }
+  if (records) {
+    t.series.push_back({"measured", "measured mean and band", records, &records->record_mean, true});
+    t.series.push_back({"low", "band low", records, &records->band_low, true});
+    t.series.push_back({"high", "band high", records, &records->band_high, true});
+  }
+  if (nominal)
+    t.series.push_back({"nominal", "nominal simulation", nominal, &nominal->nominal, false});
+  else if (study.simulation)
+    t.series.push_back({"nominal", "simulation (simulate.nc)", &*study.simulation, &study.simulation->nominal, false});
+  for (const auto& c : study.calibrations)
+    if (c.histories && !c.histories->calibrated.empty())
+      t.series.push_back({c.method, "calibrated simulation, " + c.label, &*c.histories, &c.histories->calibrated, false});
+
+  const auto add = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  };
+  for (const auto& s : input.sensors) add(t.sensors, s.name);
+  for (const auto& s : t.series) {
+    for (const auto& c : s.histories->conditions) add(t.conditions, c);
+    for (const auto& name : s.histories->sensors) add(t.sensors, name);
+  }
+  return t;
+}
+
+/// Rising union of the series' times; times closer than a millionth of the span are one.
+std::vector<double> union_times(const std::vector<Series>& series) {
+  std::vector<double> all;
+  for (const auto& s : series) all.insert(all.end(), s.times().begin(), s.times().end());
+  if (all.empty()) return all;
+  std::sort(all.begin(), all.end());
+  const double tolerance = 1e-7 * (all.back() - all.front());
+  std::vector<double> out{all.front()};
+  for (const double t : all)
+    if (t - out.back() > tolerance) out.push_back(t);
+  return out;
+}
+
+/// The times of the plots: those of the records, continued by those of the simulation before and after.
+std::vector<double> plot_times(const std::vector<Series>& series) {
+  const auto all = union_times(series);
+  const auto records = std::find_if(series.begin(), series.end(), [](const Series& s) { return s.on_records && !s.times().empty(); });
+  if (records == series.end()) return all;
+  const auto& grid = records->times();
+  const double tolerance = 1e-7 * (all.back() - all.front());
+  std::vector<double> times;
+  for (const double t : all)
+    if (t < grid.front() - tolerance) times.push_back(t);
+  times.insert(times.end(), grid.begin(), grid.end());
+  for (const double t : all)
+    if (t > grid.back() + tolerance) times.push_back(t);
+  return times;
+}
+}  // namespace
+
+Json histories_json(const Study& study, const ReportInput& input, std::size_t most) {
+  const Traces traces = collect(study, input);
+  if (traces.series.empty()) return nullptr;
+  const auto unit = display_unit(input);
+  const auto grid = plot_times(traces.series);
+  const Thinning thinning(grid.size(), most);
+
+  Json json{{"unit", unit.name}, {"thinned", thinning.active()}, {"samples", grid.size()}};
+  json["time"] = Json::array();
+  for (const double t : thinning.times(grid)) json["time"].push_back(rounded(t * 1e6, 7));
+  json["series"] = Json::array();
+  for (const auto& s : traces.series)
+    if (s.key != "low" && s.key != "high") json["series"].push_back({{"key", s.key}, {"label", s.label}});
+  json["conditions"] = Json::array();
+  for (const auto& condition : traces.conditions) {
+    Json sensors = Json::array();
+    for (const auto& sensor : traces.sensors) {
+      Json item{{"name", sensor}};
+      for (const auto& s : traces.series) {
+        const auto values = s.at(condition, sensor);
+        if (values.empty() || std::none_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); })) continue;
+        Json list = Json::array();
+        for (const double x : thinning.extremes(interpolated(s.times(), values, grid))) list.push_back(rounded(x * unit.factor, 4));
+        item[s.key] = std::move(list);
+      }
+      if (item.size() > 1) sensors.push_back(std::move(item));
+    }
+    json["conditions"].push_back({{"name", condition}, {"sensors", std::move(sensors)}});
+  }
+  return json;
+}
+
+std::string histories_csv(const Study& study, const ReportInput& input) {
+  const Traces traces = collect(study, input);
+  if (traces.series.empty()) return {};
+  const double factor = display_unit(input).factor;
+  const auto grid = union_times(traces.series);
+  const double tolerance = grid.empty() ? 0 : 1e-7 * (grid.back() - grid.front());
+  std::string csv = "condition,sensor,time_s";
+  for (const auto& s : traces.series)
+    csv += ',' + std::string(s.key == "measured" ? "measured_mean" : s.key == "low" ? "band_low" : s.key == "high" ? "band_high" : s.key);
+  csv += '\n';
+  for (const auto& condition : traces.conditions)
+    for (const auto& sensor : traces.sensors) {
+      const std::string head = csv_field(condition) + ',' + csv_field(sensor) + ',';
+      std::vector<std::span<const double>> values;
+      for (const auto& s : traces.series) values.push_back(s.at(condition, sensor));
+      if (std::all_of(values.begin(), values.end(), [](const auto& v) { return v.empty(); })) continue;
+      std::vector<std::size_t> next(values.size(), 0);
+      for (const double t : grid) {
+        csv += head + number_text(t);
+        for (std::size_t k = 0; k < values.size(); ++k) {
+          csv += ',';
+          const auto& times = traces.series[k].times();
+          while (next[k] < times.size() && times[next[k]] < t - tolerance) ++next[k];
+          if (next[k] < values[k].size() && std::abs(times[next[k]] - t) <= tolerance && std::isfinite(values[k][next[k]]))
+            csv += number_text(values[k][next[k]] * factor);
+        }
+        csv += '\n';
+      }
+    }
+  return csv;
+}
+
+}  // namespace calomel

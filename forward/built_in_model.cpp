@@ -1,0 +1,243 @@
+#include "forward/built_in_model.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+
+#include "forward/mesh/make_mesh.hpp"
+#include "forward/solver/kernel.hpp"
+
+namespace calomel {
+
+std::vector<double> pulse_energies(const EnsembleOptions& o) {
+  std::vector<double> a;
+  const boost::math::normal standard;
+  for (int i = 0; i < o.pulses; ++i) a.push_back(o.pulses == 1 ? 1.0 : 1 + o.energy_sd * boost::math::quantile(standard, (i + 0.5) / o.pulses));
+  return a;
+}
+
+namespace {
+
+std::vector<LocatedGauge> locate_gauges(const Mesh& mesh, const std::vector<SensorOptions>& sensors) {
+  const GaugeLocator locator(mesh);
+  std::vector<LocatedGauge> out;
+  for (std::size_t i = 0; i < sensors.size(); ++i) try {
+      out.push_back(locator.locate(sensors[i]));
+    } catch (const InputError& e) {
+      auto parts = e.parts();
+      parts.key = fmt::format("sensor[{}].{}", i, parts.key);
+      throw InputError(parts);
+    }
+  return out;
+}
+
+Mesh mesh_of(const GeometryOptions& g) try {
+  return make_mesh(g);
+} catch (const InputError& e) {
+  auto parts = e.parts();
+  if (parts.key.rfind("geometry", 0) != 0) parts.key = parts.key.empty() ? "geometry" : "geometry." + parts.key;
+  throw InputError(parts);
+}
+
+std::vector<ObservationRow> axial_rows(const std::vector<LocatedGauge>& gauges) {
+  std::vector<ObservationRow> rows;
+  for (const auto& g : gauges) rows.push_back({g.axial.nodes, g.axial.weights});
+  return rows;
+}
+
+double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
+  return std::max(c.mercury.regularising_viscosity, c.mercury.least_mesh_viscosity * c.mercury.density * c.mercury.sound_speed * mesh.liquid_element_size);
+}
+
+/// How many times the modelled part the whole target is.
+double symmetry_factor(const Mesh& mesh) { return mesh.half ? 2 : 1; }
+
+/// y(t) = gain x(t - delay) on the output grid: cubic Hermite through the samples, x = 0 before the start.
+void respond(const SensorOptions& s, double interval, std::span<double> y) {
+  if (s.delay != 0) {
+    const std::vector<double> x(y.begin(), y.end());
+    const auto n = std::ptrdiff_t(x.size());
+    const auto at = [&](std::ptrdiff_t i) { return i < 0 ? 0.0 : x[std::size_t(std::min(i, n - 1))]; };
+    for (std::ptrdiff_t k = 0; k < n; ++k) {
+      const double position = double(k) - s.delay / interval;
+      const auto i = std::ptrdiff_t(std::floor(position));
+      const double w = position - double(i);
+      const double m0 = 0.5 * (at(i + 1) - at(i - 1)), m1 = 0.5 * (at(i + 2) - at(i));
+      const double w2 = w * w, w3 = w2 * w;
+      y[std::size_t(k)] = (2 * w3 - 3 * w2 + 1) * at(i) + (w3 - 2 * w2 + w) * m0 + (3 * w2 - 2 * w3) * at(i + 1) + (w3 - w2) * m1;
+    }
+  }
+  for (auto& v : y) v *= s.gain;
+}
+
+}  // namespace
+
+BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads)
+    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(mesh_of(case_.geometry))) {
+  gauges_ = locate_gauges(*mesh_, case_.sensors);
+  heating_ = heating_shape(*mesh_, case_.load.profile);
+  solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
+  shape_.parameters = case_.parameters;
+  for (const auto& c : case_.conditions) shape_.conditions.push_back(c.name);
+  if (shape_.conditions.empty()) shape_.conditions = {"default"};
+  for (const auto& s : case_.sensors) shape_.sensors.push_back(s.name);
+  for (std::size_t k = 0; k < case_.time.samples(); ++k) shape_.times.push_back(double(k) * case_.time.output_interval);
+  for (const auto& p : case_.parameters) {
+    const bool gauge = p.key.rfind("sensor.", 0) == 0 && !p.key.ends_with(".gain") && !p.key.ends_with(".delay");
+    remesh_ = remesh_ || gauge || p.key.rfind("geometry.", 0) == 0 || p.key.rfind("load.profile", 0) == 0;
+    resteel_ = resteel_ || p.key == "material.steel.young" || p.key == "material.steel.poisson";
+  }
+}
+BuiltInModel::~BuiltInModel() = default;
+
+RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_t condition, std::vector<double> energies) const {
+  RunSetup s;
+  s.steel_density = at.steel.density;
+  s.liquid_density = at.mercury.density;
+  s.steel = LinearElastic::from_young(at.steel.young, at.steel.poisson);
+  s.liquid = liquid_laws().get(at.mercury.law, "material.mercury.law")(at.mercury, viscosity_of(at, mesh));
+  s.hourglass = at.mercury.hourglass;
+  s.quadratic_viscosity = at.mercury.quadratic_viscosity;
+  s.energies = std::move(energies);
+  s.end = at.time.end, s.output_interval = at.time.output_interval;
+  if (at.load.kind == "end_stress") {
+    s.end_stress = at.end_stress;
+    return s;
+  }
+  // The heat is that of the case's own liquid; with the Gruneisen policy the pressure follows the sound speed.
+  const bool own = &mesh == mesh_.get();
+  const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, at.load.profile);
+  const HeatingShape& heating = own ? heating_ : other;
+  const auto peak_pressure = at.conditions.empty() ? at.load.peak_pressure : at.conditions[condition].peak_pressure;
+  const auto energy = at.conditions.empty() ? at.load.energy : at.conditions[condition].energy;
+  const double nominal_speed = case_.mercury.sound_speed, gamma = gruneisen(case_.mercury, nominal_speed);
+  double peak = peak_pressure ? *peak_pressure : *energy * gamma / (heating.integral * symmetry_factor(mesh));
+  if (at.load.policy == "gruneisen") {
+    const double ratio = at.mercury.sound_speed / nominal_speed;
+    if (std::abs(ratio - 1) > 0.15)
+      throw NumericsError(fmt::format("the gruneisen policy holds for a sound speed within 15 % of nominal ({:.5g} m/s), this is {:.5g} m/s", nominal_speed, at.mercury.sound_speed));
+    peak *= gruneisen(at.mercury, at.mercury.sound_speed) / gamma;
+  }
+  s.pulse_length = at.load.pulse_length;
+  s.p0.resize(mesh.elements.size());
+  for (std::size_t e = 0; e < s.p0.size(); ++e) s.p0[e] = peak * heating.element[e];
+  s.p0_at = [profile = at.load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
+  return s;
+}
+
+Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
+  Prediction out;
+  out.energies = pulse_energies(ensemble_);
+  const std::size_t m = out.energies.size(), values = shape_.values(), times = shape_.times.size(), sensors = shape_.sensors.size();
+  try {
+    const ForwardCase at = case_.at(theta);
+    // A parameter of the geometry needs a mesh of its own, one of the steel's moduli its own elements.
+    std::unique_ptr<Mesh> own_mesh;
+    std::unique_ptr<ExplicitSolver> own_solver;
+    std::vector<LocatedGauge> own_gauges;
+    if (remesh_) own_mesh = std::make_unique<Mesh>(mesh_of(at.geometry)), own_gauges = locate_gauges(*own_mesh, at.sensors);
+    const Mesh& mesh = own_mesh ? *own_mesh : *mesh_;
+    if (remesh_ || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
+    const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
+    const auto rows = axial_rows(own_mesh ? own_gauges : gauges_);
+
+    std::vector<double> pulses(m * values);
+    for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition)
+      for (std::size_t first = 0; first < m; first += run_lanes) {
+        const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
+        const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
+        SolveOptions options;
+        options.precision = at.solver.precision, options.time_step_safety = at.solver.time_step_safety;
+        options.heated_rear = at.solver.rear_reference == "heated";
+        options.threads = threads_;
+        const SolveSummary summary = solver.solve(s, rows, options);
+        expect(summary.times.size() == times, "the solver observes at every output time");
+        for (std::size_t r = 0; r < count; ++r)
+          for (std::size_t k = 0; k < sensors; ++k) {
+            const auto from = summary.observations.begin() + std::ptrdiff_t((r * sensors + k) * times);
+            double* to = pulses.data() + (first + r) * values + shape_.at(condition, k, 0);
+            std::copy(from, from + std::ptrdiff_t(times), to);
+            respond(at.sensors[k], at.time.output_interval, {to, times});
+          }
+      }
+
+    out.mean.assign(values, 0), out.energy_slope.assign(values, 0), out.scatter.assign(values, 0);
+    double mean_energy = 0, spread = 0;
+    for (const double a : out.energies) mean_energy += a / double(m);
+    for (const double a : out.energies) spread += (a - mean_energy) * (a - mean_energy);
+    for (std::size_t i = 0; i < values; ++i) {
+      double mean = 0, slope = 0, rest = 0;
+      for (std::size_t r = 0; r < m; ++r) mean += pulses[r * values + i] / double(m);
+      if (m > 1 && spread > 0)
+        for (std::size_t r = 0; r < m; ++r) slope += (out.energies[r] - mean_energy) * pulses[r * values + i] / spread;
+      for (std::size_t r = 0; r < m; ++r) {
+        const double d = pulses[r * values + i] - mean - slope * (out.energies[r] - mean_energy);
+        rest += d * d;
+      }
+      out.mean[i] = mean, out.energy_slope[i] = slope, out.scatter[i] = m > 2 ? std::sqrt(rest / double(m - 2)) : 0;
+    }
+    out.pulses.assign(pulses.begin(), pulses.end());
+  } catch (const NumericsError& e) {
+    out = Prediction{.ok = false, .message = e.what()};
+  } catch (const InputError& e) {  // a parameter that leads outside what a mesh or a table allows
+    out = Prediction{.ok = false, .message = e.what()};
+  }
+  return out;
+}
+
+BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) const {
+  Simulation out;
+  const auto rows = axial_rows(gauges_);
+  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
+  out.strain.resize(shape_.values());
+  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+    SolveSummary s = solver_->solve(setup(case_, *mesh_, condition, {1.0}), rows, options);
+    for (std::size_t k = 0; k < sensors; ++k) {
+      double* to = out.strain.data() + shape_.at(condition, k, 0);
+      std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
+      respond(case_.sensors[k], case_.time.output_interval, {to, times});
+    }
+    if (condition == 0) {
+      out.summary = std::move(s);
+    } else {
+      out.summary.wall_seconds += s.wall_seconds;
+      out.summary.steps += s.steps;
+      out.summary.energy_balance_error = std::max(out.summary.energy_balance_error, s.energy_balance_error);
+    }
+  }
+  return out;
+}
+
+ModelDescription BuiltInModel::describe() const {
+  ModelDescription d;
+  d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
+  const RunSetup s = setup(case_, *mesh_, 0, {1.0});
+  const int per_output = solver_->steps_per_output(s, case_.solver.time_step_safety);
+  d.time_step = case_.time.output_interval / per_output;
+  d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
+  d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;
+  d.estimated_bytes = double(d.elements) * (case_.solver.precision == "single" ? 300 : 550);
+  d.notes = case_.notes;
+  if (!heating_.element.empty() && heating_.integral > 0 && !s.p0.empty()) {
+    double peak = 0;
+    for (std::size_t e = 0; e < s.p0.size() && peak == 0; ++e)
+      if (heating_.element[e] > 0) peak = s.p0[e] / heating_.element[e];
+    d.deposited_energy = peak * heating_.integral * symmetry_factor(*mesh_) / gruneisen(case_.mercury, case_.mercury.sound_speed);
+    d.viscosity = s.liquid.viscosity;
+    d.mesh_decides_viscosity = s.liquid.viscosity > case_.mercury.regularising_viscosity;
+    if (d.mesh_decides_viscosity)
+      d.warnings.push_back(fmt::format("the mesh decides the regularising viscosity: {:.4g} Pa s, above the set {:.4g} Pa s; elements below {:.3g} mm in the mercury avoid that", d.viscosity,
+                                       case_.mercury.regularising_viscosity, 1e3 * case_.mercury.regularising_viscosity / (case_.mercury.least_mesh_viscosity * case_.mercury.density * case_.mercury.sound_speed)));
+    if (!mesh_->plane_strain && case_.geometry.kind == "jet_flow" && (d.deposited_energy < 12e3 || d.deposited_energy > 15e3))
+      d.warnings.push_back(fmt::format("the pulse deposits {:.3g} kJ; 12 to 15 kJ are usual at 1.4 MW", d.deposited_energy / 1e3));
+  }
+  if (mesh_->quality.least_wall_elements > 0 && mesh_->quality.least_wall_elements < 3)
+    d.warnings.push_back(fmt::format("a wall has only {} elements through its thickness; 3 or more show the bending strain within 4 %", mesh_->quality.least_wall_elements));
+  if (case_.geometry.wetted == "tied") d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
+  for (const auto& g : gauges_)
+    if (g.distance > 1e-6) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));
+  return d;
+}
+
+}  // namespace calomel

@@ -1,0 +1,72 @@
+#pragma once
+/// The built-in forward model: a case, its mesh and gauges, and the ensemble mean over pulse energies.
+#include <memory>
+
+#include "forward/forward_case.hpp"
+#include "forward/model.hpp"
+#include "forward/sensor/gauge.hpp"
+
+namespace calomel {
+
+/// How a record's mean is imitated: the mean of `pulses` runs whose relative energies are the quantiles (i + 1/2)/m of a
+/// normal with the measured pulse-to-pulse spread (physics.md section 1). One pulse: a single run at energy 1.
+struct EnsembleOptions {
+  int pulses = 8;
+  double energy_sd = 0.015;
+};
+std::vector<double> pulse_energies(const EnsembleOptions& options);
+
+/// What `check` prints and every artefact may carry.
+struct ModelDescription {
+  std::size_t elements = 0, nodes = 0, slip_pairs = 0;
+  double time_step = 0;             ///< [s], at the case's own parameters
+  std::int64_t steps = 0;
+  double viscosity = 0;             ///< eta [Pa s]
+  bool mesh_decides_viscosity = false;
+  double deposited_energy = 0;      ///< in the whole target [J]; 0 for an end_stress
+  double estimated_seconds = 0;     ///< of one run on one core at 20 million element-steps a second
+  double estimated_bytes = 0;
+  std::vector<std::string> warnings;
+  std::vector<std::string> notes;
+};
+
+class BuiltInModel : public ForwardModel {
+ public:
+  /// `threads`: of one run (a campaign runs points side by side on one thread each).
+  /// Errors: InputError for a mesh or gauge that cannot be made.
+  explicit BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble = {}, int threads = 1);
+  ~BuiltInModel() override;
+
+  [[nodiscard]] const ModelShape& shape() const override { return shape_; }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
+
+  /// One run at energy 1 with the case's own tables, the first condition unless named; with energy booking and fields as asked.
+  struct Simulation {
+    SolveSummary summary;
+    std::vector<double> strain;  ///< (condition, sensor, time) [-]
+  };
+  [[nodiscard]] Simulation simulate(const SolveOptions& options) const;
+
+  [[nodiscard]] ModelDescription describe() const;
+  [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
+  [[nodiscard]] const std::vector<LocatedGauge>& gauges() const { return gauges_; }
+  [[nodiscard]] const ForwardCase& forward_case() const { return case_; }
+  [[nodiscard]] const EnsembleOptions& ensemble() const { return ensemble_; }
+
+  /// The setup of a run at a case's numbers and one condition. Errors: NumericsError when they are outside a policy's reach.
+  [[nodiscard]] RunSetup setup(const ForwardCase& at, const Mesh& mesh, std::size_t condition, std::vector<double> energies) const;
+
+ private:
+  ForwardCase case_;
+  EnsembleOptions ensemble_;
+  int threads_;
+  ModelShape shape_;
+  std::unique_ptr<Mesh> mesh_;
+  std::vector<LocatedGauge> gauges_;
+  HeatingShape heating_;
+  std::unique_ptr<ExplicitSolver> solver_;
+  bool remesh_ = false;   ///< a parameter changes the geometry or the gauges
+  bool resteel_ = false;  ///< a parameter changes the steel's moduli
+};
+
+}  // namespace calomel

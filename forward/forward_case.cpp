@@ -1,0 +1,203 @@
+#include "forward/forward_case.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "forward/mechanism/mechanism.hpp"
+
+namespace calomel {
+
+namespace {
+
+struct CaseName {
+  std::string name;
+  template <class V>
+  void visit(V& v) {
+    v("name", name, {.doc = "title of the case"});
+  }
+};
+
+/// A table that holds only tables.
+struct NoKeys {
+  template <class V>
+  void visit(V&) {}
+};
+
+/// sensors = "sensors.csv": name,x,y,z,dx,dy,dz,gauge_length.
+std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  if (!in) throw InputError({.problem = "cannot be opened", .key = "sensors", .value = '"' + path.string() + '"'});
+  std::vector<SensorOptions> all;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty() || line[0] == '#' || (number == 1 && line.rfind("name", 0) == 0)) continue;
+    std::vector<std::string> words;
+    std::stringstream cells(line);
+    for (std::string w; std::getline(cells, w, ',');) words.push_back(w);
+    const auto fail = [&](const std::string& problem) {
+      return InputError({.problem = problem, .value = '"' + line + '"', .suggestion = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres", .file = path.string(), .line = number});
+    };
+    if (words.size() < 7 || words.size() > 8) throw fail(fmt::format("7 or 8 columns are expected, {} given", words.size()));
+    SensorOptions s;
+    s.name = words[0];
+    try {
+      for (std::size_t k = 0; k < 3; ++k) s.position[k] = std::stod(words[1 + k]), s.direction[k] = std::stod(words[4 + k]);
+      if (words.size() == 8) s.gauge_length = std::stod(words[7]);
+    } catch (const std::exception&) {
+      throw fail("a number is expected");
+    }
+    try {
+      s.validate();
+    } catch (const InputError& e) {
+      throw fail(e.parts().problem);
+    }
+    all.push_back(s);
+  }
+  return all;
+}
+
+/// The table whose path starts `key`, visited for its number; the known keys collect in `known`.
+template <class Self>
+NumberVisitor find_number(Self& self, const std::string& key) {
+  std::vector<std::string> known;
+  NumberVisitor found{""};
+  const auto look = [&](const std::string& path, auto& options) {
+    NumberVisitor v(key.rfind(path + '.', 0) == 0 ? key.substr(path.size() + 1) : "");
+    const_cast<std::remove_const_t<std::remove_reference_t<decltype(options)>>&>(options).visit(v);
+    for (const auto& k : v.known) known.push_back(path + '.' + k);
+    if (v.number || v.optional) found = v;
+  };
+  ForwardCase::visit_tables(self, look);
+  for (auto& s : self.sensors) look("sensor." + s.name, s);
+  if (!found.number && !found.optional)
+    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = "did you mean \"" + nearest_name(key, known) + "\"?"});
+  return found;
+}
+
+}  // namespace
+
+void TimeOptions::validate() const {
+  const double ratio = end / output_interval;
+  if (ratio < 0.999999 || ratio > 5e6 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
+    throw InputError({.problem = fmt::format("the end must be a multiple of output_interval = {} s (1 to 5 million samples)", number_text(output_interval)),
+                      .key = "end",
+                      .value = number_text(end),
+                      .suggestion = fmt::format("e.g. end = {}", number_text(std::max(1.0, std::round(ratio)) * output_interval))});
+}
+
+void ConditionOptions::validate() const {
+  if (peak_pressure.has_value() == energy.has_value())
+    throw InputError({.problem = "a condition needs either peak_pressure or energy", .key = "name", .value = '"' + name + '"'});
+}
+
+ForwardCase ForwardCase::read(CaseFile& file) {
+  ForwardCase c;
+  CaseName title;
+  file.read("case", title);
+  c.name = title.name.empty() ? file.path().stem().string() : title.name;
+  for (const char* required : {"geometry", "load"})
+    if (!file.has(required))
+      throw file.located(InputError({.problem = fmt::format("the table [{}] is missing", required), .suggestion = "see docs/case_reference.md or examples/"}));
+  file.read("geometry", c.geometry);
+  NoKeys none;
+  const std::vector<std::string> materials{"steel", "mercury"};
+  file.read("material", none, materials);
+  file.read("material.steel", c.steel);
+  file.read("material.mercury", c.mercury);
+  file.read("load", c.load);
+  file.read("time", c.time);
+  file.read("solver", c.solver);
+  if (c.load.kind == "end_stress") {
+    if (c.geometry.kind != "bar")
+      throw file.located(InputError({.problem = "an end_stress acts on the end of a bar", .key = "load.kind", .suggestion = "set geometry.kind = \"bar\", or use initial_pressure"}));
+    file.locating([&] { c.end_stress = read_history(file.resolve(c.load.file)); });
+    for (auto& v : c.end_stress.value) v *= c.load.stress_scale;
+  } else if (c.geometry.kind == "bar") {
+    throw file.located(InputError({.problem = "a bar holds no mercury to heat", .key = "load.kind", .suggestion = "use kind = \"end_stress\""}));
+  }
+
+  if (const auto table = file.text("sensors")) {
+    file.accept("sensors");
+    file.locating([&] { c.sensors = read_sensor_table(file.resolve(*table)); });
+  }
+  for (std::size_t i = 0; i < file.count("sensor"); ++i) {
+    SensorOptions s;
+    file.read(fmt::format("sensor[{}]", i), s);
+    c.sensors.push_back(s);
+  }
+  file.accept("sensor");
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < c.sensors.size(); ++i)
+    if (!names.insert(c.sensors[i].name).second)
+      throw file.located(InputError({.problem = "two sensors have the same name",
+                                     .key = file.count("sensor") == c.sensors.size() ? fmt::format("sensor[{}].name", i) : "sensors",
+                                     .value = '"' + c.sensors[i].name + '"',
+                                     .suggestion = "give each sensor its own"}));
+  if (c.sensors.empty()) throw file.located(InputError({.problem = "the case has no sensor", .suggestion = "add [[sensor]] tables with name, position and direction"}));
+
+  for (std::size_t i = 0; i < file.count("condition"); ++i) {
+    ConditionOptions condition;
+    file.read(fmt::format("condition[{}]", i), condition);
+    for (const auto& other : c.conditions)
+      if (other.name == condition.name)
+        throw file.located(InputError({.problem = "two conditions have the same name", .key = fmt::format("condition[{}].name", i)}));
+    c.conditions.push_back(condition);
+  }
+  file.accept("condition");
+  c.notes = read_mechanisms(file);
+  c.parameters = read_parameters(file);
+  for (auto& p : c.parameters) file.locating([&] {
+      const std::string table = "parameter." + p.name;
+      try {
+        if (!p.nominal) p.nominal = c.number(p.key);
+        else (void)c.number(p.key);
+        p.validate();
+      } catch (const InputError& e) {
+        auto parts = e.parts();
+        const bool has_key = file.has(table + ".key");
+        parts.key = parts.key.empty() ? table + (has_key ? ".key" : "") : table + '.' + parts.key;
+        throw InputError(parts);
+      }
+    });
+  return c;
+}
+
+double ForwardCase::number(const std::string& key) const {
+  const NumberVisitor v = find_number(*this, key);
+  if (v.number) return *v.number;
+  if (!*v.optional)
+    throw InputError({.problem = "has no value in the case, so there is no nominal", .value = '"' + key + '"', .suggestion = "set it in its table, or give the parameter a nominal"});
+  return **v.optional;
+}
+
+void ForwardCase::set_number(const std::string& key, double value) {
+  const NumberVisitor v = find_number(*this, key);
+  if (v.number) *v.number = value;
+  else *v.optional = value;
+}
+
+ForwardCase ForwardCase::at(std::span<const double> theta) const {
+  expect(theta.size() == parameters.size(), "one value for each parameter");
+  ForwardCase c = *this;
+  for (std::size_t i = 0; i < theta.size(); ++i) c.set_number(parameters[i].key, theta[i]);
+  return c;
+}
+
+Json ForwardCase::echo() const {
+  Json j;
+  visit_tables(*this, [&](const std::string& path, const auto& options) {
+    const auto dot = path.find('.');
+    (dot == std::string::npos ? j[path] : j[path.substr(0, dot)][path.substr(dot + 1)]) = calomel::echo(options);
+  });
+  for (const auto& s : sensors) j["sensor"].push_back(calomel::echo(s));
+  for (const auto& s : conditions) j["condition"].push_back(calomel::echo(s));
+  for (const auto& p : parameters) j["parameter"][p.name] = calomel::echo(p);
+  return j;
+}
+
+}  // namespace calomel

@@ -1,0 +1,179 @@
+#include "forward/mesh/exodus_fields.hpp"
+
+#include <exodusII.h>
+
+#include <algorithm>
+
+#include "base/artefact.hpp"
+#include "base/errors.hpp"
+#include "forward/mesh/hexahedron.hpp"
+
+namespace calomel {
+namespace {
+
+/// Exodus corners run round the bottom and then round the top (Schoof and Yarberry, SAND92-2137).
+constexpr std::array<std::size_t, 8> exodus_corner{0, 1, 3, 2, 4, 5, 7, 6};
+/// Exodus side of our faces -x, +x, -y, +y, -z, +z.
+constexpr std::array<int, 6> exodus_side{4, 2, 1, 3, 5, 6};
+
+int side_of_face(const Mesh& mesh, const Face& face) {
+  const auto& e = mesh.elements[std::size_t(face.element)];
+  for (std::size_t f = 0; f < 6; ++f)
+    if (std::all_of(hexahedron::faces[f].begin(), hexahedron::faces[f].end(),
+                    [&](int c) { return std::find(face.nodes.begin(), face.nodes.end(), e[std::size_t(c)]) != face.nodes.end(); }))
+      return exodus_side[f];
+  expect(false, "a face belongs to its element");
+  return 0;
+}
+
+}  // namespace
+
+ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mesh) : path_(std::move(path)), part_(path_.string() + ".part"), mesh_(mesh) {
+  make_directory(path_.parent_path());
+  ex_opts(0);
+  int memory = sizeof(double), file = sizeof(float);
+  id_ = ex_create(part_.c_str(), EX_CLOBBER | EX_LARGE_MODEL, &memory, &file);
+  if (id_ < 0) throw InputError({.problem = "the fields cannot be written", .suggestion = "check the path and the free space", .file = part_.string()});
+  try {
+    write_mesh();
+    write_sets();
+  } catch (...) {
+    ex_close(id_);
+    std::error_code ignored;
+    std::filesystem::remove(part_, ignored);
+    throw;
+  }
+}
+
+ExodusFieldWriter::~ExodusFieldWriter() {
+  if (id_ < 0) return;
+  ex_close(id_);
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
+void ExodusFieldWriter::check(int status, const char* doing) const {
+  if (status < 0)
+    throw InputError({.problem = std::string("the fields cannot be written (") + doing + ")", .suggestion = "check the free space", .file = part_.string()});
+}
+
+void ExodusFieldWriter::write_mesh() {
+  const std::size_t nodes = mesh_.nodes.size(), elements = mesh_.elements.size();
+  position_.resize(elements);
+  for (std::size_t e = 0; e < elements; ++e) block_[std::size_t(mesh_.region[e])].push_back(std::int32_t(e));
+  std::int32_t at = 0;
+  for (const auto& block : block_)
+    for (const auto e : block) position_[std::size_t(e)] = ++at;
+  int node_sets = 0, side_sets = 0;
+  for (int k = 0; k < 3; ++k) node_sets += std::any_of(mesh_.fixed.begin(), mesh_.fixed.end(), [&](auto f) { return f >> k & 1; });
+  for (const auto* faces : {&mesh_.outer, &mesh_.wetted, &mesh_.rear, &mesh_.loaded}) side_sets += !faces->empty();
+  const int blocks = int(!block_[0].empty()) + int(!block_[1].empty());
+  check(ex_put_init(id_, "calomel", 3, std::int64_t(nodes), std::int64_t(elements), blocks, node_sets, side_sets), "header");
+
+  std::array<std::vector<double>, 3> x;
+  for (std::size_t k = 0; k < 3; ++k) {
+    x[k].resize(nodes);
+    for (std::size_t n = 0; n < nodes; ++n) x[k][n] = mesh_.nodes[n][k];
+  }
+  check(ex_put_coord(id_, x[0].data(), x[1].data(), x[2].data()), "coordinates");
+  std::array<char*, 3> axes{const_cast<char*>("x"), const_cast<char*>("y"), const_cast<char*>("z")};
+  check(ex_put_coord_names(id_, axes.data()), "names of the coordinates");
+
+  const char* names[] = {"steel", "mercury"};
+  for (int b = 0; b < 2; ++b) {
+    const auto& block = block_[std::size_t(b)];
+    if (block.empty()) continue;
+    check(ex_put_block(id_, EX_ELEM_BLOCK, b + 1, "HEX8", std::int64_t(block.size()), 8, 0, 0, 0), "block");
+    check(ex_put_name(id_, EX_ELEM_BLOCK, b + 1, names[b]), "name of a block");
+    std::vector<int> connectivity;
+    connectivity.reserve(8 * block.size());
+    for (const auto e : block)
+      for (const auto c : exodus_corner) connectivity.push_back(mesh_.elements[std::size_t(e)][c] + 1);
+    check(ex_put_conn(id_, EX_ELEM_BLOCK, b + 1, connectivity.data(), nullptr, nullptr), "elements");
+  }
+}
+
+void ExodusFieldWriter::write_sets() {
+  const char* names[] = {"symmetry_x", "symmetry_y", "symmetry_z"};
+  for (int k = 0; k < 3; ++k) {
+    std::vector<int> nodes;
+    for (std::size_t n = 0; n < mesh_.fixed.size(); ++n)
+      if (mesh_.fixed[n] >> k & 1) nodes.push_back(int(n) + 1);
+    if (nodes.empty()) continue;
+    check(ex_put_set_param(id_, EX_NODE_SET, k + 1, std::int64_t(nodes.size()), 0), "node set");
+    check(ex_put_set(id_, EX_NODE_SET, k + 1, nodes.data(), nullptr), "node set");
+    check(ex_put_name(id_, EX_NODE_SET, k + 1, names[k]), "name of a node set");
+  }
+  write_side_set(1, "outer", mesh_.outer);
+  write_side_set(2, "wetted", mesh_.wetted);
+  write_side_set(3, "rear", mesh_.rear);
+  write_side_set(4, "loaded", mesh_.loaded);
+}
+
+void ExodusFieldWriter::write_side_set(int id, const char* name, const std::vector<Face>& faces) {
+  if (faces.empty()) return;
+  std::vector<int> elements, sides;
+  for (const auto& f : faces) elements.push_back(position_[std::size_t(f.element)]), sides.push_back(side_of_face(mesh_, f));
+  check(ex_put_set_param(id_, EX_SIDE_SET, id, std::int64_t(faces.size()), 0), "side set");
+  check(ex_put_set(id_, EX_SIDE_SET, id, elements.data(), sides.data()), "side set");
+  check(ex_put_name(id_, EX_SIDE_SET, id, name), "name of a side set");
+}
+
+void ExodusFieldWriter::define_variables(const FieldStep& step) {
+  written_ = {!step.displacement.empty(), !step.velocity.empty(), !step.pressure.empty(), !step.effective_stress.empty()};
+  std::vector<const char*> nodal, element;
+  if (written_[0])
+    for (const char* name : {"displacement_x", "displacement_y", "displacement_z"}) nodal.push_back(name);
+  if (written_[1])
+    for (const char* name : {"velocity_x", "velocity_y", "velocity_z"}) nodal.push_back(name);
+  if (written_[2]) element.push_back("pressure");
+  if (written_[3]) element.push_back("effective_stress");
+  for (const auto& [kind, names] : {std::pair{EX_NODAL, &nodal}, std::pair{EX_ELEM_BLOCK, &element}}) {
+    if (names->empty()) continue;
+    check(ex_put_variable_param(id_, kind, int(names->size())), "number of fields");
+    check(ex_put_variable_names(id_, kind, int(names->size()), const_cast<char**>(names->data())), "names of the fields");
+  }
+}
+
+void ExodusFieldWriter::write_step(const FieldStep& step) {
+  expect(id_ >= 0, "no step is written after commit()");
+  if (steps_ == 0) define_variables(step);
+  expect(written_ == std::array{!step.displacement.empty(), !step.velocity.empty(), !step.pressure.empty(), !step.effective_stress.empty()},
+         "every step of a file has the same fields");
+  ++steps_;
+  check(ex_put_time(id_, steps_, &step.time), "time");
+  int nodal = 0, element = 0;
+  std::vector<double> values;
+  for (const auto field : {step.displacement, step.velocity}) {
+    if (field.empty()) continue;
+    expect(field.size() == mesh_.nodes.size(), "a nodal field has a vector per node");
+    values.resize(field.size());
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t n = 0; n < field.size(); ++n) values[n] = field[n][k];
+      check(ex_put_var(id_, steps_, EX_NODAL, ++nodal, 1, std::int64_t(values.size()), values.data()), "nodal field");
+    }
+  }
+  for (const auto field : {step.pressure, step.effective_stress}) {
+    if (field.empty()) continue;
+    expect(field.size() == mesh_.elements.size(), "an element field has a value per element");
+    ++element;
+    for (int b = 0; b < 2; ++b) {
+      const auto& block = block_[std::size_t(b)];
+      if (block.empty()) continue;
+      values.resize(block.size());
+      for (std::size_t i = 0; i < block.size(); ++i) values[i] = field[std::size_t(block[i])];
+      check(ex_put_var(id_, steps_, EX_ELEM_BLOCK, element, b + 1, std::int64_t(values.size()), values.data()), "element field");
+    }
+  }
+  check(ex_update(id_), "flush");
+}
+
+void ExodusFieldWriter::commit() {
+  expect(id_ >= 0, "commit() comes once");
+  const int id = id_;
+  id_ = -1;
+  check(ex_close(id), "close");
+  rename_durably(part_, path_);
+}
+
+}  // namespace calomel

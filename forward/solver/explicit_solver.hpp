@@ -1,0 +1,119 @@
+#pragma once
+/// The explicit solver: central differences with a lumped mass on hexahedra of elastic steel and of a liquid that gives
+/// way in tension (physics.md section 1).
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "forward/material/linear_elastic.hpp"
+#include "forward/material/riemer.hpp"
+#include "forward/mesh/mesh.hpp"
+#include "forward/solver/load.hpp"
+
+namespace calomel {
+
+/// `[solver]`.
+struct SolverOptions {
+  std::string precision = "double";
+  double time_step_safety = 0.95;
+  std::string rear_reference = "heated";
+  bool booking = true;
+  template <class V>
+  void visit(V& v) {
+    v("precision", precision, {.doc = "arithmetic of the time loop", .choices = {"single", "double"}});
+    v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used"});
+    v("rear_reference", rear_reference, {.doc = "what lies behind a non-reflecting rear face: equally heated mercury, or none (zero)", .choices = {"heated", "zero"}});
+    v("booking", booking, {.doc = "energy balance of every step in simulate (about a tenth slower)"});
+  }
+};
+
+/// A linear functional of the nodal displacements, sum_k weights_k . u(nodes_k).
+struct ObservationRow {
+  std::vector<NodeId> nodes;
+  std::vector<Vec3> weights;
+};
+
+/// The physical state of affairs in one run (or in a group of up to eight that differ in pulse energy).
+struct RunSetup {
+  double steel_density = 0, liquid_density = 0;       ///< [kg/m^3]
+  LinearElastic steel{};
+  Riemer liquid{};
+  double hourglass = 0.02;                            ///< liquid hourglass coefficient [-]
+  double quadratic_viscosity = 0;                     ///< b2 [-]
+  std::vector<double> p0;                             ///< per mesh element, at energy 1 [Pa]; empty: none
+  std::function<double(const Vec3&)> p0_at;           ///< the same at a point, for the rear face
+  double pulse_length = 0;                            ///< [s]
+  History end_stress;                                 ///< [Pa], tension positive; empty: none
+  std::vector<Vec3> initial_displacement;             ///< per mesh node [m]; empty: none
+  std::vector<Vec3> initial_velocity;                 ///< per mesh node at t = 0 [m/s]; empty: rest
+  std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
+  double end = 0, output_interval = 0;                ///< [s]
+};
+
+/// A picture of the whole target at one instant.
+struct FieldSnapshot {
+  double time = 0;                         ///< [s]
+  std::vector<Vec3> displacement;          ///< per mesh node [m]
+  std::vector<Vec3> velocity;              ///< per mesh node [m/s]
+  std::vector<double> pressure;            ///< per mesh element, compression positive [Pa]
+  std::vector<double> effective_stress;    ///< per mesh element, von Mises at the centre, 0 in the liquid [Pa]
+};
+
+struct SolveOptions {
+  std::string precision = "double";
+  double time_step_safety = 0.95;
+  bool heated_rear = true;
+  bool booking = false;                    ///< one run only
+  bool every_step = false;                 ///< observe at every step instead of every output interval
+  int threads = 1;
+  double field_interval = 0;               ///< 0 = no fields
+  std::function<void(const FieldSnapshot&)> on_field;
+  std::function<void(double share)> on_progress;
+  const std::atomic<bool>* stop = nullptr; ///< checked at every output; throws Interrupted
+};
+
+struct SolveSummary {
+  std::vector<double> times;               ///< of the observations [s]
+  std::vector<double> observations;        ///< (run, row, time)
+  std::int64_t steps = 0;
+  double time_step = 0;                    ///< [s]
+  double wall_seconds = 0;                 ///< of the time loop
+  double element_steps_per_second = 0;     ///< elements x runs x steps / wall
+  double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without booking
+  double hourglass_share = 0;              ///< greatest hourglass energy / energy put in
+  double energy_in = 0;                    ///< by heat and end loads [J]
+  double dissipated = 0, radiated = 0;     ///< by viscosity; through the rear face [J]
+  std::string kernel;                      ///< instruction set
+};
+
+/// Greatest stable central-difference step, 2/omega (sqrt(1 + xi^2) - xi), of an element with eigenvalue omega^2
+/// [1/s^2] and stiffness-proportional damping beta [s] that lags half a step (xi = beta omega / 2) [s].
+double stable_time_step(double eigenvalue, double beta);
+
+/// A mesh made ready for runs. Building costs about a microsecond an element; runs may then share it from several threads.
+class ExplicitSolver {
+ public:
+  /// `steel` fixes the elements' bending stiffness; a run with other moduli needs its own solver.
+  ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int threads = 1);
+  ~ExplicitSolver();
+  ExplicitSolver(ExplicitSolver&&) noexcept;
+
+  /// Stable step of a setup, before the safety factor [s]. Errors: NumericsError when nothing can move or it vanishes.
+  [[nodiscard]] double stable_step(const RunSetup& setup) const;
+  /// Steps that divide the output interval.
+  [[nodiscard]] int steps_per_output(const RunSetup& setup, double safety) const;
+
+  /// Runs from the setup's initial state (rest unless given). `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
+  [[nodiscard]] SolveSummary solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const;
+
+  [[nodiscard]] const Mesh& mesh() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace calomel

@@ -1,0 +1,103 @@
+#pragma once
+/// What the inner loops take. They are compiled once for each instruction set and chosen at run time.
+///
+/// Two ways to fill the SIMD lanes: lanes are elements (one run: node rows are x, y, z, 0), or lanes are runs (eight runs
+/// of one mesh that differ in pulse energy: node rows are x[8], y[8], z[8], geometry is broadcast).
+#include <cstddef>
+#include <cstdint>
+
+#include "forward/solver/layout.hpp"
+
+namespace calomel {
+
+inline constexpr int run_lanes = 8;
+
+/// Energies and works of a step, summed over a block or a boundary [J].
+struct EnergyTerms {
+  double kinetic = 0;       ///< 1/2 v- M v+
+  double liquid = 0;        ///< stored in the liquid
+  double hourglass = 0;     ///< stored in the liquid's hourglass modes
+  double steel = 0;         ///< stored in the steel
+  double dissipated = 0;    ///< by viscosity, since the last step
+  double heat = 0;          ///< put in by the pulse, since the last step
+  double boundary_before = 0, boundary_after = 0;  ///< work on the surroundings by the half steps before and after this instant
+  void add(const EnergyTerms& t) {
+    kinetic += t.kinetic, liquid += t.liquid, hourglass += t.hourglass, steel += t.steel, dissipated += t.dissipated, heat += t.heat;
+    boundary_before += t.boundary_before, boundary_after += t.boundary_after;
+  }
+};
+
+/// One block as the kernel sees it. Geometry per element: liquid parallelepiped b[9] V h; liquid b[21] V h X[12];
+/// steel parallelepiped b[9] V K[45] L[6]; steel b[21] V X[12] K[45] L[6]; with lanes as elements in groups [term][lane].
+template <class R>
+struct BlockData {
+  bool liquid, parallelepiped;
+  std::int32_t groups;                  ///< groups of lanes (elements), or elements (runs)
+  const R* geometry;
+  const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
+  const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
+  R* state;                             ///< booking: volumetric strain and viscous pressure of the last step, (groups, 2, lanes)
+  std::int32_t first_node, interior;
+  const NodeRange* ranges;
+  std::int32_t range_count;
+  const std::int32_t* shared;
+  std::int32_t shared_count;
+  std::size_t outbox;
+};
+
+template <class R>
+struct SpecialData {
+  std::int32_t node, partner;
+  std::uint8_t fixed_node, fixed_partner;
+  std::int32_t normals;
+  R normal[3][3];
+  R mass_node, mass_partner;
+  R rear_area;       ///< 0 = not on the rear face
+  R rear_normal[3];
+  R rear_p0;         ///< heating pressure of the mercury behind the face at full pulse [Pa]
+  R load_area[3];    ///< end_stress acts on this area [m^2]
+};
+
+template <class R>
+struct StepData {
+  R* u;                    ///< node rows, displacement [m]
+  R* v;                    ///< node rows, velocity [m/s]
+  const R* inverse_mass;   ///< per solver node [1/kg]
+  R* outbox;
+  R* scratch;              ///< one thread's room for displacements and forces of a block
+  R dt, kick;              ///< kick = dt, half of it in the first step
+  R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]
+  R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
+  R impedance;             ///< rho c of the liquid, for the rear face
+  R lambda, mu;            ///< of the steel
+  R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
+  R load_before[run_lanes];  ///< the same one step earlier
+  R end_stress[run_lanes];   ///< [Pa], tension positive
+};
+
+template <class R>
+struct KernelTable {
+  const char* name;   ///< instruction set
+  int lanes;          ///< elements at a time
+  /// Forces of a block, interior nodes advanced, forces on shared nodes left in the outbox. `booking` adds to `energy`.
+  void (*element_block)(const BlockData<R>&, const StepData<R>&, bool booking, EnergyTerms* energy);
+  void (*run_block)(const BlockData<R>&, const StepData<R>&, bool booking);
+  /// Shared nodes without a rule, [begin, end) of layout.plain.
+  void (*element_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&, bool booking, EnergyTerms*);
+  void (*run_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&);
+  /// Nodes with a rule, [begin, end) of `rules`.
+  void (*element_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&, bool booking, EnergyTerms*);
+  void (*run_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&);
+};
+
+/// The fastest table that this processor can run; the environment variable CALOMEL_ISA (baseline, avx2, avx512) overrides.
+template <class R>
+const KernelTable<R>& kernels();
+
+/// Numbers of geometry terms per element.
+constexpr int geometry_terms(bool liquid, bool parallelepiped) {
+  const int gradients = parallelepiped ? 9 : 21, x = parallelepiped ? 0 : 12;
+  return gradients + 1 + x + (liquid ? 1 : 45 + 6);
+}
+
+}  // namespace calomel

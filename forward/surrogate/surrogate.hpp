@@ -1,0 +1,50 @@
+#pragma once
+/// A trained surrogate as a ForwardModel: the emulated mean and, where the archive has them, the energy slope and the
+/// scatter of single pulses.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "forward/campaign/archive.hpp"
+#include "forward/surrogate/emulator.hpp"
+
+namespace calomel {
+
+class Surrogate final : public ForwardModel {
+ public:
+  /// The emulators of one campaign; `slope` and `scatter` may be null. `held_out`: mean squared error of the mean over
+  /// the held-out runs (values), in the data's unit squared.
+  struct Parts {
+    std::string kind;
+    ModelShape shape;
+    std::unique_ptr<Emulator> mean, slope, scatter;
+    Eigen::VectorXf held_out;
+  };
+  explicit Surrogate(Parts parts);
+
+  [[nodiscard]] const ModelShape& shape() const override { return parts_.shape; }
+  [[nodiscard]] const std::string& kind() const { return parts_.kind; }
+  /// A point outside the bounds of the campaign is a failed run: the surrogate knows nothing there.
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
+  [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] bool has_gradient() const override { return true; }
+  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
+
+  /// Variance of (model - surrogate) at theta (values), in the data's unit squared: the kind's predictive variance,
+  /// discarded modes included, where it has one; else the mean squared error over the held-out runs.
+  [[nodiscard]] Eigen::VectorXd error_variance(std::span<const double> theta) const;
+  /// Mean squared error over the held-out runs (values), wherever they lay in the box.
+  [[nodiscard]] const Eigen::VectorXf& held_out_error() const { return parts_.held_out; }
+
+  /// netCDF, atomically; `load_surrogate` gives a surrogate of the same bytes of prediction.
+  void save(const std::filesystem::path& path) const;
+
+ private:
+  [[nodiscard]] bool inside(const double* theta, std::string* why) const;
+  Parts parts_;
+};
+
+/// Errors: InputError when the file is absent or no surrogate of this program.
+std::unique_ptr<Surrogate> load_surrogate(const std::filesystem::path& path);
+
+}  // namespace calomel

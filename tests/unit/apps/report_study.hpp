@@ -1,0 +1,217 @@
+#pragma once
+/// A synthetic study on disk: a slice of a target with six gauges, damped waves as records, and summaries that belong to them.
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "apps/report/report.hpp"
+#include "base/artefact.hpp"
+#include "base/netcdf_file.hpp"
+#include "base/random.hpp"
+
+namespace calomel::testing_report {
+
+inline const std::string hostile = "<b>\"E\" & 'co'</b>";  // a sensor's name that must not become markup
+
+inline std::filesystem::path scratch(const std::string& name) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_report_" + name + "_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(dir);
+  std::filesystem::create_directories(dir);
+  return dir;
+}
+
+/// Outer surface of a box of n cells along its longest side.
+inline ReportSurface box(const Vec3& low, const Vec3& high, int n) {
+  ReportSurface s;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) {
+      const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+      const int na = std::max(1, int(n * (high[a] - low[a]) / (high[0] - low[0]))), nb = std::max(1, int(n * (high[b] - low[b]) / (high[0] - low[0])));
+      const auto first = std::int32_t(s.vertices.size());
+      for (int i = 0; i <= na; ++i)
+        for (int j = 0; j <= nb; ++j) {
+          Vec3 v;
+          v[axis] = side ? high[axis] : low[axis];
+          v[a] = low[a] + (high[a] - low[a]) * i / na;
+          v[b] = low[b] + (high[b] - low[b]) * j / nb;
+          s.vertices.push_back(v);
+        }
+      for (int i = 0; i < na; ++i)
+        for (int j = 0; j < nb; ++j) {
+          const auto at = [&](int p, int q) { return first + (i + p) * (nb + 1) + j + q; };
+          if (side)
+            s.quads.push_back({at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
+          else
+            s.quads.push_back({at(0, 0), at(0, 1), at(1, 1), at(1, 0)});
+        }
+    }
+  return s;
+}
+
+inline ReportInput input() {
+  ReportInput in;
+  in.case_name = "Slice of a mercury target";
+  in.case_file = "slice.toml";
+  in.options = {{"material", {{"mercury", {{"density", 13500.0}, {"sound_speed", 1450.0}, {"tensile_cutoff", 1.5e5}}}}}, {"load", {{"policy", "fixed"}}}};
+  in.parameters = {{.name = "tensile_cutoff", .min = 0, .max = 1.5e6, .nominal = 1.5e5},
+                   {.name = "density", .min = 5000, .max = 20000, .nominal = 13500},
+                   {.name = "sound_speed", .min = 700, .max = 3000, .nominal = 1450}};
+  in.units = {{"tensile_cutoff", "Pa"}, {"density", "kg/m\u00b3"}, {"sound_speed", "m/s"}};
+  in.outer = box({0, -0.05, 0}, {0.211, 0.05, 0.062}, 60);
+  in.wetted = box({0.006, -0.045, 0.004}, {0.206, 0.045, 0.056}, 40);
+  const char* const names[] = {"B", "C", "F", "M", "R", ""};
+  for (int i = 0; i < 6; ++i) {
+    const double x = 0.03 + 0.03 * i;
+    in.sensors.push_back({.name = i == 5 ? hostile : names[i],
+                          .declared = {x, 0, i % 2 ? 0.0 : 0.062},
+                          .placed = {x + 1e-4, 0, i % 2 ? 0.0 : 0.062},
+                          .direction = {i == 2 ? 0.0 : 1.0, i == 2 ? 1.0 : 0.0, 0},
+                          .moved = 1e-4,
+                          .gauge_length = 0.002});
+  }
+  in.load_policy = "fixed: the initial pressure is given and does not follow the parameters.";
+  in.deposited_energy = 23.4e3;
+  in.warnings = {"sensor " + hostile + ": 12 samples are missing"};
+  return in;
+}
+
+/// A gauge's history [-] at time t [s]: arrival, ringing, decay.
+inline double wave(double t, int sensor, double speed) {
+  const double arrival = (1 + 0.5 * sensor) * 3e-5 / speed, s = t - arrival;
+  if (s < 0) return 0;
+  return (4e-4 - 3e-5 * sensor) * std::exp(-s / 2.5e-4) * std::sin(2 * M_PI * s * (9e3 + 900 * sensor) * speed) * (1 - std::exp(-s / 1e-5));
+}
+
+inline Provenance provenance(const std::string& stage) {
+  return {.stage = stage, .options = {{stage, {{"runs", 40}}}}, .seed = 7, .inputs = {{"recordings.nc", hash_text(stage)}}};
+}
+
+inline void write_campaign(const std::filesystem::path& dir, const ReportInput& in) {
+  constexpr std::size_t runs = 40, times = 20;
+  const std::size_t sensors = in.sensors.size();
+  RandomStream random(1, 0);
+  std::vector<double> theta;
+  std::vector<int> status;
+  std::vector<std::string> message, names, parameters;
+  for (const auto& p : in.parameters) parameters.push_back(p.name);
+  for (const auto& s : in.sensors) names.push_back(s.name);
+  for (std::size_t i = 0; i < runs; ++i) {
+    for (const auto& p : in.parameters) theta.push_back(p.min + (p.max - p.min) * random.uniform());
+    status.push_back(i % 17 == 3);
+    message.push_back(status.back() ? "step 812: element 40 collapsed <at tensile_cutoff = 9e5>" : "");
+  }
+  std::vector<float> scatter(runs * sensors * times, 8e-6f);
+  for (std::size_t i = 0; i < sensors * times; ++i) scatter[3 * sensors * times + i] = NAN;
+  NetcdfWriter w(dir / "campaign.nc");
+  w.dimension("run", runs), w.dimension("parameter", 3), w.dimension("sensor", sensors), w.dimension("time", times);
+  w.variable("parameter", {"parameter"}, parameters);
+  w.variable("sensor", {"sensor"}, names);
+  w.variable("theta", {"run", "parameter"}, theta);
+  const std::vector<std::string> meanings{"done", "failed"};
+  w.flags("status", {"run"}, status, meanings);
+  w.variable("message", {"run"}, message);
+  w.variable("scatter", {"run", "sensor", "time"}, scatter);
+  w.commit();
+  write_json(dir / "campaign.json",
+             {{"runs", 40}, {"completed", 37}, {"failed", 3}, {"reused", 0}, {"wall_s", 61.5}, {"provenance", provenance("campaign").json()}});
+}
+
+inline void write_train(const std::filesystem::path& dir) {
+  Json list = Json::array();
+  for (const auto& [name, mae, r2] : {std::tuple{"published network", 15.9, 0.873}, std::tuple{"mode network", 3.1, 0.991}}) {
+    Json train = Json::array(), test = Json::array();
+    for (int e = 0; e < 100; ++e) train.push_back(mae * (1 + 8 * std::exp(-e / 12.0))), test.push_back(mae * (1.3 + 8 * std::exp(-e / 11.0)));
+    list.push_back({{"name", name},
+                    {"kind", "neural_network"},
+                    {"n_train", 30},
+                    {"n_test", 7},
+                    {"mae", mae},
+                    {"rmse", 1.6 * mae},
+                    {"r2", r2},
+                    {"train_loss", train},
+                    {"test_loss", test}});
+  }
+  write_json(dir / "train.json", {{"surrogates", list}, {"provenance", provenance("train").json()}});
+}
+
+/// enc, spe or map; `step` is the interval of the histories [s].
+inline void write_calibration(const std::filesystem::path& dir, const ReportInput& in, const std::string& method, double step = 1e-6) {
+  RandomStream random(2, 0);
+  const bool enc = method == "enc";
+  Json theta{{"tensile_cutoff", enc ? 85642.0 : 53300.0}, {"density", enc ? 10345.0 : 7720.0}, {"sound_speed", enc ? 2020.0 : 2449.0}};
+  Json sensors = Json::array(), rounds = Json::array(), optimizers = Json::array(), candidates = Json::array();
+  for (std::size_t s = 0; s < in.sensors.size(); ++s)
+    sensors.push_back({{"name", in.sensors[s].name},
+                       {"accuracy", 92.25 - 7.0 * double(s)},
+                       {"mae", 12.125 + 2.0 * double(s)},
+                       {"nominal_accuracy", 70.5},
+                       {"nominal_mae", 18.75}});
+  for (int i = 0; i < 60; ++i) {
+    const double rho = 7000 + 9000 * random.uniform(), c = 20.9e6 / rho * (1 + 0.05 * random.normal());
+    rounds.push_back({{"optimizer", i % 4 == 0   ? "es"
+                                    : i % 4 == 1 ? "gwo"
+                                    : i % 4 == 2 ? "de"
+                                                 : "mfo"},
+                      {"theta", {{"tensile_cutoff", 1e5 * random.uniform()}, {"density", rho}, {"sound_speed", c}}},
+                      {"objective", 65.7 - std::pow((rho * c / 20.9e6 - 1) * 30, 2) - std::pow((rho - 10345) / 4000, 2)}});
+  }
+  for (const auto& [name, best, rate] :
+       {std::tuple{"es", 63.9, 30.0}, std::tuple{"gwo", 65.5, 12.0}, std::tuple{"de", 65.73, 18.0}, std::tuple{"mfo", 65.7, 9.0}}) {
+    Json trace = Json::array();
+    for (int g = 0; g <= 100; ++g) trace.push_back(best - 40 * std::exp(-g / rate));
+    optimizers.push_back({{"name", name}, {"rounds", 15}, {"mean", best - 0.4}, {"sd", 0.31}, {"best", best}, {"trace", trace}});
+  }
+  for (int i = 0; i < 5; ++i)
+    candidates.push_back({{"theta", {{"tensile_cutoff", 85642.0 + 900 * i}, {"density", 10345.0 + 320 * i}, {"sound_speed", 2020.0 - 55 * i}}},
+                          {"objective_surrogate", method == "map" ? Json() : Json(65.73 - 0.02 * i)},
+                          {"objective_model", 64.1 - 0.4 * std::abs(i - 1)}});
+  Json summary{{"theta", theta},
+               {"nominal", {{"tensile_cutoff", 1.5e5}, {"density", 13500.0}, {"sound_speed", 1450.0}}},
+               {"objective", {{"name", "ACC[%] - MAE[\u00b5\u03b5]"}, {"value", 64.1}, {"sense", "maximise"}}},
+               {"product", "tuned"},
+               {"candidates", candidates},
+               {"sensors", sensors},
+               {"accuracy", 74.75},
+               {"mae", 17.125},
+               {"nominal_accuracy", 70.5},
+               {"nominal_mae", 18.75},
+               {"warnings", {"the best round lies on the bound of tensile_cutoff"}},
+               {"provenance", provenance(method).json()}};
+  if (enc) summary["rounds"] = rounds, summary["optimizers"] = optimizers;
+  write_json(dir / (method + ".json"), summary);
+
+  std::vector<std::string> names, conditions{"default"};
+  for (const auto& s : in.sensors) names.push_back(s.name);
+  std::vector<double> time, record_time, calibrated, nominal, mean, low, high;
+  for (int k = 0; k * step <= 6e-4 + 1e-12; ++k) time.push_back(k * step);
+  for (int k = 0; k * step <= 5e-4 + 1e-12; ++k) record_time.push_back(k * step);
+  for (std::size_t s = 0; s < names.size(); ++s) {
+    for (const double t : time) calibrated.push_back(wave(t, int(s), enc ? 1.02 : 0.97)), nominal.push_back(0.8 * wave(t, int(s), 0.9));
+    for (const double t : record_time) {
+      const bool dropout = s == 5 && t > 2e-4 && t < 2.12e-4;
+      const double x = wave(t, int(s), 1) + 4e-6 * random.normal(), half = 1.5e-5 + 0.15 * std::abs(wave(t - 4e-6, int(s), 1));
+      mean.push_back(dropout ? NAN : x), low.push_back(dropout ? NAN : x - half), high.push_back(dropout ? NAN : x + half);
+    }
+  }
+  NetcdfWriter w(dir / (method + ".nc"));
+  w.dimension("condition", 1), w.dimension("sensor", names.size()), w.dimension("time", time.size()), w.dimension("record_time", record_time.size());
+  w.variable("condition", {"condition"}, conditions);
+  w.variable("sensor", {"sensor"}, names);
+  w.variable("time", {"time"}, time, {{"units", "s"}});
+  w.variable("record_time", {"record_time"}, record_time, {{"units", "s"}});
+  w.variable("calibrated", {"condition", "sensor", "time"}, calibrated, {{"units", "1"}});
+  w.variable("nominal", {"condition", "sensor", "time"}, nominal, {{"units", "1"}});
+  w.variable("record_mean", {"condition", "sensor", "record_time"}, mean, {{"units", "1"}});
+  w.variable("band_low", {"condition", "sensor", "record_time"}, low, {{"units", "1"}});
+  w.variable("band_high", {"condition", "sensor", "record_time"}, high, {{"units", "1"}});
+  w.commit();
+}
+
+inline void write_study(const std::filesystem::path& dir, const ReportInput& in) {
+  write_campaign(dir, in);
+  write_train(dir);
+  write_calibration(dir, in, "enc");
+}
+
+}  // namespace calomel::testing_report
