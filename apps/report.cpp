@@ -1,0 +1,64 @@
+#include "apps/report/report.hpp"
+
+#include "apps/stages.hpp"
+#include "apps/verbs.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// Unit of the number at a dotted path of the case; empty for a pure number.
+std::string unit_of(const ForwardCase& forward, const std::string& key) {
+  std::string unit;
+  const auto look = [&](const std::string& path, const auto& options) {
+    if (!key.starts_with(path + '.')) return;
+    NumberVisitor v(key.substr(path.size() + 1));
+    auto copy = options;
+    copy.visit(v);
+    if (v.number || v.optional) unit = v.info.unit;
+  };
+  ForwardCase::visit_tables(forward, look);
+  for (const auto& s : forward.sensors) look("sensor." + s.name, s);
+  return unit;
+}
+
+std::string policy_text(const LoadOptions& load) {
+  if (load.kind == "end_stress") return "a measured stress acts on the end";
+  return load.policy == "gruneisen" ? "the heating pressure is Gamma q and follows the sound speed (gruneisen)"
+                                    : "the heating pressure is given and stays when the parameters change (fixed)";
+}
+
+}  // namespace
+
+ExitStatus Stages::report() {
+  const auto& m = model();
+  const auto& forward = study_.forward;
+  const auto description = m.describe();
+  ReportInput input;
+  input.case_name = forward.name;
+  input.case_file = command_.case_file.string();
+  input.options = study_.echo();
+  input.parameters = forward.parameters;
+  for (const auto& p : forward.parameters) input.units[p.name] = unit_of(forward, p.key);
+  input.unit = m.shape().unit;
+  input.outer = report_surface(m.mesh(), m.mesh().outer);
+  input.wetted = report_surface(m.mesh(), m.mesh().wetted);
+  for (std::size_t i = 0; i < forward.sensors.size(); ++i) {
+    const auto& asked = forward.sensors[i];
+    const auto& gauge = m.gauges()[i];
+    input.sensors.push_back({asked.name, asked.position, gauge.placed, gauge.direction, gauge.distance, asked.gauge_length});
+  }
+  input.load_policy = policy_text(forward.load);
+  if (description.deposited_energy > 0) input.deposited_energy = description.deposited_energy;
+  input.seed = command_.seed;
+  input.warnings = description.warnings;
+  input.warnings.insert(input.warnings.end(), description.notes.begin(), description.notes.end());
+  write_report(command_.out, input);
+  say("report: " + (command_.out / "report.html").string());
+  if (command_.csv) say("report: " + std::to_string(write_tables_csv(command_.out, input).size()) + " tables in " + (command_.out / "report_csv").string());
+  return ExitStatus::done;
+}
+
+ExitStatus run_report(const CommandLine& command) { return Stages(command).report(); }
+
+}  // namespace calomel

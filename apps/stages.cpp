@@ -1,0 +1,166 @@
+#include "apps/stages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "apps/interrupt.hpp"
+#include "apps/progress.hpp"
+#include "forward/campaign/archive.hpp"
+#include "forward/surrogate/training.hpp"
+#include "inverse/enc.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// Progress of a calibration on the display; stops the work when the user asked to.
+class CalibrationProgress {
+ public:
+  CalibrationProgress(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
+  void operator()(const std::string& what, std::size_t done, std::size_t total) {
+    if (stop_requested()) throw Interrupted();
+    if (what != what_) display_.reset(), display_.emplace(method_, what, style_, std::cerr), what_ = what;
+    display_->update(done, total);
+  }
+
+ private:
+  std::string method_, what_;
+  ProgressDisplay::Style style_;
+  std::optional<ProgressDisplay> display_;
+};
+
+}  // namespace
+
+Stages::Stages(const CommandLine& command) : command_(command), study_(StudyCase::read(command.case_file, command.overrides)) {
+  if (command.verb != "check") make_directory(command.out);  // a place that cannot be written is told before the work
+}
+
+const BuiltInModel& Stages::model() {
+  if (!model_)
+    model_ = study_.file.locating([&] {
+      const EnsembleOptions ensemble{.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd};
+      return std::make_unique<BuiltInModel>(study_.forward, ensemble, 1);  // the stages run evaluations side by side
+    });
+  return *model_;
+}
+
+const Problem& Stages::problem() {
+  if (!problem_) {
+    std::vector<std::string> warnings;
+    const auto recordings = study_.matched_recordings(model().shape().sensors, warnings);
+    problem_ = study_.file.locating([&] { return make_problem(model().shape(), recordings, *study_.recordings); });
+    warnings.insert(warnings.end(), problem_->warnings.begin(), problem_->warnings.end());
+    for (const auto& w : warnings) say("warning: " + w);
+  }
+  return *problem_;
+}
+
+void Stages::say(const std::string& text) const {
+  if (!command_.quiet) std::cerr << text << '\n';
+}
+
+Provenance Stages::campaign_provenance() const {
+  Json options = study_.model_options();
+  options["campaign"] = identity_options(study_.campaign);
+  return {.stage = "campaign", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
+}
+
+Provenance Stages::train_provenance() const {
+  return {.stage = "train",
+          .options = {{"surrogate", echo(study_.surrogate)}},
+          .seed = command_.seed,
+          .inputs = {{"campaign.nc", hash_file(command_.out / "campaign.nc")}}};
+}
+
+Provenance Stages::calibration_provenance(const std::string& method) const {
+  return {.stage = method,
+          .options = {{"enc", echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+          .seed = command_.seed,
+          .inputs = {{"surrogate.nc", hash_file(command_.out / "surrogate.nc")}, {"recordings", hash_file(study_.recordings_file())}}};
+}
+
+bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
+  const bool may = command_.fresh && begun_.insert(now.stage).second;
+  if (may && asked == Asked::by_user) return true;
+  try {
+    return reusable(command_.out / (now.stage + ".json"), now) == Reuse::nothing_there && may;
+  } catch (const InputError&) {
+    if (!may) throw;
+    return true;
+  }
+}
+
+bool Stages::due(const Provenance& now, const std::vector<std::string>& files, Asked asked) {
+  if (to_be_set_aside(now, asked))
+    for (const auto& f : files) set_aside(command_.out / f);
+  return !std::all_of(files.begin(), files.end(), [&](const auto& f) { return std::filesystem::exists(command_.out / f); });
+}
+
+ExitStatus Stages::campaign() { return campaign(Asked::by_user); }
+
+ExitStatus Stages::campaign(Asked asked) {
+  const auto provenance = campaign_provenance();
+  const auto& m = model();
+  if (to_be_set_aside(provenance, asked)) set_campaign_aside(command_.out, provenance);
+  const bool finished = std::filesystem::exists(command_.out / "campaign.nc");
+  if (!finished && asked == Asked::upstream) say("no finished campaign in " + command_.out.string() + ": running it first");
+  CampaignSummary summary;
+  {
+    ProgressDisplay display("campaign", "runs", progress_style(command_.quiet || finished), std::cerr);
+    summary = study_.file.locating([&] {
+      return run_campaign(
+          m, study_.campaign, command_.seed, command_.threads, provenance, command_.out,
+          [&](std::size_t done, std::size_t failed, std::size_t runs) { display.update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
+          &stop_requested());
+    });
+  }
+  if (asked == Asked::by_user || !finished)
+    say(fmt::format("campaign: {}{}", summary.message, summary.reused ? fmt::format(" ({} reused)", summary.reused) : ""));
+  return summary.status;
+}
+
+ExitStatus Stages::train() { return train(Asked::by_user); }
+
+ExitStatus Stages::train(Asked asked) {
+  const auto upstream = campaign(Asked::upstream);
+  const auto provenance = train_provenance();
+  if (!due(provenance, {"train.json", "surrogate.nc"}, asked)) {
+    say("train: reused");
+    return upstream;
+  }
+  if (asked == Asked::upstream) say("no trained surrogate in " + command_.out.string() + ": training it first");
+  const auto training =
+      study_.file.locating([&] { return run_training(read_archive(command_.out / "campaign.nc"), study_.surrogate, command_.seed, command_.threads); });
+  training.surrogates.at(0)->save(command_.out / "surrogate.nc");
+  write_train_json(command_.out / "train.json", training.summary, provenance);
+  for (const auto& s : training.summary.surrogates)
+    say(fmt::format("train: {} on {} runs, held out {}: R2 {:.3f}, mean absolute error {:.3g}", s.name, s.n_train, s.n_test, s.test.r2, s.test.mae));
+  return upstream;
+}
+
+ExitStatus Stages::calibrate(const std::string& method) {
+  if (method != "enc")
+    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc", .suggestion = "take --method enc"});
+  const auto& against = problem();  // before any long work, so that wrong recordings are told at once
+  const auto upstream = train(Asked::upstream);
+  const auto provenance = calibration_provenance(method);
+  if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
+    say(method + ": reused");
+    const auto before = read_json(command_.out / (method + ".json"));
+    return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+  }
+  const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
+  const auto progress = std::make_shared<CalibrationProgress>(method, command_.quiet);
+  const auto summary = study_.file.locating([&] {
+    return run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads,
+                   [&](const std::string& what, std::size_t done, std::size_t total) { (*progress)(what, done, total); });
+  });
+  write_enc(summary, against, provenance, command_.out);
+  for (const auto& w : summary.warnings) say("warning: " + w);
+  say(fmt::format("{}: {}", method, summary.message));
+  return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+}
+
+}  // namespace calomel

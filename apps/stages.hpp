@@ -1,0 +1,65 @@
+#pragma once
+/// The stages of a study on one case: each reuses what is finished and matches, and makes first, saying so, what it needs
+/// and does not find.
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "apps/command_line.hpp"
+#include "apps/study_case.hpp"
+#include "base/artefact.hpp"
+#include "forward/built_in_model.hpp"
+#include "forward/surrogate/surrogate.hpp"
+#include "inverse/problem.hpp"
+
+namespace calomel {
+
+class Stages {
+ public:
+  /// `command` outlives the object. Errors: InputError for anything wrong with the case or the output directory.
+  explicit Stages(const CommandLine& command);
+
+  [[nodiscard]] const CommandLine& command() const { return command_; }
+  [[nodiscard]] const StudyCase& study() const { return study_; }
+  /// The case's model, made at the first call. Errors: InputError with its place (geometry, sensors).
+  [[nodiscard]] const BuiltInModel& model();
+  /// The recordings against the model, read at the first call; warnings go to stderr.
+  [[nodiscard]] const Problem& problem();
+
+  /// The stages. Each returns done or not_to_be_trusted, writes its artefacts to --out (check writes none) and says in a line
+  /// what came of it. check, simulate and report stand in the files of their verbs.
+  ExitStatus check();
+  ExitStatus simulate();
+  ExitStatus campaign();
+  ExitStatus train();
+  ExitStatus calibrate(const std::string& method);
+  ExitStatus report();
+
+  /// One line to stderr, unless --quiet.
+  void say(const std::string& text) const;
+
+ private:
+  enum class Asked { by_user, upstream };
+  [[nodiscard]] Provenance campaign_provenance() const;
+  [[nodiscard]] Provenance train_provenance() const;
+  [[nodiscard]] Provenance calibration_provenance(const std::string& method) const;
+  /// Whether the artefacts must be set aside first (--fresh): those of the stage that the user asked for, and those upstream
+  /// that do not match. Errors: InputError naming the changed keys where they do not match and --fresh was not given.
+  [[nodiscard]] bool to_be_set_aside(const Provenance& now, Asked asked);
+  /// Whether the stage must be done: false when its summary matches `now` and all `files` stand. Sets them aside as above.
+  [[nodiscard]] bool due(const Provenance& now, const std::vector<std::string>& files, Asked asked);
+  ExitStatus campaign(Asked asked);
+  ExitStatus train(Asked asked);
+
+  const CommandLine& command_;
+  StudyCase study_;
+  std::unique_ptr<BuiltInModel> model_;
+  std::optional<Problem> problem_;
+  std::set<std::string> begun_;  ///< stages that this call has come to: --fresh sets nothing of them aside again
+};
+
+/// The worse of two ends.
+inline ExitStatus worse(ExitStatus a, ExitStatus b) { return a == ExitStatus::done ? b : a; }
+
+}  // namespace calomel

@@ -1,0 +1,72 @@
+#include "apps/study_case.hpp"
+
+namespace calomel {
+
+const std::vector<std::string>& known_tables() {
+  static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
+                                               "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
+                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output"};
+  return tables;
+}
+
+StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides) {
+  CaseFile file(path, overrides);
+  file.expect_all_read(known_tables());  // a misspelt table is told before the keys that it leaves missing
+  ForwardCase forward = file.locating([&] { return ForwardCase::read(file); });
+  StudyCase study{.file = std::move(file), .forward = std::move(forward)};
+  study.file.read("campaign", study.campaign);
+  study.file.read("surrogate", study.surrogate);
+  study.file.read("enc", study.enc);
+  study.file.read("study", study.study);
+  study.file.read("fields", study.fields);
+  if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
+  return study;
+}
+
+Json StudyCase::echo() const {
+  Json all = forward.echo();
+  if (recordings) all["recordings"] = calomel::echo(*recordings);
+  all["campaign"] = calomel::echo(campaign);
+  all["surrogate"] = calomel::echo(surrogate);
+  all["enc"] = calomel::echo(enc);
+  all["study"] = calomel::echo(study);
+  all["fields"] = calomel::echo(fields);
+  return all;
+}
+
+Json StudyCase::model_options() const {
+  Json options = forward.echo();
+  Json parameters = Json::object();
+  for (const auto& p : forward.parameters) {
+    parameters[p.name] = {{"key", p.key}, {"min", p.min}, {"max", p.max}};
+    if (p.nominal) parameters[p.name]["nominal"] = *p.nominal;
+  }
+  options["parameter"] = std::move(parameters);
+  return options;
+}
+
+std::map<std::string, std::string> StudyCase::model_inputs() const {
+  std::map<std::string, std::string> inputs;
+  for (const char* key : {"geometry.file", "load.file", "sensors"})
+    if (const auto name = file.text(key)) inputs[key] = hash_file(file.resolve(*name));
+  return inputs;
+}
+
+std::filesystem::path StudyCase::recordings_file() const {
+  if (!recordings)
+    throw InputError({.problem = "the case has no [recordings] to compare with",
+                      .suggestion = "add [recordings] with file = \"recordings.csv\" (or a .nc from calomel import)",
+                      .file = file.path().string()});
+  return file.resolve(recordings->file);
+}
+
+Recordings StudyCase::matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const {
+  const auto path = recordings_file();
+  auto read = file.locating([&] { return read_recordings(path, *recordings); });
+  warnings.insert(warnings.end(), read.warnings.begin(), read.warnings.end());
+  const auto unmatched = match_sensors(read, sensors, file.path(), path);
+  warnings.insert(warnings.end(), unmatched.begin(), unmatched.end());
+  return read;
+}
+
+}  // namespace calomel

@@ -1,0 +1,62 @@
+#pragma once
+/// One case file read once, whole: every table that any verb of this program takes, each held against its ranges.
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/field_file.hpp"
+#include "base/artefact.hpp"
+#include "base/case_file.hpp"
+#include "forward/campaign/campaign.hpp"
+#include "forward/forward_case.hpp"
+#include "forward/surrogate/options.hpp"
+#include "inverse/enc.hpp"
+#include "inverse/recordings.hpp"
+
+namespace calomel {
+
+/// `[study]` of a case file.
+struct StudyOptions {
+  std::vector<std::string> stages{"campaign", "train", "calibrate", "report"};
+  std::vector<std::string> methods{"enc"};
+
+  template <class V>
+  void visit(V& v) {
+    v("stages", stages,
+      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
+    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc"}, .least_size = 1});
+  }
+};
+
+struct StudyCase {
+  CaseFile file;
+  ForwardCase forward;
+  CampaignOptions campaign;
+  SurrogateOptions surrogate;
+  EncOptions enc;
+  std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
+  StudyOptions study;
+  FieldOptions fields;
+
+  /// Errors: InputError with file, line and column for whatever is wrong, a table that nobody knows included.
+  static StudyCase read(const std::filesystem::path& path, std::span<const std::string> overrides);
+
+  /// The resolved case, table by table.
+  [[nodiscard]] Json echo() const;
+  /// The tables that a run of the model depends on; of the parameters what the design sees, not the priors.
+  [[nodiscard]] Json model_options() const;
+  /// Hashes of the files that the model reads, by the case's key.
+  [[nodiscard]] std::map<std::string, std::string> model_inputs() const;
+  /// Path of the recordings. Errors: InputError when the case has no [recordings].
+  [[nodiscard]] std::filesystem::path recordings_file() const;
+  /// The recordings, held against the sensors that the model has; adds to `warnings`.
+  /// Errors: InputError with its place; see read_recordings, match_sensors.
+  [[nodiscard]] Recordings matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const;
+};
+
+/// All tables of a case file, those of stages to come included.
+const std::vector<std::string>& known_tables();
+
+}  // namespace calomel
