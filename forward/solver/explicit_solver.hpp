@@ -84,7 +84,7 @@ struct SolveSummary {
   double element_steps_per_second = 0;     ///< elements x runs x steps / wall
   double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without booking
   double hourglass_share = 0;              ///< greatest hourglass energy / energy put in
-  double energy_in = 0;                    ///< by heat and end loads [J]
+  double energy_in = 0;                    ///< by heat, end loads and the initial state [J]
   double dissipated = 0, radiated = 0;     ///< by viscosity; through the rear face [J]
   std::string kernel;                      ///< instruction set
 };
