@@ -51,6 +51,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::csv:
       verb.add_flag("--csv", command.csv, "write every table and trace as CSV, too");
       return;
+    case Extra::floor:
+      verb.add_flag("--floor", command.floor, "measure the repeatability floor (8 ensemble means) and write floor.json");
+      return;
     case Extra::unit:
       verb.add_option("--unit", command.unit, "unit of the values (default: strain)")->type_name("strain|microstrain");
       return;
@@ -60,6 +63,7 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
 }  // namespace
 
 std::vector<Extra> extras_of(const std::string& verb) {
+  if (verb == "check") return {Extra::floor};
   if (verb == "calibrate") return {Extra::method};
   if (verb == "simulate") return {Extra::fields, Extra::mean};
   if (verb == "report") return {Extra::csv};

@@ -28,6 +28,7 @@ struct CommandLine {
   bool fields = false;                       ///< simulate
   bool mean = false;                         ///< simulate
   bool csv = false;                          ///< report
+  bool floor = false;                        ///< check
 };
 
 /// What a verb takes beside the options that all of them share.
@@ -42,7 +43,7 @@ struct Verb {
 };
 
 /// Options of `verb` beyond the shared ones.
-enum class Extra { method, fields, mean, csv, unit };
+enum class Extra { method, fields, mean, csv, unit, floor };
 std::vector<Extra> extras_of(const std::string& verb);
 
 /// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed

@@ -44,6 +44,7 @@ ExitStatus Stages::simulate() {
   const auto& forward = study_.forward;
   const Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
   for (const auto& w : description.warnings) say("warning: " + w);
+  say_physics();
 
   std::vector<double> strain;
   Json json{{"elements", description.elements}, {"nodes", description.nodes}};
@@ -95,6 +96,8 @@ ExitStatus Stages::simulate() {
                  {"radiated_J", run.summary.radiated},
                  {"kernel", run.summary.kernel}});
   }
+  json["regularising_viscosity"] = description.viscosity;
+  json["deposited_energy_J"] = description.deposited_energy;
   json["warnings"] = description.warnings;
   json["provenance"] = provenance.json();
   write_histories(command_.out / "simulate.nc", m.shape(), strain, provenance);

@@ -61,6 +61,15 @@ void Stages::say(const std::string& text) const {
   if (!command_.quiet) std::cerr << text << '\n';
 }
 
+void Stages::say_physics() {
+  const auto d = model().describe();
+  say("load: " + policy_text(study_.forward.load));
+  if (d.deposited_energy > 0)
+    say(fmt::format("pulse: {:.4g} J deposited{}; regularising viscosity {:.4g} Pa s{}", d.deposited_energy,
+                    model().mesh().plane_strain ? fmt::format(" in a slice {:.3g} mm thick", 1e3 * d.slice_thickness) : "", d.viscosity,
+                    d.mesh_decides_viscosity ? " (decided by the mesh)" : ""));
+}
+
 Provenance Stages::campaign_provenance() const {
   Json options = study_.model_options();
   options["campaign"] = identity_options(study_.campaign);

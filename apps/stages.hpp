@@ -36,10 +36,14 @@ class Stages {
   ExitStatus calibrate(const std::string& method);
   ExitStatus report();
 
+  /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.
+  void say_physics();
+
   /// One line to stderr, unless --quiet.
   void say(const std::string& text) const;
 
  private:
+  void measure_floor();
   enum class Asked { by_user, upstream };
   [[nodiscard]] Provenance campaign_provenance() const;
   [[nodiscard]] Provenance train_provenance() const;

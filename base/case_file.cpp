@@ -26,12 +26,16 @@ std::string Range::text() const {
 
 void ReferenceVisitor::row(const std::string& key, const FieldInfo& field, const Json& value) {
   std::string allowed;
+  const bool numbers = value.is_array() && !value.empty() && value[0].is_number();
   if (!field.choices.empty())
     allowed = join(field.choices);
   else if (value.is_number() || value.is_null())
     allowed = field.range.text();
-  markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, field.unit.empty() ? "" : field.unit,
-                          field.required ? "required" : (value.is_null() ? "none" : "`" + value.dump() + "`"), allowed, field.doc);
+  else if (numbers && (std::isfinite(field.range.low) || std::isfinite(field.range.high)))
+    allowed = "each " + field.range.text();
+  const std::string text = value.is_number_float() ? number_text(value.get<double>()) : value.dump();
+  markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, field.unit, field.required ? "required" : (value.is_null() ? "none" : "`" + text + "`"), allowed,
+                          field.doc);
 }
 
 struct CaseFile::Document {

@@ -13,7 +13,7 @@ namespace calomel {
 std::vector<double> pulse_energies(const EnsembleOptions& o) {
   std::vector<double> a;
   const boost::math::normal standard;
-  for (int i = 0; i < o.pulses; ++i) a.push_back(o.pulses == 1 ? 1.0 : 1 + o.energy_sd * boost::math::quantile(standard, (i + 0.5) / o.pulses));
+  for (int i = 0; i < o.pulses; ++i) a.push_back(o.pulses == 1 ? 1.0 : 1 + o.energy_sd * boost::math::quantile(standard, (i + o.quantile_shift) / o.pulses));
   return a;
 }
 
@@ -74,7 +74,12 @@ void respond(const SensorOptions& s, double interval, std::span<double> y) {
 }  // namespace
 
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads)
-    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(mesh_of(case_.geometry))) {
+    : BuiltInModel(forward_case, ensemble, threads, mesh_of(forward_case.geometry)) {
+  for (const auto& p : case_.parameters) remesh_ = remesh_ || p.key.rfind("geometry.", 0) == 0;
+}
+
+BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
+    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))) {
   gauges_ = locate_gauges(*mesh_, case_.sensors);
   heating_ = heating_shape(*mesh_, case_.load.profile);
   solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
@@ -85,7 +90,8 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
   for (std::size_t k = 0; k < case_.time.samples(); ++k) shape_.times.push_back(double(k) * case_.time.output_interval);
   for (const auto& p : case_.parameters) {
     const bool gauge = p.key.rfind("sensor.", 0) == 0 && !p.key.ends_with(".gain") && !p.key.ends_with(".delay");
-    remesh_ = remesh_ || gauge || p.key.rfind("geometry.", 0) == 0 || p.key.rfind("load.profile", 0) == 0;
+    regauge_ = regauge_ || gauge;
+    reheat_ = reheat_ || p.key.rfind("load.profile", 0) == 0;
     resteel_ = resteel_ || p.key == "material.steel.young" || p.key == "material.steel.poisson";
   }
 }
@@ -106,7 +112,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
     return s;
   }
   // The heat is that of the case's own liquid; with the Gruneisen policy the pressure follows the sound speed.
-  const bool own = &mesh == mesh_.get();
+  const bool own = &mesh == mesh_.get() && !reheat_;
   const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, at.load.profile);
   const HeatingShape& heating = own ? heating_ : other;
   const auto peak_pressure = at.conditions.empty() ? at.load.peak_pressure : at.conditions[condition].peak_pressure;
@@ -136,11 +142,12 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
     std::unique_ptr<Mesh> own_mesh;
     std::unique_ptr<ExplicitSolver> own_solver;
     std::vector<LocatedGauge> own_gauges;
-    if (remesh_) own_mesh = std::make_unique<Mesh>(mesh_of(at.geometry)), own_gauges = locate_gauges(*own_mesh, at.sensors);
+    if (remesh_) own_mesh = std::make_unique<Mesh>(mesh_of(at.geometry));
     const Mesh& mesh = own_mesh ? *own_mesh : *mesh_;
+    if (remesh_ || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
     if (remesh_ || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
     const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
-    const auto rows = axial_rows(own_mesh ? own_gauges : gauges_);
+    const auto rows = axial_rows(own_gauges.empty() ? gauges_ : own_gauges);
 
     std::vector<double> pulses(m * values);
     for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition)
@@ -219,6 +226,10 @@ ModelDescription BuiltInModel::describe() const {
   d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;
   d.estimated_bytes = double(d.elements) * (case_.solver.precision == "single" ? 300 : 550);
   d.notes = case_.notes;
+  if (mesh_->plane_strain) {
+    const auto [low, high] = std::minmax_element(mesh_->nodes.begin(), mesh_->nodes.end(), [](const Vec3& a, const Vec3& b) { return a[1] < b[1]; });
+    d.slice_thickness = (*high)[1] - (*low)[1];
+  }
   if (!heating_.element.empty() && heating_.integral > 0 && !s.p0.empty()) {
     double peak = 0;
     for (std::size_t e = 0; e < s.p0.size() && peak == 0; ++e)

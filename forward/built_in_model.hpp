@@ -9,10 +9,12 @@
 namespace calomel {
 
 /// How a record's mean is imitated: the mean of `pulses` runs whose relative energies are the quantiles (i + 1/2)/m of a
-/// normal with the measured pulse-to-pulse spread (physics.md section 1). One pulse: a single run at energy 1.
+/// normal with the measured pulse-to-pulse spread. One pulse: a single run at energy 1. Another `quantile_shift` than 1/2
+/// gives an equally good set of energies, for the repeatability floor.
 struct EnsembleOptions {
   int pulses = 8;
   double energy_sd = 0.015;
+  double quantile_shift = 0.5;
 };
 std::vector<double> pulse_energies(const EnsembleOptions& options);
 
@@ -24,6 +26,7 @@ struct ModelDescription {
   double viscosity = 0;             ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
   double deposited_energy = 0;      ///< in the whole target [J]; 0 for an end_stress
+  double slice_thickness = 0;       ///< in plane strain [m]
   double estimated_seconds = 0;     ///< of one run on one core at 20 million element-steps a second
   double estimated_bytes = 0;
   std::vector<std::string> warnings;
@@ -35,6 +38,8 @@ class BuiltInModel : public ForwardModel {
   /// `threads`: of one run (a campaign runs points side by side on one thread each).
   /// Errors: InputError for a mesh or gauge that cannot be made.
   explicit BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble = {}, int threads = 1);
+  /// The same on a mesh that the caller made (jittered, deformed); parameters of the geometry are then refused.
+  BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh);
   ~BuiltInModel() override;
 
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
@@ -65,7 +70,9 @@ class BuiltInModel : public ForwardModel {
   std::vector<LocatedGauge> gauges_;
   HeatingShape heating_;
   std::unique_ptr<ExplicitSolver> solver_;
-  bool remesh_ = false;   ///< a parameter changes the geometry or the gauges
+  bool remesh_ = false;   ///< a parameter changes the geometry
+  bool regauge_ = false;  ///< a parameter changes where a gauge sits
+  bool reheat_ = false;   ///< a parameter changes the shape of the deposition
   bool resteel_ = false;  ///< a parameter changes the steel's moduli
 };
 

@@ -13,14 +13,6 @@ namespace calomel {
 
 namespace {
 
-struct CaseName {
-  std::string name;
-  template <class V>
-  void visit(V& v) {
-    v("name", name, {.doc = "title of the case"});
-  }
-};
-
 /// A table that holds only tables.
 struct NoKeys {
   template <class V>

@@ -14,6 +14,15 @@
 
 namespace calomel {
 
+/// `[case]`.
+struct CaseName {
+  std::string name;
+  template <class V>
+  void visit(V& v) {
+    v("name", name, {.doc = "title of the case; default: the name of its file"});
+  }
+};
+
 /// `[time]`.
 struct TimeOptions {
   double end = 1e-3;

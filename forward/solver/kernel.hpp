@@ -70,9 +70,9 @@ struct StepData {
   R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
   R impedance;             ///< rho c of the liquid, for the rear face
   R lambda, mu;            ///< of the steel
-  R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
-  R load_before[run_lanes];  ///< the same one step earlier
-  R end_stress[run_lanes];   ///< [Pa], tension positive
+  alignas(64) R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
+  alignas(64) R load_before[run_lanes];  ///< the same one step earlier
+  alignas(64) R end_stress[run_lanes];   ///< [Pa], tension positive
 };
 
 template <class R>

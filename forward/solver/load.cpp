@@ -41,6 +41,12 @@ const Registry<std::string>& loads() {
   return all;
 }
 
+std::string policy_text(const LoadOptions& load) {
+  if (load.kind == "end_stress") return "a measured stress acts on the end";
+  return load.policy == "gruneisen" ? "the heating pressure is Gamma q and follows the sound speed (gruneisen)"
+                                    : "the heating pressure is given and stays when the parameters change (fixed)";
+}
+
 double gruneisen(const MercuryOptions& m, double sound_speed) { return m.thermal_expansion * sound_speed * sound_speed / m.specific_heat; }
 
 HeatingShape heating_shape(const Mesh& mesh, const ProfileOptions& profile) {

@@ -60,6 +60,9 @@ struct LoadOptions {
   void validate() const;
 };
 
+/// In words, how the load follows the parameters: every report names it, because it changes what can be identified.
+std::string policy_text(const LoadOptions& load);
+
 /// Names and meaning of the loads.
 const Registry<std::string>& loads();
 

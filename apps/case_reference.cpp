@@ -1,0 +1,116 @@
+#include "apps/case_reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/study_case.hpp"
+#include "forward/mechanism/mechanism.hpp"
+#include "forward/surrogate/emulator.hpp"
+#include "inverse/objective.hpp"
+#include "inverse/optimizer/optimizer.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr const char* head = R"(# Reference of the case file
+
+This page is generated: `case_reference > docs/case_reference.md` writes it from the same `Options` that the program reads
+cases with, and a test compares the two. Edit the `visit` functions in the source, not this page.
+
+A case is a TOML file. All numbers are in SI units. Relative paths start at the folder of the case file. An unknown key or
+table is an error that names the nearest known one. Every key can be set from the command line, `--set table.key=value`.
+`calomel check CASE.toml` prints the case with every default filled in.
+)";
+
+/// Rows of one Options type under a heading.
+template <class O>
+std::string table(const std::string& heading, const std::string& prefix, const std::string& text, O options = {}) {
+  ReferenceVisitor v(prefix + '.');
+  options.visit(v);
+  return fmt::format("\n## `{}`\n\n{}\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n{}", heading, text, v.markdown);
+}
+
+std::string off_text(double off) { return std::isfinite(off) ? number_text(off) : "none"; }
+
+std::string mechanism_page() {
+  std::string s =
+      "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
+      "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly. The range is that of the "
+      "default prior.\n";
+  const auto& rows = mechanisms().rows();
+  const auto built = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.entry.built; });
+  s += fmt::format(
+      "\nBuilt in this version: {} of {}. A case may list one that is not built: `calomel check` then says \"not built yet, not offered\". Enabling it is "
+      "an error (exit status 2).\n\nKeys that every mechanism takes: `enabled` (default `false`), `wall`, `parameter`.\n",
+      built, rows.size());
+  for (const auto& row : rows) {
+    s += fmt::format("\n### `{}`\n\n`{}`{}\n\n| key | unit | off | low | high | prior |\n|---|---|---|---|---|---|\n", row.name, row.entry.law,
+                     row.entry.built ? "" : " (not built yet)");
+    for (const auto& k : row.entry.keys)
+      s += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k.off), number_text(k.low), number_text(k.high),
+                       k.log_uniform ? "log-uniform" : "uniform");
+  }
+  return s;
+}
+
+template <class Entry>
+std::string catalogue(const std::string& heading, const Registry<Entry>& registry) {
+  std::string s = "\n### " + heading + "\n\n| name | what it is |\n|---|---|\n";
+  for (const auto& row : registry.rows()) s += fmt::format("| `{}` | {} |\n", row.name, row.summary);
+  return s;
+}
+
+/// Tables whose names are kept for stages to come: nothing reads their keys yet.
+std::string reserved_tables() {
+  std::vector<std::string> reserved;
+  for (const char* name : {"model", "output", "spe", "map", "sampler", "sensitivity", "diagnosis", "report"})
+    if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
+  return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
+}
+
+}  // namespace
+
+std::string case_reference() {
+  std::string s = head;
+  s += table<CaseName>("[case]", "case", "The whole table may be left out.");
+  s += table<GeometryOptions>("[geometry]", "geometry",
+                              "The target: a box, a jet-flow target or a round bar. Required. `x` runs along the beam from the outer front face, `z` up from the "
+                              "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. `kind = \"mesh\"` is not built yet. "
+                              "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
+  s += table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
+  s += table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
+  s += table<LoadOptions>("[load]", "load", "What sets the target in motion. Required; a pulse needs either `peak_pressure` or `energy`.");
+  s += table<TimeOptions>("[time]", "time", "Samples stand at every multiple of `output_interval` from 0 to `end`.");
+  s += table<SolverOptions>("[solver]", "solver", "The explicit solver.");
+  s += table<SensorOptions>("[[sensor]]", "sensor",
+                            "One table a strain gauge, in declared order; at least one. Or `sensors = \"FILE.csv\"` at the top of the case with the columns "
+                            "name,x,y,z,dx,dy,dz,gauge_length.");
+  s += table<ConditionOptions>("[[condition]]", "condition",
+                               "Operating points, e.g. beam powers; each has exactly one of `peak_pressure` and `energy`. Without any there is one condition, as "
+                               "the load says.");
+  s += table<RecordingOptions>("[recordings]", "recordings", "What was measured; see [how-to/import_recordings.md](how-to/import_recordings.md).");
+  s += table<Parameter>("[parameter.NAME]", "parameter.NAME",
+                        "The numbers to infer, in declared order. NAME stands for `material.mercury.NAME` unless `key` names another number of the case, such as\n"
+                        "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. The calibration of this version uses the bounds; priors are read and "
+                        "checked.");
+  s += table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
+  s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
+  s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
+  s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
+  s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");
+  s += mechanism_page();
+  s += "\n## Catalogues\n\nThe same lists as `calomel list` prints.\n";
+  s += catalogue("Laws of the liquid (`material.mercury.law`)", liquid_laws());
+  s += catalogue("Loads (`load.kind`)", loads());
+  s += catalogue("Designs (`campaign.design`)", designs());
+  s += catalogue("Surrogates (`surrogate.kind`, `surrogate.compare`)", surrogate_kinds());
+  s += catalogue("Objectives (`enc.objective`)", objectives());
+  s += catalogue("Optimisers (`enc.optimizers`)", optimizers());
+  s += reserved_tables();
+  return s;
+}
+
+}  // namespace calomel

@@ -1,0 +1,143 @@
+// What the documentation promises and a program can check: the generated page is current, links lead somewhere, every work
+// that is cited stands in references.bib, and the case file of the walk-through is one.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include <unistd.h>
+
+#include "apps/case_reference.hpp"
+#include "apps/study_case.hpp"
+#include "base/artefact.hpp"
+
+namespace calomel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+const fs::path root = CALOMEL_SOURCE_DIR;
+
+/// README.md and its neighbours, and everything below docs/ and examples/.
+std::vector<fs::path> pages() {
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::directory_iterator(root))
+    if (entry.path().extension() == ".md") all.push_back(entry.path());
+  for (const char* folder : {"docs", "examples"})
+    if (fs::exists(root / folder))
+      for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+        if (entry.path().extension() == ".md") all.push_back(entry.path());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// The page without fenced blocks and code between backticks.
+std::string prose(const std::string& text) {
+  std::istringstream in(text);
+  std::string out;
+  bool fenced = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("```")) {
+      fenced = !fenced;
+      continue;
+    }
+    if (!fenced) out += std::regex_replace(line, std::regex("`[^`]*`"), "code") + '\n';
+  }
+  return out;
+}
+
+/// Targets of [text](target) that name no existing file; links to the web are left alone.
+std::vector<std::string> broken_links(const std::string& text, const fs::path& folder) {
+  std::vector<std::string> broken;
+  const std::string plain = prose(text);
+  const std::regex link(R"(\]\(([^)\s]+)\))");
+  for (std::sregex_iterator it(plain.begin(), plain.end(), link), end; it != end; ++it) {
+    std::string target = (*it)[1];
+    if (target.starts_with("http://") || target.starts_with("https://") || target.starts_with('#')) continue;
+    target = target.substr(0, target.find('#'));
+    if (!fs::exists(folder / target)) broken.push_back((*it)[1]);
+  }
+  return broken;
+}
+
+/// Keys of "@article{KEY," in a bibliography.
+std::set<std::string> keys_of(const std::string& bibliography) {
+  std::set<std::string> keys;
+  const std::regex entry(R"(@\w+\{([^,\s]+),)");
+  for (std::sregex_iterator it(bibliography.begin(), bibliography.end(), entry), end; it != end; ++it) keys.insert((*it)[1]);
+  return keys;
+}
+
+/// Keys of [@KEY] in a page that are not in the bibliography.
+std::vector<std::string> unknown_citations(const std::string& text, const std::set<std::string>& known) {
+  std::vector<std::string> unknown;
+  const std::string plain = prose(text);
+  const std::regex citation(R"(@([A-Za-z]+\d{4}[a-z]?))");
+  for (std::sregex_iterator it(plain.begin(), plain.end(), citation), end; it != end; ++it)
+    if (!known.contains((*it)[1])) unknown.push_back((*it)[1]);
+  return unknown;
+}
+
+/// All ```toml blocks of a page, one after another.
+std::string case_file_in(const std::string& text) {
+  std::istringstream in(text);
+  std::string out;
+  bool inside = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("```")) {
+      inside = line == "```toml";
+      continue;
+    }
+    if (inside) out += line + '\n';
+  }
+  return out;
+}
+
+TEST(CaseReference, IsWhatTheGeneratorWrites) {
+  EXPECT_EQ(read_text(root / "docs" / "case_reference.md"), case_reference())
+      << "run: build/release/apps/case_reference > docs/case_reference.md";
+}
+
+TEST(CaseReference, HasAHeadingForEveryTableAndMechanism) {
+  const std::string page = case_reference();
+  for (const char* heading : {"## `[geometry]`", "## `[material.mercury]`", "## `[[sensor]]`", "## `[enc]`", "### `bubbly_liquid`", "### `static_pressure`"})
+    EXPECT_THAT(page, ::testing::HasSubstr(heading));
+  EXPECT_THAT(page, ::testing::HasSubstr("| `load.profile.decay` | m | `0.13` | > 0 |"));
+}
+
+TEST(Links, LeadToFilesThatExist) {
+  ASSERT_GE(pages().size(), 5u);
+  for (const auto& page : pages()) EXPECT_THAT(broken_links(read_text(page), page.parent_path()), IsEmpty()) << page;
+}
+
+TEST(Links, ToAMissingFileAreFound) {
+  EXPECT_THAT(broken_links("[a](CMakeLists.txt) ![b](nowhere.png) [c](https://example.org/x) `[d](code)`\n```\n[e](fenced)\n```\n[f](gone.md#part)", root),
+              ElementsAre("nowhere.png", "gone.md#part"));
+}
+
+TEST(Citations, StandInTheBibliography) {
+  const auto known = keys_of(read_text(root / "docs" / "references.bib"));
+  ASSERT_GE(known.size(), 10u);
+  for (const auto& page : pages()) EXPECT_THAT(unknown_citations(read_text(page), known), IsEmpty()) << page;
+}
+
+TEST(Citations, OfUnknownWorksAreFound) { EXPECT_THAT(unknown_citations("[@A2000; @B2001]", {"A2000"}), ElementsAre("B2001")); }
+
+TEST(WalkThrough, IsACaseThatTheProgramReads) {
+  const auto folder = fs::temp_directory_path() / ("calomel_docs_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  write_atomically(folder / "case.toml", case_file_in(read_text(root / "docs" / "how-to" / "your_own_target.md")));
+  const auto study = StudyCase::read(folder / "case.toml", {});
+  EXPECT_EQ(study.forward.parameters.size(), 3u);
+  EXPECT_TRUE(study.recordings.has_value());
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace calomel

@@ -1,0 +1,186 @@
+// Malformed input through the program as a user meets it: exit status 2, the place, the key, the value, and what to do.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+const std::string good = R"(# a small slice
+[case]
+name = "slice"
+[geometry]
+kind = "box"
+length = 0.06
+width = 0.05
+height = 0.04
+wall = 0.004
+rear = "non_reflecting"
+plane_strain = true
+element_size = 0.002
+[material.steel]
+density = 7960.0
+young = 193e9
+poisson = 0.29
+[material.mercury]
+law = "riemer"
+density = 13500.0
+sound_speed = 1450.0
+tensile_cutoff = 1.5e5
+[load]
+policy = "fixed"
+peak_pressure = 25e6
+pulse_length = 0.7e-6
+profile = { center = [0.0, 0.02], widths = [0.1, 0.02], decay = 0.13 }
+[time]
+end = 2e-5
+output_interval = 1e-6
+[[sensor]]
+name = "A"
+position = [0.02, 0.0, 0.04]
+direction = [1, 0, 0]
+[[sensor]]
+name = "B"
+position = [0.04, 0.0, 0.0]
+direction = [1, 0, 0]
+[recordings]
+file = "recordings.csv"
+[parameter.density]
+min = 13000.0
+max = 13600.0
+[parameter.sound_speed]
+min = 1400.0
+max = 1500.0
+[campaign]
+runs = 4
+[enc]
+rounds = 4
+)";
+
+std::string good_records() {
+  std::string s = "sensor,pulse,time,strain\n";
+  for (const char* sensor : {"A", "B"})
+    for (int pulse = 0; pulse < 3; ++pulse)
+      for (int k = 0; k <= 20; ++k)
+        s += std::string(sensor) + ',' + std::to_string(pulse) + ',' + std::to_string(k) + "e-6," + std::to_string(1e-6 * k * (pulse + 1)) + '\n';
+  return s;
+}
+
+struct Outcome {
+  int status;
+  std::string said;
+};
+
+struct Edit {
+  std::string name;                ///< of the test
+  std::string old, now;            ///< the line's change; empty `old`: in the recordings instead
+  std::vector<std::string> words;  ///< all must be said
+  std::string place;               ///< "case.toml:7", "recordings.csv:4"
+  std::string verb = "check";
+  std::string records;  ///< whole recordings, when not the good ones
+};
+
+std::filesystem::path write_case(const Edit& e) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_malformed_" + e.name + "_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(dir);
+  std::filesystem::create_directories(dir);
+  std::string text = good;
+  if (!e.old.empty()) {
+    const auto at = text.find(e.old);
+    EXPECT_NE(at, std::string::npos) << e.old;
+    text.replace(at, e.old.size(), e.now);
+  }
+  std::ofstream(dir / "case.toml") << text;
+  std::ofstream(dir / "recordings.csv") << (e.records.empty() ? good_records() : e.records);
+  return dir;
+}
+
+Outcome run(const std::filesystem::path& dir, const std::string& words) {
+  const std::string command = "cd '" + dir.string() + "' && '" CALOMEL_PROGRAM "' " + words + " 2>&1 >/dev/null";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  Outcome out{-1, ""};
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.said.append(buffer.data(), n);
+  out.status = WEXITSTATUS(::pclose(pipe));
+  return out;
+}
+
+std::string with(std::string text, const std::string& old, const std::string& now) {
+  text.replace(text.find(old), old.size(), now);
+  return text;
+}
+
+std::vector<Edit> edits() {
+  const std::string r = good_records();
+  return {
+      {"misspelt_key", "peak_pressure", "peak_presure", {"peak_presure", "peak_pressure"}, "case.toml:24"},
+      {"misspelt_table", "[time]", "[tiem]", {"tiem", "time"}, "case.toml:27"},
+      {"negative_young", "young = 193e9", "young = -193e9", {"young", "-1.93e+11", "Pa"}, "case.toml:15"},
+      {"incompressible_steel", "poisson = 0.29", "poisson = 0.5", {"poisson", "0.5", "0.49"}, "case.toml:16"},
+      {"text_for_number", "height = 0.04", "height = \"high\"", {"height", "number"}, "case.toml:8"},
+      {"number_for_text", "kind = \"box\"", "kind = 3", {"kind", "text"}, "case.toml:5"},
+      {"unknown_kind", "kind = \"box\"", "kind = \"bocks\"", {"bocks", "box", "jet_flow"}, "case.toml:5"},
+      {"unknown_law", "law = \"riemer\"", "law = \"rimer\"", {"rimer", "riemer"}, "case.toml:18"},
+      {"unclosed_table", "[load]", "[load", {"TOML"}, "case.toml:22"},
+      {"duplicate_key", "density = 7960.0", "density = 7960.0\ndensity = 1.0", {"density"}, "case.toml:15"},
+      {"walls_fill_the_box", "wall = 0.004", "wall = 0.03", {"wall", "0.03"}, "case.toml:9"},
+      {"no_element_size", "element_size = 0.002\n", "", {"element_size"}, "case.toml:4"},
+      {"vanishing_element_size", "element_size = 0.002", "element_size = 1e-9", {"element_size", "1e-09"}, "case.toml:12"},
+      {"end_between_samples", "end = 2e-5", "end = 2.05e-5", {"time.end", "output_interval"}, "case.toml:28"},
+      {"negative_end", "end = 2e-5", "end = -2e-5", {"time.end"}, "case.toml:28"},
+      {"no_strength", "peak_pressure = 25e6\n", "", {"peak_pressure", "energy"}, "case.toml:"},
+      {"two_strengths", "pulse_length = 0.7e-6", "pulse_length = 0.7e-6\nenergy = 1e4", {"energy", "peak_pressure"}, "case.toml:"},
+      {"short_list", "center = [0.0, 0.02]", "center = [0.0]", {"center", "2 numbers"}, "case.toml:26"},
+      {"sensor_in_the_air", "position = [0.02, 0.0, 0.04]", "position = [0.02, 0.0, 0.09]", {"A", "position"}, "case.toml:32"},
+      {"sensor_normal_to_wall", "direction = [1, 0, 0]", "direction = [0, 0, 1]", {"A", "direction"}, "case.toml:33"},
+      {"sensor_twice", "name = \"B\"", "name = \"A\"", {"A", "same name"}, "case.toml:35"},
+      {"bounds_crossed", "max = 13600.0", "max = 12000.0", {"max", "12000"}, "case.toml:42"},
+      {"parameter_of_nothing", "[parameter.sound_speed]", "[parameter.soundspeed]", {"soundspeed", "sound_speed"}, "case.toml:43"},
+      {"mechanism_not_built", "[campaign]", "[mechanism.bubbly_liquid]\nenabled = true\n[campaign]", {"bubbly_liquid", "not built"}, "case.toml:47"},
+      {"unknown_mechanism", "[campaign]", "[mechanism.bubly_liquid]\n[campaign]", {"bubly_liquid", "bubbly_liquid"}, "case.toml:46"},
+      {"unknown_design", "runs = 4", "design = \"sobl\"", {"sobl", "sobol"}, "case.toml:47"},
+      {"fractional_runs", "runs = 4", "runs = 4.5", {"runs", "whole number"}, "case.toml:47"},
+      {"unknown_optimiser", "rounds = 4", "optimizers = [\"de\", \"gwoo\"]", {"gwoo", "gwo"}, "case.toml:49"},
+      {"recordings_absent", "file = \"recordings.csv\"", "file = \"recs.csv\"", {"recs.csv"}, "case.toml:39"},
+      {"record_text", "", "", {"abc"}, "recordings.csv:3", "check", with(r, "A,0,1e-6,0.000001", "A,0,1e-6,abc")},
+      {"record_columns", "", "", {"columns"}, "recordings.csv:3", "check", with(r, "A,0,1e-6,0.000001", "A,0,1e-6")},
+      {"record_unknown_sensor", "", "", {"C", "case.toml"}, "recordings.csv:3", "check", with(r, "A,0,1e-6,0.000001", "C,0,1e-6,0.000001")},
+      {"record_twice", "", "", {"A"}, "recordings.csv:4", "check", with(r, "A,0,2e-6", "A,0,1e-6")},
+      {"record_empty", "", "", {}, "recordings.csv", "check", "sensor,pulse,time,strain\n"},
+  };
+}
+
+class MalformedInput : public testing::TestWithParam<Edit> {};
+
+}  // namespace
+
+TEST(WellFormedInput, IsAccepted) {
+  const auto out = run(write_case({"good", "", "", {}, ""}), "check case.toml");
+  EXPECT_EQ(out.status, 0) << out.said;
+}
+
+TEST_P(MalformedInput, ExitsTwoWithAMessageAStrangerCanActOn) {
+  const Edit& e = GetParam();
+  const auto out = run(write_case(e), e.verb + " case.toml");
+  EXPECT_EQ(out.status, 2) << out.said;
+  EXPECT_THAT(out.said, testing::HasSubstr(e.place));
+  for (const auto& w : e.words) EXPECT_THAT(out.said, testing::HasSubstr(w));
+  EXPECT_LT(out.said.size(), 2000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, MalformedInput, testing::ValuesIn(edits()), [](const auto& info) { return info.param.name; });
+
+TEST(CommandLine, RefusesWhatItDoesNotKnow) {
+  const auto dir = write_case({"line", "", "", {}, ""});
+  EXPECT_EQ(run(dir, "simulat case.toml").status, 2);
+  EXPECT_THAT(run(dir, "simulat case.toml").said, testing::HasSubstr("simulate"));
+  EXPECT_EQ(run(dir, "simulate case.toml --thread 2").status, 2);
+  EXPECT_EQ(run(dir, "simulate absent.toml").status, 2);
+  EXPECT_EQ(run(dir, "check case.toml --set geometry.elment_size=1").status, 2);
+  EXPECT_THAT(run(dir, "check case.toml --set geometry.elment_size=1").said, testing::HasSubstr("element_size"));
+}

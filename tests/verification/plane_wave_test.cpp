@@ -1,0 +1,134 @@
+// Plane waves: speed, order under refinement, and reflection where mercury meets steel.
+#include "tests/verification/small_runs.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+
+namespace {
+
+/// A column of n elements along x that can only move along x.
+Mesh column(int n, double length, const std::function<Region(const Vec3&)>& region_at) {
+  const double h = length / n;
+  Mesh m = block({n, 1, 1}, {0, 0, 0}, {length, h, h}, region_at);
+  fix(m, 2 | 4, everywhere());
+  return m;
+}
+
+double gauss(double x, double sd) { return std::exp(-0.5 * x * x / (sd * sd)); }
+
+/// A pulse u = 1e-6 gauss(x - at) that travels to the right with speed c.
+void launch(RunSetup& s, const Mesh& mesh, double at, double sd, double c) {
+  s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * gauss(x[0] - at, sd), 0, 0}; });
+  s.initial_velocity = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * c * (x[0] - at) / (sd * sd) * gauss(x[0] - at, sd), 0, 0}; });
+}
+
+struct Transit {
+  double speed, error;  ///< [m/s]; L2 of the displacement against the exact pulse, relative
+};
+
+/// 0.2 m of travel in a 0.4 m column; the speed from the centroids of u^2.
+Transit transit(Region region, int n, double true_speed, const RunSetup& base) {
+  const double length = 0.4, sd = 0.01, from = 0.1, time = 0.2 / true_speed;
+  const Mesh mesh = column(n, length, [&](const Vec3&) { return region; });
+  const ExplicitSolver solver(mesh, base.steel);
+  RunSetup s = base;
+  s.end = s.output_interval = time;
+  launch(s, mesh, from, sd, true_speed);
+  const auto u = final_displacement(mesh, solver.solve(s, all_components(mesh), {}));
+  double weight = 0, moment = 0, square = 0, exact = 0;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double x = mesh.nodes[i][0], e = 1e-6 * gauss(x - 0.3, sd);
+    weight += u[i][0] * u[i][0], moment += x * u[i][0] * u[i][0];
+    square += (u[i][0] - e) * (u[i][0] - e), exact += e * e;
+  }
+  return {(moment / weight - from) / time, std::sqrt(square / exact)};
+}
+
+}  // namespace
+
+TEST(PlaneWave, SpeedAndOrderInBothMaterials) {
+  for (const Region region : {Region::mercury, Region::steel}) {
+    const std::string name = region == Region::mercury ? "mercury" : "steel";
+    const double c = region == Region::mercury ? mercury_speed : steel_speed();
+    const RunSetup setup = linear_setup(0, 0);
+    const Transit coarse = transit(region, 100, c, setup), middle = transit(region, 200, c, setup), fine = transit(region, 400, c, setup);
+    const double order = std::log2(middle.error / fine.error);
+    measured(name + "_speed_error_2mm", middle.speed / c - 1);
+    measured(name + "_L2_4mm", coarse.error), measured(name + "_L2_2mm", middle.error), measured(name + "_L2_1mm", fine.error);
+    measured(name + "_order", order);
+    EXPECT_NEAR(middle.speed, c, 0.005 * c);
+    EXPECT_NEAR(fine.speed, c, 0.001 * c);
+    EXPECT_GT(order, 1.8);
+    EXPECT_GT(std::log2(coarse.error / middle.error), 1.8);
+    // Control: a modulus 2 % too high is a speed 1 % too high.
+    RunSetup spoiled = setup;
+    spoiled.liquid.bulk_modulus *= 1.02;
+    spoiled.steel.lambda *= 1.02, spoiled.steel.mu *= 1.02;
+    EXPECT_GT(transit(region, 200, c, spoiled).speed, 1.005 * c);
+  }
+}
+
+namespace {
+
+struct Reflection {
+  double reflected, transmitted;  ///< pressure over incident pressure
+};
+
+/// A pulse in mercury meets steel at x = 0.3; what comes back and goes on is projected on the exact shapes.
+Reflection reflection(double h, double speed, double steel_stiffness, int common_normals, bool tied = false) {
+  const double wall = 0.3, length = 1.3, sd = 0.02;
+  Mesh mesh = column(int(std::lround(length / h)), length, [&](const Vec3& x) { return x[0] < wall ? Region::mercury : Region::steel; });
+  const std::size_t shared = mesh.nodes.size();
+  if (!tied) split(mesh, std::vector<Vec3>(std::size_t(common_normals), Vec3{1, 0, 0}));
+  const LinearElastic moduli{steel().lambda * steel_stiffness, steel().mu * steel_stiffness};
+  const ExplicitSolver solver(mesh, moduli);
+  const double travel = 0.32;  // of the pulse's centre in mercury: from 0.14 to the wall and 0.16 back
+  RunSetup s = linear_setup(travel / speed, travel / speed);
+  s.steel = moduli;
+  s.liquid.bulk_modulus = mercury_density * speed * speed;
+  launch(s, mesh, 0.14, sd, speed);
+  const auto u = final_displacement(mesh, solver.solve(s, all_components(mesh), {}));
+  const double c = steel_speed(), front = wall + 0.16 / speed * c;
+  double ru = 0, rr = 0, tu = 0, tt = 0;
+  for (std::size_t i = 0; i < shared; ++i) {
+    const double x = mesh.nodes[i][0];
+    if (x < wall) {
+      const double f = 1e-6 * gauss(x - (wall - 0.16), sd);
+      ru += u[i][0] * f, rr += f * f;
+    } else {
+      const double f = 1e-6 * gauss((x - front) * speed / c, sd);
+      tu += u[i][0] * f, tt += f * f;
+    }
+  }
+  // Displacements reflect with -R; transmitted pressure is Z_s/Z_m times the transmitted displacement.
+  return {-ru / rr, tu / tt * steel_density * c / (mercury_density * speed)};
+}
+
+double exact_reflection(double speed) {
+  const double zs = steel_density * steel_speed(), zm = mercury_density * speed;
+  return (zs - zm) / (zs + zm);
+}
+
+}  // namespace
+
+// R = (Z_s - Z_m)/(Z_s + Z_m) = 0.3925 at c = 1450 m/s, 0.3907 at 1456; T = 1 + R (physics.md section 4).
+TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
+  EXPECT_NEAR(exact_reflection(1450), 0.3925, 5e-5);
+  EXPECT_NEAR(exact_reflection(1456), 0.3907, 5e-5);
+  for (const double speed : {1450., 1456.}) {
+    const double r = exact_reflection(speed);
+    const auto got = reflection(0.002, speed, 1, 1);
+    measured("R_at_" + std::to_string(int(speed)), got.reflected);
+    measured("T_at_" + std::to_string(int(speed)), got.transmitted);
+    EXPECT_NEAR(got.reflected, r, 0.01 * r);
+    EXPECT_NEAR(got.transmitted, 1 + r, 0.01 * (1 + r));
+  }
+  const auto tied = reflection(0.002, 1450, 1, 1, true);  // at normal incidence slip makes no difference
+  EXPECT_NEAR(tied.reflected, reflection(0.002, 1450, 1, 1).reflected, 1e-6);
+}
+
+TEST(Interface, ControlsFail) {
+  const double r = exact_reflection(1450);
+  EXPECT_GT(std::abs(reflection(0.002, 1450, 0.9, 1).reflected - r), 0.02 * r);  // a softer steel
+  EXPECT_NEAR(reflection(0.002, 1450, 1, 0).reflected, -1, 0.01);                // pairs that share no normal: a free surface
+}
