@@ -136,7 +136,10 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
   p.unit = recordings.unit;
   p.warnings = recordings.warnings;
   if (shape.unit != recordings.unit && shape.unit == "strain")
-    throw InputError({.problem = "the model gives strain, the recordings are in " + recordings.unit, .key = "recordings.unit"});
+    throw InputError(
+        {.problem = "the model gives strain, the recordings are in " + recordings.unit,
+         .key = "recordings.unit",
+         .suggestion = "give every sensor its gain, " + recordings.unit + " per strain, and set sensor_unit = \"" + recordings.unit + "\" under [case]"});
   if (p.unit != "strain") p.mae_scale = 1, p.mae_unit = p.unit;
   for (const auto& [name, sd] : options.noise_by_sensor.sd)
     if (std::find(shape.sensors.begin(), shape.sensors.end(), name) == shape.sensors.end())
@@ -210,7 +213,6 @@ std::vector<double> on_record_times(const Problem& problem, std::span<const doub
 Score score(const Problem& problem, std::span<const double> values) {
   expect(values.size() == problem.shape.values(), "a score is of a model's whole output");
   Score total{.ok = true};
-  std::size_t with_band = 0;
   for (const auto& o : problem.observations) {
     SensorScore s{problem.shape.conditions[o.condition], problem.shape.sensors[o.sensor]};
     const auto y = on_record_times(problem, values.subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size()));
@@ -231,12 +233,12 @@ Score score(const Problem& problem, std::span<const double> values) {
     s.rrmse = std::sqrt(squares / norm);
     s.excess = over + under;
     if (!std::isfinite(absolute)) total.ok = false;
-    if (s.banded > 0) total.accuracy += s.accuracy, ++with_band;
+    if (s.banded > 0) total.accuracy += s.accuracy, ++total.banded_sensors;
     total.mae += s.mae, total.delta1 += s.rrmse, total.delta2 += s.excess;
     total.sensors.push_back(std::move(s));
   }
   const double n = double(problem.observations.size());
-  if (with_band > 0) total.accuracy /= double(with_band);
+  if (total.banded_sensors > 0) total.accuracy /= double(total.banded_sensors);
   total.mae /= n;
   total.nrmse = total.delta1 / n;
   return total;
