@@ -45,7 +45,7 @@ Misfit misfit(const std::vector<std::string>& overrides) {
   CaseFile file(folder / "case.toml", all);
   const BuiltInModel model(ForwardCase::read(file), {.pulses = 1});
   SolveOptions options;
-  options.precision = model.forward_case().solver.precision;
+  options.precision = model.forward_case().solver.precision, options.time_step_safety = model.forward_case().solver.time_step_safety;
   const auto run = model.simulate(options);
   const auto reference = read_table(folder / "box_linear.csv");
   Misfit m;
