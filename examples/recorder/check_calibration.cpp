@@ -59,7 +59,8 @@ int check(const std::filesystem::path& out, const std::filesystem::path& truth_p
     return *value;
   };
   for (const auto& [name, value] : enc.at("theta").items())
-    fmt::print("        {}: recovered {:.5g}, true {:.5g}, nominal {:.5g}\n", name, value.get<double>(), true_value(name), enc.at("nominal").at(name).get<double>());
+    fmt::print("        {}: recovered {:.5g}, true {:.5g}, nominal {:.5g}\n", name, value.get<double>(), true_value(name),
+               enc.at("nominal").at(name).get<double>());
   const double z = enc.at("impedance").at("value"), true_z = true_value("density") * true_value("sound_speed");
   const double error = 100 * (z / true_z - 1);
   holds(std::abs(error) <= expected.impedance_within,

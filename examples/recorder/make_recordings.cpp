@@ -76,8 +76,8 @@ std::vector<double> true_strains(const BuiltInModel& model, const std::vector<do
     const std::vector<double> group(energies.begin() + std::ptrdiff_t(first), energies.begin() + std::ptrdiff_t(last));
     const auto summary = solver.solve(model.setup(c, model.mesh(), 0, group), rows, options);
     strains.insert(strains.end(), summary.observations.begin(), summary.observations.end());
-    fmt::print("pulses {} to {}: {} elements, {} steps of {:.4g} s, {:.1f} s\n", first + 1, last, model.mesh().elements.size(), summary.steps, summary.time_step,
-               summary.wall_seconds);
+    fmt::print("pulses {} to {}: {} elements, {} steps of {:.4g} s, {:.1f} s\n", first + 1, last, model.mesh().elements.size(), summary.steps,
+               summary.time_step, summary.wall_seconds);
     std::fflush(stdout);
   }
   return strains;

@@ -1,0 +1,103 @@
+// Element-steps per second of the explicit solver, one and two threads, single and double precision, one run and eight runs
+// in the lanes, beside the memory bandwidth measured in the same minutes.
+//
+//   bench_solver [CASE.toml ...]      the plane-strain slice and a half box of about 500 000 elements, then the cases given
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "forward/built_in_model.hpp"
+#include "forward/mesh/make_mesh.hpp"
+#include "forward/solver/kernel.hpp"
+
+using namespace calomel;
+
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// Read bandwidth [GB/s] over arrays far beyond the caches, best of five.
+double read_bandwidth(int threads) {
+  const std::size_t size = std::size_t(96) << 20;  // doubles: 768 MB in all
+  std::vector<double> a(size, 1.0);
+  double best = 0;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const double t0 = now();
+    std::vector<double> sums(std::size_t(threads) * 16);
+    std::vector<std::jthread> pool;
+    for (int t = 0; t < threads; ++t)
+      pool.emplace_back([&, t] {
+        const double* p = a.data() + size / std::size_t(threads) * std::size_t(t);
+        std::array<double, 16> s{};
+        for (std::size_t i = 0; i + 16 <= size / std::size_t(threads); i += 16)
+          for (std::size_t k = 0; k < 16; ++k) s[k] += p[i + k];
+        sums[std::size_t(t) * 16] = std::accumulate(s.begin(), s.end(), 0.0);
+      });
+    pool.clear();
+    const double seconds = now() - t0;
+    if (std::accumulate(sums.begin(), sums.end(), 0.0) > 0) best = std::max(best, double(size) * 8 / seconds / 1e9);
+  }
+  return best;
+}
+
+/// Bytes that one element-step must move at least: its geometry, connectivity, and about one node's rows read and written.
+double bytes_per_element(const Mesh& mesh, std::size_t real, bool runs) {
+  double bytes = 0;
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) bytes += double(geometry_terms(mesh.region[e] == Region::mercury, true)) * double(real) / (runs ? 8 : 1);
+  const double nodes = double(mesh.nodes.size()) / double(mesh.elements.size());
+  return bytes / double(mesh.elements.size()) + 16.0 / (runs ? 8 : 1) + nodes * double(real) * (runs ? 3 : 4) * 4;
+}
+
+void measure(const std::string& name, ForwardCase c, double bandwidth[2], double seconds) {
+  fmt::print("{}\n", name);
+  for (const char* precision : {"single", "double"})
+    for (const int threads : {1, 2})
+      for (const bool runs : {false, true}) {
+        c.solver.precision = precision;
+        const Mesh mesh = make_mesh(c.geometry);
+        const ExplicitSolver solver(mesh, LinearElastic::from_young(c.steel.young, c.steel.poisson), 2);
+        const BuiltInModel model(c, {}, threads);
+        RunSetup s = model.setup(c, model.mesh(), 0, runs ? pulse_energies({}) : std::vector<double>{1.0});
+        SolveOptions o;
+        o.precision = precision, o.threads = threads;
+        // As many outputs as fit the time, at least one.
+        s.end = s.output_interval;
+        const double first = solver.solve(s, {}, o).wall_seconds;
+        s.end = s.output_interval * std::max(1.0, std::floor(seconds / std::max(first, 1e-6)));
+        double best = 0, best_booked = 0;
+        for (int repeat = 0; repeat < 3; ++repeat) best = std::max(best, solver.solve(s, {}, o).element_steps_per_second);
+        if (!runs) o.booking = true, best_booked = solver.solve(s, {}, o).element_steps_per_second;
+        const double bytes = bytes_per_element(mesh, *precision == 's' ? 4 : 8, runs);
+        fmt::print("  {:9} elements  {:6}  {} thread{}  {:22} {:7.1f} M/s{}  {:3.0f} B -> {:4.0f} % of {:.0f} GB/s\n", mesh.elements.size(), precision, threads, threads > 1 ? "s" : " ",
+                   runs ? "8 runs in the lanes" : "one run", best / 1e6, runs ? std::string(18, ' ') : fmt::format(" (booked {:6.1f})", best_booked / 1e6), bytes,
+                   100 * best * bytes / 1e9 / bandwidth[threads - 1], bandwidth[threads - 1]);
+        std::fflush(stdout);
+      }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  double bandwidth[2] = {read_bandwidth(1), read_bandwidth(2)};
+  fmt::print("kernel {}; read bandwidth {:.1f} / {:.1f} GB/s on one / two threads\n", kernels<float>().name, bandwidth[0], bandwidth[1]);
+  ForwardCase slice;
+  slice.geometry.kind = "box";
+  slice.geometry.length = 0.2, slice.geometry.width = 0.1, slice.geometry.height = 0.06, slice.geometry.wall = 0.005;
+  slice.geometry.plane_strain = true, slice.geometry.element_size = 0.001;
+  slice.load.peak_pressure = 25e6;
+  slice.load.profile.center = {0.0, 0.03};
+  SensorOptions sensor;
+  sensor.name = "A", sensor.position = {0.1, 0.0, 0.06}, sensor.direction = {1, 0, 0};
+  slice.sensors = {sensor};
+  measure("plane-strain slice", slice, bandwidth, 0.5);
+  ForwardCase box = slice;
+  box.geometry.plane_strain = false, box.geometry.half = true, box.geometry.element_size = 0.00107;
+  measure("half box", box, bandwidth, 1.5);
+  for (int i = 1; i < argc; ++i) {
+    CaseFile file(argv[i]);
+    measure(argv[i], ForwardCase::read(file), bandwidth, 1.0);
+  }
+}
