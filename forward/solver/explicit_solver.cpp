@@ -258,7 +258,7 @@ SolveSummary ExplicitSolver::Parts::solve(const RunSetup& setup, std::span<const
       p0[b] = AlignedArray<R>(slots);
       for (std::size_t i = 0; i < slots; ++i)
         if (p.elements[b][i] >= 0 && !setup.p0.empty()) p0[b][i] = R(setup.p0[std::size_t(p.elements[b][i])]);
-      if (stateful) state[b] = AlignedArray<R>(slots * 2 * (runs ? run_lanes : 1));
+      if (stateful) state[b] = AlignedArray<R>(runs ? slots * run_state * run_lanes : slots * element_state);
     }
     data[b] = {block.liquid, block.parallelepiped, std::int32_t(slots / lanes), p.geometry[b].data(), p.connectivity[b].data(), p0[b].data(), state[b].data(),
                block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(), std::int32_t(block.shared.size()), block.outbox};

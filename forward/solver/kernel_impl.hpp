@@ -98,8 +98,19 @@ struct Sums {
   V liquid{}, hourglass{}, steel{}, dissipated{}, heat{}, kinetic{};
 };
 
-template <bool Affine, bool Booking, class V, class Geometry>
-CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* strain_before, V* viscous_before, Sums<V>& sums) {
+/// Energy of one hourglass amplitude w = q + beta dq/dt whose spring is h: 1/2 h q^2 is stored, h beta (dq/dt)^2 dissipated.
+/// `before` is q of the last step.
+template <class V>
+CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, Sums<V>& sums) {
+  const V q = (w + s.ratio * *before) / (V{} + 1 + s.ratio), change = q - *before;
+  sums.hourglass += h * q * q;
+  sums.dissipated += h * s.ratio * change * change;
+  *before = q;
+}
+
+/// `state`: strain and viscous pressure of the last step, then, with Hourglass, the twelve hourglass amplitudes.
+template <bool Affine, bool Booking, bool Hourglass, class V, class Geometry>
+CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   constexpr int terms = Affine ? 9 : 21;
   const V volume = g(terms), h = s.hourglass * g(terms + 1);
   V grad[3][3];
@@ -107,7 +118,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
   const V w = grad[0][0] + grad[1][1] + grad[2][2];  // e_v + (eta/K) de_v/dt
   V p = s.p0 - s.bulk_modulus * w;
   if constexpr (Booking) {
-    const V before = *strain_before;
+    const V before = state[0], viscous_before = state[1];
     const V strain = (w + s.ratio * before) / (V{} + 1 + s.ratio);
     const V change = strain - before, rate = change * s.rate_factor;
     p += rate < 0 ? s.quadratic * rate * rate : V{};
@@ -115,13 +126,12 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
     const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
     const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
     const V viscous = p - elastic;
-    sums.dissipated -= (viscous + *viscous_before) * change * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
+    sums.dissipated -= (viscous + viscous_before) * change * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
     sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
     const V stretch = strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
     const V half = V{} + typename std::remove_reference_t<decltype(p[0])>(0.5);
     sums.liquid += volume * (stretch <= limit ? half * s.bulk_modulus * stretch * stretch : s.cutoff * (stretch - half * limit));
-    *strain_before = strain;
-    *viscous_before = viscous;
+    state[0] = strain, state[1] = viscous;
   } else {
     p = greater(p, s.minus_cutoff);
   }
@@ -132,7 +142,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)];
         f[c][hourglass_mode(a)] = -h * q;
-        if constexpr (Booking) sums.hourglass += h * q * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
     }
   } else {
@@ -141,7 +151,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)] - (g(23 + a) * grad[c][0] + g(27 + a) * grad[c][1] + g(31 + a) * grad[c][2]);
         force[c][a] = h * q;
-        if constexpr (Booking) sums.hourglass += h * q * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
       for (int i = 0; i < 3; ++i) {
         V s2 = i == c ? pv : V{};
@@ -350,13 +360,9 @@ void element_groups(const BlockData<R>& b, const StepData<R>& s, const R* w, R* 
     if constexpr (Liquid) {
       const V p0 = load<V>(b.p0 + std::size_t(g) * W);
       liquid.p0 = p0 * s.load[0];
-      V before{}, viscous{};
-      if constexpr (Booking) {
-        liquid.p0_before = p0 * s.load_before[0];
-        before = load<V>(b.state + std::size_t(g) * 2 * W), viscous = load<V>(b.state + (std::size_t(g) * 2 + 1) * W);
-      }
-      liquid_element<Affine, Booking>(um, fm, coefficient, liquid, &before, &viscous, sums);
-      if constexpr (Booking) store(b.state + std::size_t(g) * 2 * W, before), store(b.state + (std::size_t(g) * 2 + 1) * W, viscous);
+      V* state = nullptr;
+      if constexpr (Booking) liquid.p0_before = p0 * s.load_before[0], state = reinterpret_cast<V*>(b.state) + std::size_t(g) * element_state;
+      liquid_element<Affine, Booking, Booking>(um, fm, coefficient, liquid, state, sums);
     } else {
       steel_element<Affine, Booking>(um, fm, coefficient, lambda, mu, sums);
     }
@@ -391,13 +397,9 @@ void run_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
     }
     if constexpr (Liquid) {
       liquid.p0 = b.p0[e] * share;
-      V before{}, viscous{};
-      if constexpr (Booking) {
-        liquid.p0_before = b.p0[e] * share_before;
-        before = load<V>(b.state + std::size_t(e) * 2 * W), viscous = load<V>(b.state + (std::size_t(e) * 2 + 1) * W);
-      }
-      liquid_element<Affine, Booking>(um, fm, coefficient, liquid, &before, &viscous, sums);
-      if constexpr (Booking) store(b.state + std::size_t(e) * 2 * W, before), store(b.state + (std::size_t(e) * 2 + 1) * W, viscous);
+      V* state = nullptr;
+      if constexpr (Booking) liquid.p0_before = b.p0[e] * share_before, state = reinterpret_cast<V*>(b.state) + std::size_t(e) * run_state;
+      liquid_element<Affine, Booking, false>(um, fm, coefficient, liquid, state, sums);
     } else {
       steel_element<Affine, false>(um, fm, coefficient, lambda, mu, sums);
     }
