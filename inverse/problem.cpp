@@ -6,6 +6,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace calomel {
 
@@ -188,13 +189,18 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
           throw InputError({.problem = fmt::format("the mean record of sensor {} is 0 throughout", p.label(o)),
                             .key = "recordings.exclude",
                             .suggestion = fmt::format("a dead gauge is left out with recordings.exclude = [\"{}\"]", shape.sensors[ms])});
-        if (o.narrow > 0)
-          p.warnings.push_back(fmt::format("sensor {}: {} of {} samples are left out of accuracy and delta2, their band is narrower than 1 % of the peak",
-                                           p.label(o), o.narrow, o.samples));
         if (o.bandless > 0) p.warnings.push_back(fmt::format("sensor {}: {} samples have one pulse left and no band", p.label(o), o.bandless));
         p.observations.push_back(std::move(o));
       }
   if (p.observations.empty()) throw InputError({.problem = "no declared sensor is recorded within the simulation", .key = "recordings.file"});
+  const std::size_t narrow =
+      std::accumulate(p.observations.begin(), p.observations.end(), std::size_t{0}, [](std::size_t n, const auto& o) { return n + o.narrow; });
+  if (narrow > 0) {
+    std::vector<std::string> which;
+    for (const auto& o : p.observations)
+      if (o.narrow > 0) which.push_back(fmt::format("{} {}/{}", p.label(o), o.narrow, o.samples));
+    p.warnings.push_back("samples whose band is narrower than 1 % of the peak are left out of accuracy and delta2: " + join(which));
+  }
   if (std::all_of(p.observations.begin(), p.observations.end(), [](const auto& o) { return o.banded_samples == 0; }))
     p.warnings.push_back("no sample has a band of 1 % of its gauge's peak or more: accuracy is not defined and counts as 0");
   return p;

@@ -271,7 +271,9 @@ std::string header_html(const Study& study, const ReportInput& input) {
   s += product(study);
   if (study.calibrations.size() > 1) s += headline_table(study, input).html();
   if (!input.load_policy.empty()) s += "<p><strong>Load:</strong> " + escape_html(input.load_policy) + "</p>\n";
-  if (input.deposited_energy) s += "<p>Energy deposited by one pulse: " + number_html(*input.deposited_energy, 4) + "\u00a0J.</p>\n";
+  if (input.deposited_energy)
+    s += "<p>Energy deposited by one pulse: " + number_html(*input.deposited_energy, 4) + "\u00a0J" +
+         (input.slice_thickness ? " in a slice " + number_html(1e3 * *input.slice_thickness, 3) + "\u00a0mm thick" : "") + ".</p>\n";
   if (!warnings.empty()) {
     s += "<aside class=\"warnings\" aria-label=\"Warnings\"><h2>Warnings</h2><ul>\n";
     for (const auto& w : warnings) s += "<li>" + escape_html(w) + "</li>\n";

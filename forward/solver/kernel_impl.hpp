@@ -217,7 +217,8 @@ CALOMEL_INLINE void gather_rows(const float* u, const std::uint16_t* at, Vec<flo
   using F4 = Vec<float, 4>;
   using F8 = Vec<float, 8>;
   F8 a[4];
-  for (int l = 0; l < 4; ++l) a[l] = __builtin_shufflevector(load<F4>(u + 4 * std::size_t(at[l])), load<F4>(u + 4 * std::size_t(at[l + 4])), 0, 1, 2, 3, 4, 5, 6, 7);
+  for (int l = 0; l < 4; ++l)
+    a[l] = __builtin_shufflevector(load<F4>(u + 4 * std::size_t(at[l])), load<F4>(u + 4 * std::size_t(at[l + 4])), 0, 1, 2, 3, 4, 5, 6, 7);
   const F8 t0 = __builtin_shufflevector(a[0], a[1], 0, 8, 1, 9, 4, 12, 5, 13), t1 = __builtin_shufflevector(a[0], a[1], 2, 10, 3, 11, 6, 14, 7, 15);
   const F8 t2 = __builtin_shufflevector(a[2], a[3], 0, 8, 1, 9, 4, 12, 5, 13), t3 = __builtin_shufflevector(a[2], a[3], 2, 10, 3, 11, 6, 14, 7, 15);
   x = __builtin_shufflevector(t0, t2, 0, 1, 8, 9, 4, 5, 12, 13);
@@ -243,7 +244,8 @@ CALOMEL_INLINE void scatter_rows(float* f, const std::uint16_t* at, Vec<float, 8
 }
 CALOMEL_INLINE void gather_rows(const double* u, const std::uint16_t* at, Vec<double, 4>& x, Vec<double, 4>& y, Vec<double, 4>& z) {
   using D4 = Vec<double, 4>;
-  const D4 r0 = load<D4>(u + 4 * std::size_t(at[0])), r1 = load<D4>(u + 4 * std::size_t(at[1])), r2 = load<D4>(u + 4 * std::size_t(at[2])), r3 = load<D4>(u + 4 * std::size_t(at[3]));
+  const D4 r0 = load<D4>(u + 4 * std::size_t(at[0])), r1 = load<D4>(u + 4 * std::size_t(at[1])), r2 = load<D4>(u + 4 * std::size_t(at[2])),
+           r3 = load<D4>(u + 4 * std::size_t(at[3]));
   const D4 t0 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6), t1 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
   const D4 t2 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6), t3 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
   x = __builtin_shufflevector(t0, t2, 0, 1, 4, 5);
@@ -255,7 +257,8 @@ CALOMEL_INLINE void scatter_rows(double* f, const std::uint16_t* at, Vec<double,
   const D4 o{};
   const D4 t0 = __builtin_shufflevector(x, y, 0, 4, 2, 6), t1 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
   const D4 s0 = __builtin_shufflevector(z, o, 0, 4, 2, 6), s1 = __builtin_shufflevector(z, o, 1, 5, 3, 7);
-  const D4 r[4] = {__builtin_shufflevector(t0, s0, 0, 1, 4, 5), __builtin_shufflevector(t1, s1, 0, 1, 4, 5), __builtin_shufflevector(t0, s0, 2, 3, 6, 7), __builtin_shufflevector(t1, s1, 2, 3, 6, 7)};
+  const D4 r[4] = {__builtin_shufflevector(t0, s0, 0, 1, 4, 5), __builtin_shufflevector(t1, s1, 0, 1, 4, 5), __builtin_shufflevector(t0, s0, 2, 3, 6, 7),
+                   __builtin_shufflevector(t1, s1, 2, 3, 6, 7)};
   for (int l = 0; l < 4; ++l) {
     double* p = f + 4 * std::size_t(at[l]);
     store<D4>(p, load<D4>(p) + r[l]);
@@ -321,7 +324,8 @@ CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s
       continue;
     }
     for (std::int32_t n = range.begin; n < range.end; ++n)
-      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n], range.fixed, s, kinetic);
+      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n],
+                                range.fixed, s, kinetic);
   }
 }
 
@@ -420,11 +424,15 @@ void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   R* force = w + std::size_t(b.interior + b.shared_count) * width;
   copy_in<R, Runs>(b, s, w, force);
   const auto elements = [&]<bool Liquid, bool Affine>() {
-    if constexpr (Runs) run_elements<R, Liquid, Affine, Booking>(b, s, w, force);
-    else element_groups<R, Liquid, Affine, Booking>(b, s, w, force, energy);
+    if constexpr (Runs)
+      run_elements<R, Liquid, Affine, Booking>(b, s, w, force);
+    else
+      element_groups<R, Liquid, Affine, Booking>(b, s, w, force, energy);
   };
-  if (b.liquid) b.parallelepiped ? elements.template operator()<true, true>() : elements.template operator()<true, false>();
-  else b.parallelepiped ? elements.template operator()<false, true>() : elements.template operator()<false, false>();
+  if (b.liquid)
+    b.parallelepiped ? elements.template operator()<true, true>() : elements.template operator()<true, false>();
+  else
+    b.parallelepiped ? elements.template operator()<false, true>() : elements.template operator()<false, false>();
   double kinetic = 0;
   advance_interior<R, Runs, Booking>(b, s, force, kinetic);
   if (Booking && !Runs) energy->kinetic += kinetic;
@@ -463,8 +471,10 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
   L share, stress;
-  if constexpr (Runs) share = load<L>(s.load), stress = load<L>(s.end_stress);
-  else share = s.load[0], stress = s.end_stress[0];
+  if constexpr (Runs)
+    share = load<L>(s.load), stress = load<L>(s.end_stress);
+  else
+    share = s.load[0], stress = s.end_stress[0];
   for (std::size_t i = begin; i < end; ++i) {
     const SpecialData<R>& r = rules[i];
     L force[3], v[3], before[3];
@@ -532,12 +542,20 @@ const KernelTable<R>& table() {
   static const KernelTable<R> t{
       CALOMEL_ISA_NAME,
       element_lanes<R>,
-      [](const BlockData<R>& b, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e); },
+      [](const BlockData<R>& b, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e);
+      },
       [](const BlockData<R>& b, const StepData<R>& s, bool booking) { booking ? block<R, true, true>(b, s, nullptr) : block<R, true, false>(b, s, nullptr); },
-      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e); },
+      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e);
+      },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
-      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e); },
-      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) { special<R, true, false>(l, r, begin, end, s, nullptr); }};
+      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
+      },
+      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {
+        special<R, true, false>(l, r, begin, end, s, nullptr);
+      }};
   return t;
 }
 
