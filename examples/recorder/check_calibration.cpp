@@ -1,12 +1,14 @@
 /// Holds a finished study of an example against what the example must show: check_calibration OUT_DIR TRUTH.toml [options]
 ///
 /// Every run of the campaign is there; in the true model the calibrated parameters beat the nominal ones in accuracy and in
-/// MAE; they lie where they may; the impedance is recovered; the report is made. Exit status 1 when one of these fails.
+/// MAE; the parameters (or the impedance) that are named lie near the true ones; the report is made. Exit status 1 when one of these fails.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "base/artefact.hpp"
 #include "base/case_file.hpp"
@@ -17,10 +19,10 @@ namespace {
 using namespace calomel;
 
 struct Expected {
-  double impedance_within = 0;    ///< [%] of the true one
-  double least_accuracy = 0;      ///< [%] mean over the sensors
-  double least_gain = 0;          ///< [%] accuracy, calibrated less nominal
-  double greatest_mae_ratio = 1;  ///< calibrated over nominal
+  std::map<std::string, double> within;  ///< greatest distance of a parameter, or of "impedance", from the true one [%]
+  double least_accuracy = 0;             ///< [%] mean over the sensors
+  double least_gain = 0;                 ///< [%] accuracy, calibrated less nominal
+  double greatest_mae_ratio = 1;         ///< calibrated over nominal
 };
 
 /// One line a check; counts the failed ones.
@@ -58,13 +60,20 @@ int check(const std::filesystem::path& out, const std::filesystem::path& truth_p
     if (!value) throw InputError({.problem = "no true value", .key = "parameter." + name, .file = truth_path.string()});
     return *value;
   };
-  for (const auto& [name, value] : enc.at("theta").items())
-    fmt::print("        {}: recovered {:.5g}, true {:.5g}, nominal {:.5g}\n", name, value.get<double>(), true_value(name),
-               enc.at("nominal").at(name).get<double>());
-  const double z = enc.at("impedance").at("value"), true_z = true_value("density") * true_value("sound_speed");
-  const double error = 100 * (z / true_z - 1);
-  holds(std::abs(error) <= expected.impedance_within,
-        fmt::format("impedance {:.3f} MRayl, {:+.2f} % of the true {:.3f} (within {:.1f} %)", z / 1e6, error, true_z / 1e6, expected.impedance_within));
+  std::map<std::string, std::array<double, 3>> values;  // recovered, true, nominal
+  for (const auto& [name, value] : enc.at("theta").items()) values[name] = {value.get<double>(), true_value(name), enc.at("nominal").at(name).get<double>()};
+  const Json& z = enc.at("impedance");
+  values["impedance"] = {z.at("value").get<double>(), true_value("density") * true_value("sound_speed"), z.at("nominal").get<double>()};
+  for (const auto& [name, percent] : expected.within)
+    if (!values.contains(name)) throw InputError({.problem = "no parameter of the calibration", .key = "--within", .value = name});
+  for (const auto& [name, v] : values) {
+    const double error = 100 * (v[0] / v[1] - 1);
+    const std::string line = fmt::format("{}: recovered {:.5g}, {:+.1f} % of the true {:.5g}, nominal {:.5g}", name, v[0], error, v[1], v[2]);
+    if (const auto limit = expected.within.find(name); limit != expected.within.end())
+      holds(std::abs(error) <= limit->second, fmt::format("{} (within {:.1f} %)", line, limit->second));
+    else
+      fmt::print("        {}\n", line);
+  }
 
   const std::string page = std::filesystem::exists(out / "report.html") ? read_text(out / "report.html") : "";
   bool named = page.find("</html>") != std::string::npos;
@@ -81,11 +90,17 @@ int main(int argc, char** argv) try {
   CLI::App app("Holds a finished study against what its example must show.", "check_calibration");
   app.add_option("OUT", out)->required();
   app.add_option("TRUTH", truth)->required();
-  app.add_option("--impedance-within", expected.impedance_within, "[%] of the true impedance")->required();
+  std::vector<std::string> within;
+  app.add_option("--within", within, "parameter (or impedance) and its greatest distance from the true one [%]; may be repeated")->type_name("NAME=PERCENT");
   app.add_option("--least-accuracy", expected.least_accuracy, "[%]")->required();
   app.add_option("--least-gain", expected.least_gain, "[%] of accuracy over nominal")->required();
   app.add_option("--greatest-mae-ratio", expected.greatest_mae_ratio, "MAE over the nominal one")->required();
   CLI11_PARSE(app, argc, argv);
+  for (const auto& text : within) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) throw InputError({.problem = "NAME=PERCENT is expected", .key = "--within", .value = text});
+    expected.within[text.substr(0, equals)] = std::stod(text.substr(equals + 1));
+  }
   return check(out, truth, expected) == 0 ? 0 : 1;
 } catch (const std::exception& e) {
   fmt::print(stderr, "{}\n", e.what());

@@ -24,6 +24,7 @@ using namespace calomel;
 /// `[experiment]` of a truth file.
 struct ExperimentOptions {
   int seed = 0;
+  std::string precision;
   double element_size_ratio = 0, time_step_safety = 0;
   double sample_interval = 0;
   double energy_sd = 0;
@@ -32,6 +33,7 @@ struct ExperimentOptions {
   template <class V>
   void visit(V& v) {
     v("seed", seed, {.range = at_least(0), .doc = "of the pulse energies and the noise", .required = true});
+    v("precision", precision, {.doc = "arithmetic of the time loop", .required = true, .choices = {"single", "double"}});
     v("element_size_ratio", element_size_ratio, {.range = between(0.1, 1), .doc = "element size over that of the case", .required = true});
     v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used", .required = true});
     v("sample_interval", sample_interval, {.unit = "s", .range = above(0), .doc = "time between recorded samples", .required = true});
@@ -68,7 +70,7 @@ std::vector<double> true_strains(const BuiltInModel& model, const std::vector<do
   const ExplicitSolver solver(model.mesh(), LinearElastic::from_young(c.steel.young, c.steel.poisson), default_threads());
   std::vector<ObservationRow> rows;
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
-  SolveOptions options{.precision = "double", .time_step_safety = c.solver.time_step_safety, .heated_rear = c.solver.rear_reference == "heated"};
+  SolveOptions options{.precision = c.solver.precision, .time_step_safety = c.solver.time_step_safety, .heated_rear = c.solver.rear_reference == "heated"};
   options.threads = default_threads();
   std::vector<double> strains;
   for (std::size_t first = 0; first < energies.size(); first += run_lanes) {
@@ -99,6 +101,7 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   for (const auto& p : c.parameters) c.set_number(p.key, parameters.of[p.name]);
   c.geometry.element_size = experiment.element_size_ratio * c.geometry.resolved().element_size.value();
   if (c.geometry.wall_elements > 0) c.geometry.wall_elements = int(std::lround(c.geometry.wall_elements / experiment.element_size_ratio));
+  c.solver.precision = experiment.precision;
   c.solver.time_step_safety = experiment.time_step_safety;
   c.time.output_interval = experiment.sample_interval;
   c.time.validate();
