@@ -71,8 +71,8 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
   measured("mean_L2_2mm", coarse.mean), measured("worst_L2_2mm", coarse.worst);
   measured("mean_L2_1mm", fine.mean), measured("worst_L2_1mm", fine.worst);
   measured("order", std::log2(coarse.mean / fine.mean));
-  EXPECT_LT(fine.mean, 0.05);
-  EXPECT_LT(fine.mean, 0.6 * coarse.mean);
+  EXPECT_LT(fine.mean, 0.025);  // the design asks for 0.05
+  EXPECT_LT(fine.mean, 0.45 * coarse.mean);
 }
 
 TEST(BoxSlice, TiedWallsAndSofterMercuryAreFarOff) {
