@@ -76,10 +76,11 @@ std::string reserved_tables() {
 std::string case_reference() {
   std::string s = head;
   s += table<CaseName>("[case]", "case", "The whole table may be left out.");
-  s += table<GeometryOptions>("[geometry]", "geometry",
-                              "The target: a box, a jet-flow target or a round bar. Required. `x` runs along the beam from the outer front face, `z` up from the "
-                              "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. `kind = \"mesh\"` is not built yet. "
-                              "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
+  s += table<GeometryOptions>(
+      "[geometry]", "geometry",
+      "The target: a box, a jet-flow target or a round bar. Required. `x` runs along the beam from the outer front face, `z` up from the "
+      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. `kind = \"mesh\"` is not built yet. "
+      "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
   s += table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
   s += table<LoadOptions>("[load]", "load", "What sets the target in motion. Required; a pulse needs either `peak_pressure` or `energy`.");
@@ -88,14 +89,16 @@ std::string case_reference() {
   s += table<SensorOptions>("[[sensor]]", "sensor",
                             "One table a strain gauge, in declared order; at least one. Or `sensors = \"FILE.csv\"` at the top of the case with the columns "
                             "name,x,y,z,dx,dy,dz,gauge_length.");
-  s += table<ConditionOptions>("[[condition]]", "condition",
-                               "Operating points, e.g. beam powers; each has exactly one of `peak_pressure` and `energy`. Without any there is one condition, as "
-                               "the load says.");
+  s += table<ConditionOptions>(
+      "[[condition]]", "condition",
+      "Operating points, e.g. beam powers; each has exactly one of `peak_pressure` and `energy`. Without any there is one condition, as "
+      "the load says.");
   s += table<RecordingOptions>("[recordings]", "recordings", "What was measured; see [how-to/import_recordings.md](how-to/import_recordings.md).");
-  s += table<Parameter>("[parameter.NAME]", "parameter.NAME",
-                        "The numbers to infer, in declared order. NAME stands for `material.mercury.NAME` unless `key` names another number of the case, such as\n"
-                        "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. The calibration of this version uses the bounds; priors are read and "
-                        "checked.");
+  s += table<Parameter>(
+      "[parameter.NAME]", "parameter.NAME",
+      "The numbers to infer, in declared order. NAME stands for `material.mercury.NAME` unless `key` names another number of the case, such as\n"
+      "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. The calibration of this version uses the bounds; priors are read and "
+      "checked.");
   s += table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");

@@ -26,8 +26,9 @@ ExitStatus Stages::check() {
                   shape.sensors.size(), shape.times.size(), d.estimated_bytes / 1e6));
   say_physics();
   const auto& q = model().mesh().quality;
-  say(fmt::format("mesh: scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted faces {}",
-                  q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, study_.forward.geometry.wetted));
+  say(fmt::format(
+      "mesh: scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted faces {}",
+      q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, study_.forward.geometry.wetted));
   if (compared) say(fmt::format("recordings: {} records, compared at {} times", problem().observations.size(), problem().time.size()));
   const double conditions = double(shape.conditions.size());
   const double runs = double(study_.campaign.runs) * study_.campaign.pulses * conditions;
@@ -40,16 +41,18 @@ ExitStatus Stages::check() {
 void Stages::measure_floor() {
   const FloorOptions options;
   ProgressDisplay display("floor", "members", progress_style(command_.quiet), std::cerr);
-  const auto floor = calomel::measure_floor(model().forward_case(), model().ensemble(), options, command_.seed, command_.threads,
-                                            [&](std::size_t done, std::size_t total) { display.update(done, total); }, &stop_requested());
+  const auto floor = calomel::measure_floor(
+      model().forward_case(), model().ensemble(), options, command_.seed, command_.threads,
+      [&](std::size_t done, std::size_t total) { display.update(done, total); }, &stop_requested());
   Json json = floor_json(floor);
   json["provenance"] = Provenance{.stage = "floor", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()}.json();
   write_json(command_.out / "floor.json", json);
-  say(fmt::format("repeatability floor of the ensemble mean over {} jitters of mesh, viscosity and energies: {:.2f} % of the signal (mean over sensors), {:.2f} % at worst",
-                  options.members, 100 * floor.mean, 100 * floor.worst));
+  say(fmt::format(
+      "repeatability floor of the ensemble mean over {} jitters of mesh, viscosity and energies: {:.2f} % of the signal (mean over sensors), {:.2f} % at worst",
+      options.members, 100 * floor.mean, 100 * floor.worst));
   for (std::size_t row = 0; row < floor.relative.size(); ++row)
-    say(fmt::format("  {}{}: {:.2f} %", floor.conditions.size() > 1 ? floor.conditions[row / floor.sensors.size()] + ' ' : "", floor.sensors[row % floor.sensors.size()],
-                    100 * floor.relative[row]));
+    say(fmt::format("  {}{}: {:.2f} %", floor.conditions.size() > 1 ? floor.conditions[row / floor.sensors.size()] + ' ' : "",
+                    floor.sensors[row % floor.sensors.size()], 100 * floor.relative[row]));
 }
 
 ExitStatus run_check(const CommandLine& command) { return Stages(command).check(); }

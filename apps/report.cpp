@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
 
@@ -42,10 +44,15 @@ ExitStatus Stages::report() {
   for (std::size_t i = 0; i < forward.sensors.size(); ++i) {
     const auto& asked = forward.sensors[i];
     const auto& gauge = m.gauges()[i];
-    input.sensors.push_back({asked.name, asked.position, gauge.placed, gauge.direction, gauge.distance, asked.gauge_length});
+    // Below a nanometre is rounding.
+    const auto rounded = [](double x) { return std::abs(x) < 1e-9 ? 0.0 : x; };
+    Vec3 placed = gauge.placed;
+    for (auto& x : placed) x = rounded(x);
+    input.sensors.push_back({asked.name, asked.position, placed, gauge.direction, rounded(gauge.distance), asked.gauge_length});
   }
   input.load_policy = policy_text(forward.load);
   if (description.deposited_energy > 0) input.deposited_energy = description.deposited_energy;
+  if (description.slice_thickness > 0) input.slice_thickness = description.slice_thickness;
   input.seed = command_.seed;
   input.warnings = description.warnings;
   if (!description.notes.empty())

@@ -167,7 +167,8 @@ ExitStatus Stages::calibrate(const std::string& method) {
                    [&](const std::string& what, std::size_t done, std::size_t total) { (*progress)(what, done, total); });
   });
   write_enc(summary, against, provenance, command_.out);
-  for (const auto& w : summary.warnings) say("warning: " + w);
+  for (const auto& w : summary.warnings)  // those of the recordings were said when they were read
+    if (std::find(problem().warnings.begin(), problem().warnings.end(), w) == problem().warnings.end()) say("warning: " + w);
   say(fmt::format("{}: {}", method, summary.message));
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
 }

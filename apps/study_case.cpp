@@ -1,5 +1,7 @@
 #include "apps/study_case.hpp"
 
+#include <fmt/format.h>
+
 namespace calomel {
 
 const std::vector<std::string>& known_tables() {
@@ -14,6 +16,13 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   file.expect_all_read(known_tables());  // a misspelt table is told before the keys that it leaves missing
   ForwardCase forward = file.locating([&] { return ForwardCase::read(file); });
   StudyCase study{.file = std::move(file), .forward = std::move(forward)};
+  for (const char* later : {"model", "output"})
+    if (study.file.has(later))
+      throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
+                                           .key = later,
+                                           .suggestion = "leave the table out to run the built-in model"}));
+  for (const char* later : {"spe", "map", "sampler", "sensitivity", "diagnosis"})
+    if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
   study.file.read("surrogate", study.surrogate);
   study.file.read("enc", study.enc);

@@ -21,13 +21,13 @@ std::vector<double> pulse_energies(const EnsembleOptions& options);
 /// What `check` prints and every artefact may carry.
 struct ModelDescription {
   std::size_t elements = 0, nodes = 0, slip_pairs = 0;
-  double time_step = 0;             ///< [s], at the case's own parameters
+  double time_step = 0;  ///< [s], at the case's own parameters
   std::int64_t steps = 0;
-  double viscosity = 0;             ///< eta [Pa s]
+  double viscosity = 0;  ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
-  double deposited_energy = 0;      ///< in the whole target [J]; 0 for an end_stress
-  double slice_thickness = 0;       ///< in plane strain [m]
-  double estimated_seconds = 0;     ///< of one run on one core at 20 million element-steps a second
+  double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
+  double slice_thickness = 0;    ///< in plane strain [m]
+  double estimated_seconds = 0;  ///< of one run on one core at 20 million element-steps a second
   double estimated_bytes = 0;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

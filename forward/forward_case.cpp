@@ -32,7 +32,11 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
     std::stringstream cells(line);
     for (std::string w; std::getline(cells, w, ',');) words.push_back(w);
     const auto fail = [&](const std::string& problem) {
-      return InputError({.problem = problem, .value = '"' + line + '"', .suggestion = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres", .file = path.string(), .line = number});
+      return InputError({.problem = problem,
+                         .value = '"' + line + '"',
+                         .suggestion = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres",
+                         .file = path.string(),
+                         .line = number});
     };
     if (words.size() < 7 || words.size() > 8) throw fail(fmt::format("7 or 8 columns are expected, {} given", words.size()));
     SensorOptions s;
@@ -92,6 +96,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   CaseName title;
   file.read("case", title);
   c.name = title.name.empty() ? file.path().stem().string() : title.name;
+  c.sensor_unit = title.sensor_unit;
   for (const char* required : {"geometry", "load"})
     if (!file.has(required))
       throw file.located(InputError({.problem = fmt::format("the table [{}] is missing", required), .suggestion = "see docs/case_reference.md or examples/"}));
@@ -106,7 +111,8 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   file.read("solver", c.solver);
   if (c.load.kind == "end_stress") {
     if (c.geometry.kind != "bar")
-      throw file.located(InputError({.problem = "an end_stress acts on the end of a bar", .key = "load.kind", .suggestion = "set geometry.kind = \"bar\", or use initial_pressure"}));
+      throw file.located(InputError(
+          {.problem = "an end_stress acts on the end of a bar", .key = "load.kind", .suggestion = "set geometry.kind = \"bar\", or use initial_pressure"}));
     file.locating([&] { c.end_stress = read_history(file.resolve(c.load.file)); });
     for (auto& v : c.end_stress.value) v *= c.load.stress_scale;
   } else if (c.geometry.kind == "bar") {
@@ -130,7 +136,8 @@ ForwardCase ForwardCase::read(CaseFile& file) {
                                      .key = file.count("sensor") == c.sensors.size() ? fmt::format("sensor[{}].name", i) : "sensors",
                                      .value = '"' + c.sensors[i].name + '"',
                                      .suggestion = "give each sensor its own"}));
-  if (c.sensors.empty()) throw file.located(InputError({.problem = "the case has no sensor", .suggestion = "add [[sensor]] tables with name, position and direction"}));
+  if (c.sensors.empty())
+    throw file.located(InputError({.problem = "the case has no sensor", .suggestion = "add [[sensor]] tables with name, position and direction"}));
 
   for (std::size_t i = 0; i < file.count("condition"); ++i) {
     ConditionOptions condition;
@@ -143,11 +150,14 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   file.accept("condition");
   c.notes = read_mechanisms(file);
   c.parameters = read_parameters(file);
-  for (auto& p : c.parameters) file.locating([&] {
+  for (auto& p : c.parameters)
+    file.locating([&] {
       const std::string table = "parameter." + p.name;
       try {
-        if (!p.nominal) p.nominal = c.number(p.key);
-        else (void)c.number(p.key);
+        if (!p.nominal)
+          p.nominal = c.number(p.key);
+        else
+          (void)c.number(p.key);
         p.validate();
       } catch (const InputError& e) {
         auto parts = e.parts();
@@ -163,14 +173,18 @@ double ForwardCase::number(const std::string& key) const {
   const NumberVisitor v = find_number(*this, key);
   if (v.number) return *v.number;
   if (!*v.optional)
-    throw InputError({.problem = "has no value in the case, so there is no nominal", .value = '"' + key + '"', .suggestion = "set it in its table, or give the parameter a nominal"});
+    throw InputError({.problem = "has no value in the case, so there is no nominal",
+                      .value = '"' + key + '"',
+                      .suggestion = "set it in its table, or give the parameter a nominal"});
   return **v.optional;
 }
 
 void ForwardCase::set_number(const std::string& key, double value) {
   const NumberVisitor v = find_number(*this, key);
-  if (v.number) *v.number = value;
-  else *v.optional = value;
+  if (v.number)
+    *v.number = value;
+  else
+    *v.optional = value;
 }
 
 ForwardCase ForwardCase::at(std::span<const double> theta) const {
@@ -182,6 +196,7 @@ ForwardCase ForwardCase::at(std::span<const double> theta) const {
 
 Json ForwardCase::echo() const {
   Json j;
+  j["case"] = {{"sensor_unit", sensor_unit}};
   visit_tables(*this, [&](const std::string& path, const auto& options) {
     const auto dot = path.find('.');
     (dot == std::string::npos ? j[path] : j[path.substr(0, dot)][path.substr(dot + 1)]) = calomel::echo(options);

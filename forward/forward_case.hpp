@@ -16,10 +16,11 @@ namespace calomel {
 
 /// `[case]`.
 struct CaseName {
-  std::string name;
+  std::string name, sensor_unit = "strain";
   template <class V>
   void visit(V& v) {
     v("name", name, {.doc = "title of the case; default: the name of its file"});
+    v("sensor_unit", sensor_unit, {.doc = "unit of the readings, gain times strain; with another than strain, gains are in it per strain"});
   }
 };
 
@@ -51,11 +52,12 @@ struct ConditionOptions {
 
 struct ForwardCase {
   std::string name;
+  std::string sensor_unit = "strain";  ///< of the readings, gain times strain
   GeometryOptions geometry;
   SteelOptions steel;
   MercuryOptions mercury;
   LoadOptions load;
-  History end_stress;                        ///< read from load.file
+  History end_stress;  ///< read from load.file
   TimeOptions time;
   SolverOptions solver;
   std::vector<SensorOptions> sensors;

@@ -58,7 +58,9 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
         std::size_t samples = 0;
         for (std::size_t t = 0; t < shape.times.size(); ++t) {
           const double time = shape.times[t];
-          if (time < floor.window_begin[w] - 0.25 * interval || (time >= floor.window_end[w] - 0.25 * interval && !(w + 1 == windows && t + 1 == shape.times.size()))) continue;
+          if (time < floor.window_begin[w] - 0.25 * interval ||
+              (time >= floor.window_end[w] - 0.25 * interval && !(w + 1 == windows && t + 1 == shape.times.size())))
+            continue;
           double mean = 0, squares = 0;
           for (const auto* m : finished) mean += (*m)[shape.at(condition, sensor, t)] / double(n);
           for (const auto* m : finished) squares += std::pow((*m)[shape.at(condition, sensor, t)] - mean, 2);
@@ -77,7 +79,8 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
 Json floor_json(const RepeatabilityFloor& floor) {
   Json j;
   j["mean"] = floor.mean, j["worst"] = floor.worst;
-  for (const auto& m : floor.members) j["members"].push_back({{"viscosity_factor", m.viscosity_factor}, {"energy_shift", m.energy_shift}, {"ok", m.ok}, {"message", m.message}});
+  for (const auto& m : floor.members)
+    j["members"].push_back({{"viscosity_factor", m.viscosity_factor}, {"energy_shift", m.energy_shift}, {"ok", m.ok}, {"message", m.message}});
   j["window_begin_s"] = floor.window_begin, j["window_end_s"] = floor.window_end;
   const std::size_t windows = floor.window_begin.size();
   for (std::size_t c = 0, row = 0; c < floor.conditions.size(); ++c)

@@ -12,15 +12,15 @@
 namespace calomel {
 
 struct FloorOptions {
-  int members = 8;               ///< jitters; at least 3
-  double mesh_jitter = 0.15;     ///< nodes move by up to this share of the shortest edge there
-  double window = 50e-6;         ///< [s]
+  int members = 8;            ///< jitters; at least 3
+  double mesh_jitter = 0.15;  ///< nodes move by up to this share of the shortest edge there
+  double window = 50e-6;      ///< [s]
 };
 
 /// One jitter and what it changed.
 struct FloorMember {
-  double viscosity_factor = 1;   ///< 1/2, 1, 2 in turn
-  double energy_shift = 0.5;     ///< the energies are the quantiles (i + shift) / m
+  double viscosity_factor = 1;  ///< 1/2, 1, 2 in turn
+  double energy_shift = 0.5;    ///< the energies are the quantiles (i + shift) / m
   bool ok = true;
   std::string message;
 };
@@ -30,17 +30,17 @@ struct RepeatabilityFloor {
   std::vector<FloorMember> members;
   std::vector<std::string> conditions, sensors;
   std::vector<double> window_begin, window_end;  ///< [s]
-  std::vector<double> sd;       ///< (condition, sensor, window): root mean square over the window of the sd over the members [-]
-  std::vector<double> signal;   ///< the same shape: root mean square of the members' mean [-]
-  std::vector<double> relative; ///< (condition, sensor): whole record, sd over signal, both root mean squares [-]
+  std::vector<double> sd;                        ///< (condition, sensor, window): root mean square over the window of the sd over the members [-]
+  std::vector<double> signal;                    ///< the same shape: root mean square of the members' mean [-]
+  std::vector<double> relative;                  ///< (condition, sensor): whole record, sd over signal, both root mean squares [-]
   /// Largest over the sensors of `relative`, and their mean.
   double worst = 0, mean = 0;
 };
 
 /// Runs the case's ensemble mean on jittered meshes, `threads` side by side. Deterministic in `seed`.
 /// Errors: NumericsError when fewer than three members finish; Interrupted.
-[[nodiscard]] RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const EnsembleOptions& ensemble, const FloorOptions& options, std::uint64_t seed,
-                                               int threads, const std::function<void(std::size_t done, std::size_t total)>& progress = {},
+[[nodiscard]] RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const EnsembleOptions& ensemble, const FloorOptions& options,
+                                               std::uint64_t seed, int threads, const std::function<void(std::size_t done, std::size_t total)>& progress = {},
                                                const std::atomic<bool>* stop = nullptr);
 
 /// The floor as JSON, for floor.json.

@@ -247,7 +247,7 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
     const double share = (out.theta[k] - parameters[k].min) / (parameters[k].max - parameters[k].min);
     if (share < 1e-3 || share > 1 - 1e-3)
       out.warnings.push_back(fmt::format("{} = {} sits on its {} bound: the data would have it outside, or do not determine it", parameters[k].name,
-                                         number_text(out.theta[k]), share < 0.5 ? "lower" : "upper"));
+                                         fmt::format("{:.6g}", out.theta[k]), share < 0.5 ? "lower" : "upper"));
   }
   return out;
 }

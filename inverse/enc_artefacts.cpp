@@ -91,6 +91,7 @@ Json sensors(const EncSummary& s, const Problem& problem) {
 Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& provenance) {
   const auto& shape = problem.shape;
   const auto average = [](const EncCandidate& c, double Score::*field) { return c.score.ok ? number(c.score.*field) : Json(); };
+  const auto accuracy = [&](const EncCandidate& c) { return c.score.banded_sensors > 0 ? average(c, &Score::accuracy) : Json(); };
   Json j;
   j["status"] = s.status == EncStatus::done ? "done" : s.status == EncStatus::no_candidate ? "no_candidate" : "not_run";
   j["message"] = s.message;
@@ -106,8 +107,8 @@ Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& pro
   j["meaning"] =
       "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
       "whatever the model leaves out, and the published objective mixes percent with strain.";
-  j["accuracy"] = average(s.best, &Score::accuracy), j["mae"] = average(s.best, &Score::mae);
-  j["nominal_accuracy"] = average(s.at_nominal, &Score::accuracy), j["nominal_mae"] = average(s.at_nominal, &Score::mae);
+  j["accuracy"] = accuracy(s.best), j["mae"] = average(s.best, &Score::mae);
+  j["nominal_accuracy"] = accuracy(s.at_nominal), j["nominal_mae"] = average(s.at_nominal, &Score::mae);
   j["nrmse"] = average(s.best, &Score::nrmse), j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
   j["delta1"] = average(s.best, &Score::delta1), j["delta2"] = average(s.best, &Score::delta2);
   j["nominal_delta1"] = average(s.at_nominal, &Score::delta1), j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);

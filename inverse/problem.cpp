@@ -6,6 +6,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace calomel {
 
@@ -136,7 +137,10 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
   p.unit = recordings.unit;
   p.warnings = recordings.warnings;
   if (shape.unit != recordings.unit && shape.unit == "strain")
-    throw InputError({.problem = "the model gives strain, the recordings are in " + recordings.unit, .key = "recordings.unit"});
+    throw InputError(
+        {.problem = "the model gives strain, the recordings are in " + recordings.unit,
+         .key = "recordings.unit",
+         .suggestion = "give every sensor its gain, " + recordings.unit + " per strain, and set sensor_unit = \"" + recordings.unit + "\" under [case]"});
   if (p.unit != "strain") p.mae_scale = 1, p.mae_unit = p.unit;
   for (const auto& [name, sd] : options.noise_by_sensor.sd)
     if (std::find(shape.sensors.begin(), shape.sensors.end(), name) == shape.sensors.end())
@@ -185,13 +189,18 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
           throw InputError({.problem = fmt::format("the mean record of sensor {} is 0 throughout", p.label(o)),
                             .key = "recordings.exclude",
                             .suggestion = fmt::format("a dead gauge is left out with recordings.exclude = [\"{}\"]", shape.sensors[ms])});
-        if (o.narrow > 0)
-          p.warnings.push_back(fmt::format("sensor {}: {} of {} samples are left out of accuracy and delta2, their band is narrower than 1 % of the peak",
-                                           p.label(o), o.narrow, o.samples));
         if (o.bandless > 0) p.warnings.push_back(fmt::format("sensor {}: {} samples have one pulse left and no band", p.label(o), o.bandless));
         p.observations.push_back(std::move(o));
       }
   if (p.observations.empty()) throw InputError({.problem = "no declared sensor is recorded within the simulation", .key = "recordings.file"});
+  const std::size_t narrow =
+      std::accumulate(p.observations.begin(), p.observations.end(), std::size_t{0}, [](std::size_t n, const auto& o) { return n + o.narrow; });
+  if (narrow > 0) {
+    std::vector<std::string> which;
+    for (const auto& o : p.observations)
+      if (o.narrow > 0) which.push_back(fmt::format("{} {}/{}", p.label(o), o.narrow, o.samples));
+    p.warnings.push_back("samples whose band is narrower than 1 % of the peak are left out of accuracy and delta2: " + join(which));
+  }
   if (std::all_of(p.observations.begin(), p.observations.end(), [](const auto& o) { return o.banded_samples == 0; }))
     p.warnings.push_back("no sample has a band of 1 % of its gauge's peak or more: accuracy is not defined and counts as 0");
   return p;
@@ -210,7 +219,6 @@ std::vector<double> on_record_times(const Problem& problem, std::span<const doub
 Score score(const Problem& problem, std::span<const double> values) {
   expect(values.size() == problem.shape.values(), "a score is of a model's whole output");
   Score total{.ok = true};
-  std::size_t with_band = 0;
   for (const auto& o : problem.observations) {
     SensorScore s{problem.shape.conditions[o.condition], problem.shape.sensors[o.sensor]};
     const auto y = on_record_times(problem, values.subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size()));
@@ -231,12 +239,12 @@ Score score(const Problem& problem, std::span<const double> values) {
     s.rrmse = std::sqrt(squares / norm);
     s.excess = over + under;
     if (!std::isfinite(absolute)) total.ok = false;
-    if (s.banded > 0) total.accuracy += s.accuracy, ++with_band;
+    if (s.banded > 0) total.accuracy += s.accuracy, ++total.banded_sensors;
     total.mae += s.mae, total.delta1 += s.rrmse, total.delta2 += s.excess;
     total.sensors.push_back(std::move(s));
   }
   const double n = double(problem.observations.size());
-  if (with_band > 0) total.accuracy /= double(with_band);
+  if (total.banded_sensors > 0) total.accuracy /= double(total.banded_sensors);
   total.mae /= n;
   total.nrmse = total.delta1 / n;
   return total;

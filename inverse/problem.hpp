@@ -75,6 +75,7 @@ struct SensorScore {
 struct Score {
   bool ok = false;                   ///< false: the run failed, nothing else is filled
   std::vector<SensorScore> sensors;  ///< as Problem::observations
+  std::size_t banded_sensors = 0;    ///< with at least one banded sample; 0: accuracy is not defined (and 0)
   double accuracy = 0, mae = 0, nrmse = 0;
   double delta1 = 0;  ///< sum of rrmse over sensors (eq. RRMSE of the seed paper)
   double delta2 = 0;  ///< sum of excess over sensors (eq. Linf)

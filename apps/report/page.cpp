@@ -34,9 +34,19 @@ std::string enumeration(const std::vector<std::string>& words) {
 std::string outcome(const Calibration& c, const ReportInput& input) {
   const auto accuracy = number_at(c.summary, "accuracy"), nominal_accuracy = number_at(c.summary, "nominal_accuracy");
   const auto mae = number_at(c.summary, "mae"), nominal_mae = number_at(c.summary, "nominal_mae");
-  if (!accuracy || !mae) return fmt::format("<p>{}.json holds no scores, so nothing can be said of how well the calibration fits.</p>\n", c.method);
+  if (!mae) return fmt::format("<p>{}.json holds no scores, so nothing can be said of how well the calibration fits.</p>\n", c.method);
   const std::string unit = escape_html(display_unit(input).name);
   const auto against = [](const std::optional<double>& x, const std::string& of) { return x ? " (nominal " + fixed_html(*x, 1) + of + ")" : std::string(); };
+  if (!accuracy) {
+    const char* than_nominal = !nominal_mae          ? ""
+                               : *mae < *nominal_mae ? " It is nearer to the mean record than with the nominal values."
+                                                     : " <strong>It is no nearer than with the nominal values.</strong>";
+    return fmt::format(
+        "<p class=\"outcome\">With the parameters found by {}, the mean absolute error of the calibrated simulation is <strong>{}\u00a0{}</strong>{}, averaged "
+        "over {} "
+        "sensors.{} No sample has a band wide enough to say how often the simulation lies inside it.</p>\n",
+        escape_html(c.label), fixed_html(*mae, 1), unit, against(nominal_mae, "\u00a0" + unit), list_at(c.summary, "sensors").size(), than_nominal);
+  }
   std::string s = fmt::format(
       "<p class=\"outcome\">With the parameters found by {}, the calibrated simulation lies inside the measured band <strong>{}\u00a0%</strong> of the time{}, "
       "and its mean absolute error is <strong>{}\u00a0{}</strong>{}, averaged over {} sensors.",
@@ -261,7 +271,9 @@ std::string header_html(const Study& study, const ReportInput& input) {
   s += product(study);
   if (study.calibrations.size() > 1) s += headline_table(study, input).html();
   if (!input.load_policy.empty()) s += "<p><strong>Load:</strong> " + escape_html(input.load_policy) + "</p>\n";
-  if (input.deposited_energy) s += "<p>Energy deposited by one pulse: " + number_html(*input.deposited_energy, 4) + "\u00a0J.</p>\n";
+  if (input.deposited_energy)
+    s += "<p>Energy deposited by one pulse: " + number_html(*input.deposited_energy, 4) + "\u00a0J" +
+         (input.slice_thickness ? " in a slice " + number_html(1e3 * *input.slice_thickness, 3) + "\u00a0mm thick" : "") + ".</p>\n";
   if (!warnings.empty()) {
     s += "<aside class=\"warnings\" aria-label=\"Warnings\"><h2>Warnings</h2><ul>\n";
     for (const auto& w : warnings) s += "<li>" + escape_html(w) + "</li>\n";

@@ -58,7 +58,11 @@ Json lines_json(const Table& table, const std::vector<std::size_t>& value_column
         const std::string label = value_columns.size() > 1 ? name + ", " + lower_first(table.columns[column].title) : name;
         auto at = std::find(names.begin(), names.end(), name);
         if (at == names.end()) at = names.insert(at, name);
-        lines.push_back({{"label", label}, {"group", at - names.begin()}, {"variant", value_columns.size() > 1 ? variant : std::size_t(at - names.begin())}, {"x", Json::array()}, {"y", Json::array()}});
+        lines.push_back({{"label", label},
+                         {"group", at - names.begin()},
+                         {"variant", value_columns.size() > 1 ? variant : std::size_t(at - names.begin())},
+                         {"x", Json::array()},
+                         {"y", Json::array()}});
         line = &lines.back();
       }
       (*line)["x"].push_back(rounded(*x, 6));
@@ -115,9 +119,9 @@ Json score_lines(const Study& study, const ReportInput& input) {
   Json lines = Json::object();
   const std::string unit = display_unit(input).name;
   const auto add = [&](const std::string& sensor, const std::string& who, const std::optional<double>& accuracy, const std::optional<double>& mae) {
-    if (!accuracy || !mae) return;
+    if (!mae) return;
     std::string text = lines.contains(sensor) ? lines[sensor].get<std::string>() + "; " : "";
-    lines[sensor] = text + fmt::format("{} {:.1f}\u00a0%, {:.1f}\u00a0{}", who, *accuracy, *mae, unit);
+    lines[sensor] = text + who + (accuracy ? fmt::format(" {:.1f}\u00a0%,", *accuracy) : "") + fmt::format(" {:.1f}\u00a0{}", *mae, unit);
   };
   for (const auto& c : study.calibrations)
     for (const auto& s : list_at(c.summary, "sensors")) add(text_at(s, "name"), c.label, number_at(s, "accuracy"), number_at(s, "mae"));

@@ -46,6 +46,7 @@ struct ReportInput {
   std::vector<ReportSensor> sensors;
   std::string load_policy;                 ///< in words, how p0 follows the parameters
   std::optional<double> deposited_energy;  ///< [J]
+  std::optional<double> slice_thickness;   ///< in plane strain the energy is that of a slice [m]
   std::uint64_t seed = 1;
   std::vector<std::string> warnings;
 };

@@ -105,7 +105,8 @@ std::string row_html(const std::vector<Cell>& row, const std::vector<Column>& co
     std::string inner = cell_html(row[i], columns[i]);
     if (row[i].strong) inner = "<strong>" + inner + "</strong>";
     const char* tag = i == 0 ? "th" : "td";
-    s += fmt::format("<{}{}{}>{}</{}>", tag, i == 0 ? " scope=\"row\"" : "", columns[i].text ? (inner.size() > 60 ? " class=\"text long\"" : " class=\"text\"") : "", inner, tag);
+    s += fmt::format("<{}{}{}>{}</{}>", tag, i == 0 ? " scope=\"row\"" : "",
+                     columns[i].text ? (inner.size() > 60 ? " class=\"text long\"" : " class=\"text\"") : "", inner, tag);
   }
   return s + "</tr>\n";
 }

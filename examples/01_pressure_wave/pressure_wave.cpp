@@ -17,10 +17,10 @@ using namespace calomel;
 
 namespace {
 
-constexpr double mercury_density = 13500, mercury_speed = 1450;                 // nominal values of the published target
-constexpr double steel_density = 7960, steel_young = 193e9, steel_poisson = 0.29;  // 316L
-constexpr double mercury_length = 0.15;                                         // the wall's inner face [m]
-constexpr double peak = 20e6, start = 0.05, width = 0.006;                      // Gaussian wave: height [Pa], place and sd [m]
+constexpr double mercury_density = 13500, mercury_speed = 1450;                              // nominal values of the published target
+constexpr double steel_density = 7960, steel_young = 193e9, steel_poisson = 0.29;            // 316L
+constexpr double mercury_length = 0.15;                                                      // the wall's inner face [m]
+constexpr double peak = 20e6, start = 0.05, width = 0.006;                                   // Gaussian wave: height [Pa], place and sd [m]
 constexpr double mercury_gauge = 0.10, first_steel_gauge = 0.17, second_steel_gauge = 0.25;  // [m]
 
 const LinearElastic steel = LinearElastic::from_young(steel_young, steel_poisson);
@@ -114,9 +114,7 @@ double exact_mercury_pressure(double x, double t, double h) {
   const double tau = 2 * h / steel_speed, back = t - (mercury_length - x) / mercury_speed;
   return incident(t + (mercury_length - x) / mercury_speed) + R * incident(back) - (1 - R * R) * rounds(incident, back - tau, tau);
 }
-double exact_outer_displacement(double t, double h) {
-  return 2 * (1 + R) / Z_s * rounds(incident_impulse, t - h / steel_speed, 2 * h / steel_speed);
-}
+double exact_outer_displacement(double t, double h) { return 2 * (1 + R) / Z_s * rounds(incident_impulse, t - h / steel_speed, 2 * h / steel_speed); }
 
 /// Height and time of the highest sample in [from, to), a parabola through it and its neighbours.
 struct Peak {
@@ -182,7 +180,9 @@ int main(int argc, char** argv) try {
                                        std::vector<double> y;
                                        for (const double p : row(result, 0)) y.push_back(-p);
                                        return y;
-                                     }()), 0, 1).value;
+                                     }()),
+                                     0, 1)
+                                 .value;
       double exact_lowest = 0;
       for (const double t : result.times) exact_lowest = std::min(exact_lowest, exact_mercury_pressure(x, t, wall));
       const double pressure = distance(row(result, 0), [&](std::size_t i) { return exact_mercury_pressure(x, result.times[i], wall); });

@@ -21,9 +21,9 @@ using namespace calomel;
 namespace {
 
 constexpr std::size_t baseline_samples = 150;
-constexpr double strain_per_volt = -1e-3;             // compression negative
+constexpr double strain_per_volt = -1e-3;                     // compression negative
 constexpr double window_begin = 250e-6, window_end = 420e-6;  // before anything returns to the second gauge [s]
-constexpr double bar_density = 7850;                  // as in case.toml [kg/m^3]
+constexpr double bar_density = 7850;                          // as in case.toml [kg/m^3]
 
 /// The two channels without their baselines [V].
 struct Record {
@@ -33,11 +33,12 @@ struct Record {
 Record read_record(const std::filesystem::path& path) {
   const Recordings raw = read_recordings_file(path, "V");
   if (raw.sensors.size() != 2 || raw.time.size() < 2 * baseline_samples)
-    throw InputError({.problem = fmt::format("two channels of at least {} samples are expected, {} of {} given", 2 * baseline_samples, raw.sensors.size(),
-                                             raw.time.size()),
-                      .file = path.string()});
+    throw InputError(
+        {.problem = fmt::format("two channels of at least {} samples are expected, {} of {} given", 2 * baseline_samples, raw.sensors.size(), raw.time.size()),
+         .file = path.string()});
   const auto channel = [&](std::size_t sensor) {
-    std::vector<double> y(raw.values.begin() + std::ptrdiff_t(raw.at(0, sensor, 0, 0)), raw.values.begin() + std::ptrdiff_t(raw.at(0, sensor, 0, 0) + raw.time.size()));
+    std::vector<double> y(raw.values.begin() + std::ptrdiff_t(raw.at(0, sensor, 0, 0)),
+                          raw.values.begin() + std::ptrdiff_t(raw.at(0, sensor, 0, 0) + raw.time.size()));
     double baseline = 0;
     for (std::size_t i = 0; i < baseline_samples; ++i) baseline += y[i] / double(baseline_samples);
     for (double& v : y) v -= baseline;
@@ -80,8 +81,10 @@ Residual residual_of(const Record& r, const Model& model, double gain = 0) {
     for (std::size_t i = 0; i < r.time.size(); ++i) {
       if (r.time[i] < window_begin || r.time[i] > window_end) continue;
       const double y = r.second[i], x = model(r.time[i]);
-      if (fit) own += x * x, both += x * y;
-      else squares += std::pow(y - (gain != 0 ? gain : both / own) * x, 2), ++n;
+      if (fit)
+        own += x * x, both += x * y;
+      else
+        squares += std::pow(y - (gain != 0 ? gain : both / own) * x, 2), ++n;
     }
   return {1e3 * std::sqrt(squares / n), gain != 0 ? gain : both / own};
 }
@@ -101,7 +104,9 @@ bool residual(const std::filesystem::path& path, const std::filesystem::path& ou
   const auto time = file.doubles("time");
   const auto bar = [&](const char* name) {
     const auto strain = file.doubles(name);
-    return residual_of(r, [&](double t) { return at(time, strain, t) / strain_per_volt; }, 1.0).rms;
+    return residual_of(
+               r, [&](double t) { return at(time, strain, t) / strain_per_volt; }, 1.0)
+        .rms;
   };
   const auto number = [&](const char* set, const char* name) { return summary.at(set).at(name).get<double>(); };
   const auto speed = [&](const char* set) { return std::sqrt(number(set, "young") / bar_density); };
@@ -113,12 +118,15 @@ bool residual(const std::filesystem::path& path, const std::filesystem::path& ou
   fmt::print("  {:<50} {:>6.2f}   c {:.0f} m/s, nu {:.3f}, gain {:.4f}\n", "3-D bar, calibrated", calibrated, speed("theta"), number("theta", "poisson"),
              number("theta", "gauge_ratio"));
   fmt::print("measured independently on the same record and window:\n");
-  for (const auto& [name, rms] : {std::pair{"1-D bar", 27.4}, {"1-D bar with a lag of the sensor", 25.5}, {"1-D bar with viscous attenuation", 23.7},
-                                  {"Love rod (lateral inertia), nu 0.303", 17.4}, {"Pochhammer-Chree first mode, nu 0.285", 16.1}})
+  for (const auto& [name, rms] : {std::pair{"1-D bar", 27.4},
+                                  {"1-D bar with a lag of the sensor", 25.5},
+                                  {"1-D bar with viscous attenuation", 23.7},
+                                  {"Love rod (lateral inertia), nu 0.303", 17.4},
+                                  {"Pochhammer-Chree first mode, nu 0.285", 16.1}})
     fmt::print("  {:<50} {:>6.1f}\n", name, rms);
 
   std::map<std::string, double> found{{"1-D bar [mV]", line.rms},          {"3-D bar nominal [mV]", bar("nominal")}, {"3-D bar calibrated [mV]", calibrated},
-                                      {"bar speed [m/s]", speed("theta")}, {"poisson", number("theta", "poisson")},   {"gain", number("theta", "gauge_ratio")}};
+                                      {"bar speed [m/s]", speed("theta")}, {"poisson", number("theta", "poisson")},  {"gain", number("theta", "gauge_ratio")}};
   return expected == nullptr || examples::as_expected(found, expected);
 }
 

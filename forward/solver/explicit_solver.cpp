@@ -49,7 +49,8 @@ struct Packed {
   std::vector<std::vector<std::uint16_t>> connectivity;     ///< per block, by groups of lanes
   std::vector<std::vector<std::int32_t>> elements;          ///< per block, mesh element of every lane slot, -1 = padding
 
-  Packed(const Mesh& mesh, const LinearElastic& steel, const std::vector<std::uint8_t>& parallelepiped, bool lanes_are_runs, int threads)
+  /// `stiffness`: per element, the share of its stiffness that it keeps.
+  Packed(const Mesh& mesh, const LinearElastic& steel, const std::vector<std::uint8_t>& parallelepiped, const std::vector<float>& stiffness, bool lanes_are_runs, int threads)
       : runs(lanes_are_runs), layout(make_layout(mesh, parallelepiped, lanes_are_runs ? 256 : 2048)) {
     const std::size_t lanes = runs ? 1 : std::size_t(kernels<R>().lanes), blocks = layout.blocks.size();
     geometry.resize(blocks), connectivity.resize(blocks), elements.resize(blocks);
@@ -76,7 +77,8 @@ struct Packed {
           else
             for (int m = 1; m < 8; ++m) put(g.mode_gradient(i, m - 1));
         }
-        put(g.volume);
+        const double share = double(stiffness[std::size_t(block.elements[slot])]);
+        put(share * g.volume);  // the force's volume; masses are kept apart
         if (block.liquid) put(liquid_hourglass(g));
         if (!block.parallelepiped)
           for (int i = 0; i < 3; ++i)
@@ -84,9 +86,9 @@ struct Packed {
         if (!block.liquid) {
           const HourglassStiffness k = hourglass_stiffness(g, steel);
           for (int i = 0; i < 9; ++i)
-            for (int j = i; j < 9; ++j) put(k.bending(i, j));
+            for (int j = i; j < 9; ++j) put(share * k.bending(i, j));
           for (int i = 0; i < 3; ++i)
-            for (int j = i; j < 3; ++j) put(k.last(i, j));
+            for (int j = i; j < 3; ++j) put(share * k.last(i, j));
         }
         expect(term == terms, "every geometry term of an element is packed");
       }
@@ -112,6 +114,7 @@ struct ExplicitSolver::Parts {
   const Mesh* mesh;
   LinearElastic steel;
   std::vector<std::uint8_t> parallelepiped;
+  std::vector<float> stiffness;  ///< per mesh element, share that is kept: below 1 at re-entrant edges of the steel
   double liquid_eigenvalue = 0;  ///< / c^2
   double steel_eigenvalue = 0;   ///< x density
   std::vector<double> steel_volume, liquid_volume;  ///< per mesh node, an eighth of each element [m^3]
@@ -129,7 +132,7 @@ struct ExplicitSolver::Parts {
       if constexpr (std::is_same_v<R, float>) return single[runs];
       else return twice[runs];
     }();
-    if (!slot) slot = std::make_unique<Packed<R>>(*mesh, steel, parallelepiped, runs, threads);
+    if (!slot) slot = std::make_unique<Packed<R>>(*mesh, steel, parallelepiped, stiffness, runs, threads);
     return *slot;
   }
 
@@ -139,13 +142,19 @@ struct ExplicitSolver::Parts {
   FieldSnapshot snapshot(const Packed<R>& packed, const RunSetup& setup, const R* u, const R* v, double time, double load, double beta) const;
 };
 
-ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int threads) : parts_(std::make_unique<Parts>()) {
+ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int threads, double softening) : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   p.mesh = &mesh;
   p.steel = steel;
   p.threads = threads;
   const std::size_t n = mesh.elements.size();
   p.parallelepiped.resize(n);
+  p.stiffness.assign(n, 1.0f);
+  if (softening != 0) {
+    const auto reentrant = reentrant_elements(mesh);
+    for (std::size_t e = 0; e < n; ++e)
+      if (reentrant[e]) p.stiffness[e] = float(1 - softening);
+  }
   p.steel_volume.assign(mesh.nodes.size(), 0), p.liquid_volume.assign(mesh.nodes.size(), 0);
   std::vector<double> volume(n), eigenvalue(n);
   parallel_for((n + 1023) / 1024, threads, [&](std::size_t chunk) {
@@ -258,7 +267,7 @@ SolveSummary ExplicitSolver::Parts::solve(const RunSetup& setup, std::span<const
       p0[b] = AlignedArray<R>(slots);
       for (std::size_t i = 0; i < slots; ++i)
         if (p.elements[b][i] >= 0 && !setup.p0.empty()) p0[b][i] = R(setup.p0[std::size_t(p.elements[b][i])]);
-      if (stateful) state[b] = AlignedArray<R>(slots * 2 * (runs ? run_lanes : 1));
+      if (stateful) state[b] = AlignedArray<R>(runs ? slots * run_state * run_lanes : slots * element_state);
     }
     data[b] = {block.liquid, block.parallelepiped, std::int32_t(slots / lanes), p.geometry[b].data(), p.connectivity[b].data(), p0[b].data(), state[b].data(),
                block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(), std::int32_t(block.shared.size()), block.outbox};

@@ -12,6 +12,7 @@
 #include "forward/material/riemer.hpp"
 #include "forward/mesh/mesh.hpp"
 #include "forward/solver/load.hpp"
+#include "forward/solver/reentrant_edges.hpp"
 
 namespace calomel {
 
@@ -96,8 +97,9 @@ double stable_time_step(double eigenvalue, double beta);
 /// A mesh made ready for runs. Building costs about a microsecond an element; runs may then share it from several threads.
 class ExplicitSolver {
  public:
-  /// `steel` fixes the elements' bending stiffness; a run with other moduli needs its own solver.
-  ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int threads = 1);
+  /// `steel` fixes the elements' bending stiffness; a run with other moduli needs its own solver. `softening` is that of the
+  /// steel elements at re-entrant edges; 0 leaves them as they are (and converges at first order).
+  ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int threads = 1, double softening = reentrant_softening);
   ~ExplicitSolver();
   ExplicitSolver(ExplicitSolver&&) noexcept;
 

@@ -12,6 +12,10 @@ namespace calomel {
 
 inline constexpr int run_lanes = 8;
 
+/// Lane vectors of state per liquid element when energy is booked or a viscosity needs the rate: volumetric strain and viscous
+/// pressure of the last step and, with lanes as elements, the hourglass amplitudes.
+inline constexpr int element_state = 14, run_state = 2;
+
 /// Energies and works of a step, summed over a block or a boundary [J].
 struct EnergyTerms {
   double kinetic = 0;       ///< 1/2 v- M v+
@@ -36,7 +40,7 @@ struct BlockData {
   const R* geometry;
   const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
   const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
-  R* state;                             ///< booking: volumetric strain and viscous pressure of the last step, (groups, 2, lanes)
+  R* state;                             ///< (groups, element_state, lanes) or (elements, run_state, lanes), null when not booked
   std::int32_t first_node, interior;
   const NodeRange* ranges;
   std::int32_t range_count;

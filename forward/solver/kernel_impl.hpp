@@ -98,8 +98,19 @@ struct Sums {
   V liquid{}, hourglass{}, steel{}, dissipated{}, heat{}, kinetic{};
 };
 
-template <bool Affine, bool Booking, class V, class Geometry>
-CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* strain_before, V* viscous_before, Sums<V>& sums) {
+/// Energy of one hourglass amplitude w = q + beta dq/dt whose spring is h: 1/2 h q^2 is stored, h beta (dq/dt)^2 dissipated.
+/// `before` is q of the last step.
+template <class V>
+CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, Sums<V>& sums) {
+  const V q = (w + s.ratio * *before) / (V{} + 1 + s.ratio), change = q - *before;
+  sums.hourglass += h * q * q;
+  sums.dissipated += h * s.ratio * change * change;
+  *before = q;
+}
+
+/// `state`: strain and viscous pressure of the last step, then, with Hourglass, the twelve hourglass amplitudes.
+template <bool Affine, bool Booking, bool Hourglass, class V, class Geometry>
+CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   constexpr int terms = Affine ? 9 : 21;
   const V volume = g(terms), h = s.hourglass * g(terms + 1);
   V grad[3][3];
@@ -107,7 +118,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
   const V w = grad[0][0] + grad[1][1] + grad[2][2];  // e_v + (eta/K) de_v/dt
   V p = s.p0 - s.bulk_modulus * w;
   if constexpr (Booking) {
-    const V before = *strain_before;
+    const V before = state[0], viscous_before = state[1];
     const V strain = (w + s.ratio * before) / (V{} + 1 + s.ratio);
     const V change = strain - before, rate = change * s.rate_factor;
     p += rate < 0 ? s.quadratic * rate * rate : V{};
@@ -115,13 +126,12 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
     const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
     const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
     const V viscous = p - elastic;
-    sums.dissipated -= (viscous + *viscous_before) * change * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
+    sums.dissipated -= (viscous + viscous_before) * change * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
     sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * (V{} + typename std::remove_reference_t<decltype(p[0])>(0.5));
     const V stretch = strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
     const V half = V{} + typename std::remove_reference_t<decltype(p[0])>(0.5);
     sums.liquid += volume * (stretch <= limit ? half * s.bulk_modulus * stretch * stretch : s.cutoff * (stretch - half * limit));
-    *strain_before = strain;
-    *viscous_before = viscous;
+    state[0] = strain, state[1] = viscous;
   } else {
     p = greater(p, s.minus_cutoff);
   }
@@ -132,7 +142,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)];
         f[c][hourglass_mode(a)] = -h * q;
-        if constexpr (Booking) sums.hourglass += h * q * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
     }
   } else {
@@ -141,7 +151,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)] - (g(23 + a) * grad[c][0] + g(27 + a) * grad[c][1] + g(31 + a) * grad[c][2]);
         force[c][a] = h * q;
-        if constexpr (Booking) sums.hourglass += h * q * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
       for (int i = 0; i < 3; ++i) {
         V s2 = i == c ? pv : V{};
@@ -207,7 +217,8 @@ CALOMEL_INLINE void gather_rows(const float* u, const std::uint16_t* at, Vec<flo
   using F4 = Vec<float, 4>;
   using F8 = Vec<float, 8>;
   F8 a[4];
-  for (int l = 0; l < 4; ++l) a[l] = __builtin_shufflevector(load<F4>(u + 4 * std::size_t(at[l])), load<F4>(u + 4 * std::size_t(at[l + 4])), 0, 1, 2, 3, 4, 5, 6, 7);
+  for (int l = 0; l < 4; ++l)
+    a[l] = __builtin_shufflevector(load<F4>(u + 4 * std::size_t(at[l])), load<F4>(u + 4 * std::size_t(at[l + 4])), 0, 1, 2, 3, 4, 5, 6, 7);
   const F8 t0 = __builtin_shufflevector(a[0], a[1], 0, 8, 1, 9, 4, 12, 5, 13), t1 = __builtin_shufflevector(a[0], a[1], 2, 10, 3, 11, 6, 14, 7, 15);
   const F8 t2 = __builtin_shufflevector(a[2], a[3], 0, 8, 1, 9, 4, 12, 5, 13), t3 = __builtin_shufflevector(a[2], a[3], 2, 10, 3, 11, 6, 14, 7, 15);
   x = __builtin_shufflevector(t0, t2, 0, 1, 8, 9, 4, 5, 12, 13);
@@ -233,7 +244,8 @@ CALOMEL_INLINE void scatter_rows(float* f, const std::uint16_t* at, Vec<float, 8
 }
 CALOMEL_INLINE void gather_rows(const double* u, const std::uint16_t* at, Vec<double, 4>& x, Vec<double, 4>& y, Vec<double, 4>& z) {
   using D4 = Vec<double, 4>;
-  const D4 r0 = load<D4>(u + 4 * std::size_t(at[0])), r1 = load<D4>(u + 4 * std::size_t(at[1])), r2 = load<D4>(u + 4 * std::size_t(at[2])), r3 = load<D4>(u + 4 * std::size_t(at[3]));
+  const D4 r0 = load<D4>(u + 4 * std::size_t(at[0])), r1 = load<D4>(u + 4 * std::size_t(at[1])), r2 = load<D4>(u + 4 * std::size_t(at[2])),
+           r3 = load<D4>(u + 4 * std::size_t(at[3]));
   const D4 t0 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6), t1 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
   const D4 t2 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6), t3 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
   x = __builtin_shufflevector(t0, t2, 0, 1, 4, 5);
@@ -245,7 +257,8 @@ CALOMEL_INLINE void scatter_rows(double* f, const std::uint16_t* at, Vec<double,
   const D4 o{};
   const D4 t0 = __builtin_shufflevector(x, y, 0, 4, 2, 6), t1 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
   const D4 s0 = __builtin_shufflevector(z, o, 0, 4, 2, 6), s1 = __builtin_shufflevector(z, o, 1, 5, 3, 7);
-  const D4 r[4] = {__builtin_shufflevector(t0, s0, 0, 1, 4, 5), __builtin_shufflevector(t1, s1, 0, 1, 4, 5), __builtin_shufflevector(t0, s0, 2, 3, 6, 7), __builtin_shufflevector(t1, s1, 2, 3, 6, 7)};
+  const D4 r[4] = {__builtin_shufflevector(t0, s0, 0, 1, 4, 5), __builtin_shufflevector(t1, s1, 0, 1, 4, 5), __builtin_shufflevector(t0, s0, 2, 3, 6, 7),
+                   __builtin_shufflevector(t1, s1, 2, 3, 6, 7)};
   for (int l = 0; l < 4; ++l) {
     double* p = f + 4 * std::size_t(at[l]);
     store<D4>(p, load<D4>(p) + r[l]);
@@ -311,7 +324,8 @@ CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s
       continue;
     }
     for (std::int32_t n = range.begin; n < range.end; ++n)
-      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n], range.fixed, s, kinetic);
+      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n],
+                                range.fixed, s, kinetic);
   }
 }
 
@@ -350,13 +364,9 @@ void element_groups(const BlockData<R>& b, const StepData<R>& s, const R* w, R* 
     if constexpr (Liquid) {
       const V p0 = load<V>(b.p0 + std::size_t(g) * W);
       liquid.p0 = p0 * s.load[0];
-      V before{}, viscous{};
-      if constexpr (Booking) {
-        liquid.p0_before = p0 * s.load_before[0];
-        before = load<V>(b.state + std::size_t(g) * 2 * W), viscous = load<V>(b.state + (std::size_t(g) * 2 + 1) * W);
-      }
-      liquid_element<Affine, Booking>(um, fm, coefficient, liquid, &before, &viscous, sums);
-      if constexpr (Booking) store(b.state + std::size_t(g) * 2 * W, before), store(b.state + (std::size_t(g) * 2 + 1) * W, viscous);
+      V* state = nullptr;
+      if constexpr (Booking) liquid.p0_before = p0 * s.load_before[0], state = reinterpret_cast<V*>(b.state) + std::size_t(g) * element_state;
+      liquid_element<Affine, Booking, Booking>(um, fm, coefficient, liquid, state, sums);
     } else {
       steel_element<Affine, Booking>(um, fm, coefficient, lambda, mu, sums);
     }
@@ -391,13 +401,9 @@ void run_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
     }
     if constexpr (Liquid) {
       liquid.p0 = b.p0[e] * share;
-      V before{}, viscous{};
-      if constexpr (Booking) {
-        liquid.p0_before = b.p0[e] * share_before;
-        before = load<V>(b.state + std::size_t(e) * 2 * W), viscous = load<V>(b.state + (std::size_t(e) * 2 + 1) * W);
-      }
-      liquid_element<Affine, Booking>(um, fm, coefficient, liquid, &before, &viscous, sums);
-      if constexpr (Booking) store(b.state + std::size_t(e) * 2 * W, before), store(b.state + (std::size_t(e) * 2 + 1) * W, viscous);
+      V* state = nullptr;
+      if constexpr (Booking) liquid.p0_before = b.p0[e] * share_before, state = reinterpret_cast<V*>(b.state) + std::size_t(e) * run_state;
+      liquid_element<Affine, Booking, false>(um, fm, coefficient, liquid, state, sums);
     } else {
       steel_element<Affine, false>(um, fm, coefficient, lambda, mu, sums);
     }
@@ -418,11 +424,15 @@ void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   R* force = w + std::size_t(b.interior + b.shared_count) * width;
   copy_in<R, Runs>(b, s, w, force);
   const auto elements = [&]<bool Liquid, bool Affine>() {
-    if constexpr (Runs) run_elements<R, Liquid, Affine, Booking>(b, s, w, force);
-    else element_groups<R, Liquid, Affine, Booking>(b, s, w, force, energy);
+    if constexpr (Runs)
+      run_elements<R, Liquid, Affine, Booking>(b, s, w, force);
+    else
+      element_groups<R, Liquid, Affine, Booking>(b, s, w, force, energy);
   };
-  if (b.liquid) b.parallelepiped ? elements.template operator()<true, true>() : elements.template operator()<true, false>();
-  else b.parallelepiped ? elements.template operator()<false, true>() : elements.template operator()<false, false>();
+  if (b.liquid)
+    b.parallelepiped ? elements.template operator()<true, true>() : elements.template operator()<true, false>();
+  else
+    b.parallelepiped ? elements.template operator()<false, true>() : elements.template operator()<false, false>();
   double kinetic = 0;
   advance_interior<R, Runs, Booking>(b, s, force, kinetic);
   if (Booking && !Runs) energy->kinetic += kinetic;
@@ -461,8 +471,10 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
   L share, stress;
-  if constexpr (Runs) share = load<L>(s.load), stress = load<L>(s.end_stress);
-  else share = s.load[0], stress = s.end_stress[0];
+  if constexpr (Runs)
+    share = load<L>(s.load), stress = load<L>(s.end_stress);
+  else
+    share = s.load[0], stress = s.end_stress[0];
   for (std::size_t i = begin; i < end; ++i) {
     const SpecialData<R>& r = rules[i];
     L force[3], v[3], before[3];
@@ -530,12 +542,20 @@ const KernelTable<R>& table() {
   static const KernelTable<R> t{
       CALOMEL_ISA_NAME,
       element_lanes<R>,
-      [](const BlockData<R>& b, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e); },
+      [](const BlockData<R>& b, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e);
+      },
       [](const BlockData<R>& b, const StepData<R>& s, bool booking) { booking ? block<R, true, true>(b, s, nullptr) : block<R, true, false>(b, s, nullptr); },
-      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e); },
+      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e);
+      },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
-      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) { booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e); },
-      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) { special<R, true, false>(l, r, begin, end, s, nullptr); }};
+      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
+      },
+      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {
+        special<R, true, false>(l, r, begin, end, s, nullptr);
+      }};
   return t;
 }
 

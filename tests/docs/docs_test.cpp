@@ -2,14 +2,13 @@
 // that is cited stands in references.bib, and the case file of the walk-through is one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <regex>
 #include <set>
 #include <sstream>
-
-#include <unistd.h>
 
 #include "apps/case_reference.hpp"
 #include "apps/study_case.hpp"
@@ -100,8 +99,7 @@ std::string case_file_in(const std::string& text) {
 }
 
 TEST(CaseReference, IsWhatTheGeneratorWrites) {
-  EXPECT_EQ(read_text(root / "docs" / "case_reference.md"), case_reference())
-      << "run: build/release/apps/case_reference > docs/case_reference.md";
+  EXPECT_EQ(read_text(root / "docs" / "case_reference.md"), case_reference()) << "run: build/release/apps/case_reference > docs/case_reference.md";
 }
 
 TEST(CaseReference, HasAHeadingForEveryTableAndMechanism) {

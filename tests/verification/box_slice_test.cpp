@@ -45,7 +45,7 @@ Misfit misfit(const std::vector<std::string>& overrides) {
   CaseFile file(folder / "case.toml", all);
   const BuiltInModel model(ForwardCase::read(file), {.pulses = 1});
   SolveOptions options;
-  options.precision = model.forward_case().solver.precision;
+  options.precision = model.forward_case().solver.precision, options.time_step_safety = model.forward_case().solver.time_step_safety;
   const auto run = model.simulate(options);
   const auto reference = read_table(folder / "box_linear.csv");
   Misfit m;
@@ -71,8 +71,8 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
   measured("mean_L2_2mm", coarse.mean), measured("worst_L2_2mm", coarse.worst);
   measured("mean_L2_1mm", fine.mean), measured("worst_L2_1mm", fine.worst);
   measured("order", std::log2(coarse.mean / fine.mean));
-  EXPECT_LT(fine.mean, 0.05);
-  EXPECT_LT(fine.mean, 0.6 * coarse.mean);
+  EXPECT_LT(fine.mean, 0.025);  // the design asks for 0.05
+  EXPECT_LT(fine.mean, 0.45 * coarse.mean);
 }
 
 TEST(BoxSlice, TiedWallsAndSofterMercuryAreFarOff) {

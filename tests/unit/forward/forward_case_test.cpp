@@ -1,0 +1,114 @@
+#include "forward/forward_case.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/forward/small_case.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+namespace {
+
+const std::string parameters = R"(
+[parameter.tensile_cutoff]
+min = 0.0
+max = 1.5e6
+[parameter.density]
+min = 1350
+max = 13600
+nominal = 13000
+[parameter.gain]
+key = "sensor.T.gain"
+min = 0.8
+max = 1.2
+[parameter.nu]
+key = "material.steel.poisson"
+min = 0.2
+max = 0.35
+)";
+
+std::string complaint(const std::string& more) {
+  try {
+    (void)small_case(more);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST(ForwardCase, ReadsParametersInTheOrderOfTheFile) {
+  const ForwardCase c = small_case(parameters);
+  EXPECT_EQ(c.name, "small box");
+  std::vector<std::string> names, keys;
+  for (const auto& p : c.parameters) names.push_back(p.name), keys.push_back(p.key);
+  EXPECT_THAT(names, ElementsAre("tensile_cutoff", "density", "gain", "nu"));
+  EXPECT_THAT(keys, ElementsAre("material.mercury.tensile_cutoff", "material.mercury.density", "sensor.T.gain", "material.steel.poisson"));
+}
+
+TEST(ForwardCase, NominalsComeFromTheTablesUnlessGiven) {
+  const ForwardCase c = small_case(parameters);
+  EXPECT_EQ(*c.parameters[0].nominal, 1.5e5);
+  EXPECT_EQ(*c.parameters[1].nominal, 13000);
+  EXPECT_EQ(*c.parameters[2].nominal, 1);
+  EXPECT_EQ(*c.parameters[3].nominal, 0.29);
+}
+
+TEST(ForwardCase, SetsAnyNumberAndLeavesTheOriginalAlone) {
+  const ForwardCase c = small_case(parameters);
+  const std::vector<double> theta{2e5, 12000, 1.1, 0.3};
+  const ForwardCase at = c.at(theta);
+  EXPECT_EQ(at.mercury.tensile_cutoff, 2e5);
+  EXPECT_EQ(at.mercury.density, 12000);
+  EXPECT_EQ(at.sensors[0].gain, 1.1);
+  EXPECT_EQ(at.sensors[1].gain, 1);
+  EXPECT_EQ(at.steel.poisson, 0.3);
+  EXPECT_EQ(c.mercury.density, 13500);
+  ForwardCase own = c;
+  own.set_number("load.profile.center.1", 0.012);
+  EXPECT_EQ(own.load.profile.center[1], 0.012);
+  own.set_number("load.peak_pressure", 3e7);
+  EXPECT_EQ(own.number("load.peak_pressure"), 3e7);
+  EXPECT_THROW((void)c.at(std::vector<double>{1.0}), ContractFailure);
+}
+
+TEST(ForwardCase, NamesTheNearestNumber) {
+  const ForwardCase c = small_case();
+  try {
+    (void)c.number("material.mercury.densty");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("did you mean \"material.mercury.density\"?"));
+  }
+  EXPECT_THROW((void)c.number("load.energy"), InputError);  // there, but without a value
+}
+
+TEST(ForwardCase, ErrorsSayWhereAndWhat) {
+  EXPECT_THAT(complaint("[parameter.colour]\nmin = 0\nmax = 1\n"), HasSubstr("parameter.colour"));
+  EXPECT_THAT(complaint("[parameter.density]\nmin = 2\nmax = 1\n"), HasSubstr("case.toml:"));
+  EXPECT_THAT(complaint("[parameter.density]\nmin = 1\nmax = 2\n"), HasSubstr("nominal"));  // 13500 lies outside
+  EXPECT_THAT(complaint("[[sensor]]\nname = \"T\"\nposition = [0.03, 0, 0.03]\ndirection = [1, 0, 0]\n"), HasSubstr("two sensors have the same name"));
+  EXPECT_THAT(complaint("[solver]\nprecission = \"single\"\n"), HasSubstr("precision"));
+  EXPECT_THAT(complaint("[material.steel]\npoisson = 0.6\n"), HasSubstr("material.steel.poisson = 0.6"));
+  EXPECT_THAT(complaint("[[condition]]\nname = \"low\"\n"), HasSubstr("either peak_pressure or energy"));
+}
+
+TEST(ForwardCase, AnEndThatIsNoMultipleOfTheIntervalIsRefused) {
+  TimeOptions t;
+  t.end = 1.05e-5, t.output_interval = 1e-6;
+  EXPECT_THROW(t.validate(), InputError);
+  t.end = 1e-5;
+  EXPECT_NO_THROW(t.validate());
+  EXPECT_EQ(t.samples(), 11u);
+}
+
+TEST(ForwardCase, EchoesEveryTable) {
+  const Json j = small_case(parameters).echo();
+  EXPECT_EQ(j["material"]["mercury"]["density"], 13500.0);
+  EXPECT_EQ(j["load"]["profile"]["center"][1], 0.015);
+  EXPECT_EQ(j["sensor"].size(), 2u);
+  EXPECT_EQ(j["parameter"]["gain"]["key"], "sensor.T.gain");
+}

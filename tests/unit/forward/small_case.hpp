@@ -1,0 +1,46 @@
+#pragma once
+#include <string>
+
+#include "forward/forward_case.hpp"
+
+namespace calomel::testing {
+
+/// A plane-strain box of 660 elements, 40 us, two gauges.
+inline std::string small_case_text(const std::string& more = "", const std::string& load = "peak_pressure = 25e6") {
+  return R"([case]
+name = "small box"
+[geometry]
+kind = "box"
+length = 0.06
+width = 0.05
+height = 0.03
+wall = 0.003
+plane_strain = true
+element_size = 0.003
+[material.mercury]
+least_mesh_viscosity = 0.02
+[load]
+)" + load + R"(
+[load.profile]
+center = [0.0, 0.015]
+widths = [0.1, 0.01]
+[time]
+end = 40e-6
+output_interval = 1e-6
+[[sensor]]
+name = "T"
+position = [0.02, 0.0, 0.03]
+direction = [1, 0, 0]
+[[sensor]]
+name = "F"
+position = [0.0, 0.0, 0.015]
+direction = [0, 0, 1]
+)" + more;
+}
+
+inline ForwardCase small_case(const std::string& more = "", const std::string& load = "peak_pressure = 25e6") {
+  CaseFile file = CaseFile::from_text(small_case_text(more, load));
+  return ForwardCase::read(file);
+}
+
+}  // namespace calomel::testing
