@@ -64,9 +64,10 @@ std::vector<double> correlated_noise(std::size_t samples, double sd, double inte
   return e;
 }
 
-/// Strains of pulses of the given relative energies, shape (pulse, sensor, time) [-]; each pulse is a run of its own.
-std::vector<double> true_strains(const BuiltInModel& model, const std::vector<double>& energies) {
-  const ForwardCase& c = model.forward_case();
+/// Strains of pulses of the given relative energies, shape (pulse, sensor, time) [-]; each pulse is a run of its own. The
+/// heating pressure is the one of the case's own parameters, as the policy "fixed" has it.
+std::vector<double> true_strains(const BuiltInModel& model, const std::vector<double>& theta, const std::vector<double>& energies) {
+  const ForwardCase c = model.forward_case().at(theta);
   const ExplicitSolver solver(model.mesh(), LinearElastic::from_young(c.steel.young, c.steel.poisson), default_threads());
   std::vector<ObservationRow> rows;
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
@@ -98,7 +99,8 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   truth.read("experiment", experiment), truth.read("parameter", parameters), truth.read("pulses", pulses), truth.read("noise", noise);
   truth.expect_all_read({});
 
-  for (const auto& p : c.parameters) c.set_number(p.key, parameters.of[p.name]);
+  std::vector<double> theta;
+  for (const auto& p : c.parameters) theta.push_back(parameters.of[p.name]);
   c.geometry.element_size = experiment.element_size_ratio * c.geometry.resolved().element_size.value();
   if (c.geometry.wall_elements > 0) c.geometry.wall_elements = int(std::lround(c.geometry.wall_elements / experiment.element_size_ratio));
   c.solver.precision = experiment.precision;
@@ -113,7 +115,7 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   RandomStream energy(std::uint64_t(experiment.seed), 0);
   std::vector<double> energies;
   for (int i = 0; i < count; ++i) energies.push_back(1 + experiment.energy_sd * energy.normal());
-  const auto strains = true_strains(model, energies);
+  const auto strains = true_strains(model, theta, energies);
 
   // 3. What the gauges record of it: noise, the zero set at the trigger, whole counts of the digitiser.
   Recordings record;
