@@ -1,6 +1,5 @@
 // The whole base model at once: the linear reference box slice of ../shared/data/reference_solutions (independent finite
 // differences, Richardson-extrapolated from 0.25 and 0.125 mm), relative L2 per gauge over 0.5 ms.
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -99,5 +98,29 @@ TEST(BoxSlice, DISABLED_ConvergenceTable) {
     all.push_back("geometry.element_size=" + word);
     const Misfit m = misfit(all);
     std::cout << word << " m: mean " << m.mean << " worst " << m.worst << std::endl;
+  }
+}
+
+// With the cutoff: the mean of eight energies against box_riemer_mean.csv, over the whole record and over the first 100 us.
+TEST(BoxSlice, DISABLED_RiemerMean) {
+  if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
+  const auto reference = read_table(folder / "box_riemer_mean.csv");
+  const char* sizes = std::getenv("CALOMEL_ELEMENT_SIZES");
+  std::string word;
+  for (std::stringstream s(sizes ? sizes : "0.002 0.001"); s >> word;) {
+    CaseFile file(folder / "case.toml", std::vector<std::string>{"solver.precision=single", "geometry.element_size=" + word});
+    const BuiltInModel model(ForwardCase::read(file));
+    const auto mean = model.evaluate({}).mean;
+    const auto& shape = model.shape();
+    for (const std::size_t samples : {shape.times.size(), std::size_t(101)}) {
+      double error = 0;
+      for (std::size_t k = 0; k < shape.sensors.size(); ++k) {
+        const auto& r = reference.at(shape.sensors[k]);
+        double difference = 0, size = 0;
+        for (std::size_t i = 0; i < samples; ++i) difference += std::pow(mean[shape.at(0, k, i)] - r[i], 2), size += r[i] * r[i];
+        error += std::sqrt(difference / size) / double(shape.sensors.size());
+      }
+      std::cout << word << " m, " << samples - 1 << " us: mean " << error << std::endl;
+    }
   }
 }

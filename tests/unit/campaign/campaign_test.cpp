@@ -33,7 +33,7 @@ class Ringing : public ForwardModel {
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override {
     const int call = ++calls;
     std::this_thread::sleep_for(delay_);
-    if (call == stop_at) stop = true;
+    if (stop_at > 0 && call >= stop_at) stop = true;  // whichever thread comes first
     Prediction p;
     if (theta[0] > 2.9) return {.ok = false, .message = "a collapsed element at step 12"};
     if (theta[0] < 1.01) throw NumericsError("the server does not answer");
