@@ -40,10 +40,5 @@ inline std::vector<double> velocities(std::span<const double> t, std::span<const
   for (std::size_t i = 0; i + 1 < t.size(); ++i) v.push_back((u[i + 1] - u[i]) / (t[i + 1] - t[i]));
   return v;
 }
-inline std::vector<double> middles(std::span<const double> t) {
-  std::vector<double> m;
-  for (std::size_t i = 0; i + 1 < t.size(); ++i) m.push_back((t[i] + t[i + 1]) / 2);
-  return m;
-}
 
 }  // namespace calomel::testing
