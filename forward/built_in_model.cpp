@@ -154,9 +154,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
       for (std::size_t first = 0; first < m; first += run_lanes) {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
         const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
-        SolveOptions options;
-        options.precision = at.solver.precision, options.time_step_safety = at.solver.time_step_safety;
-        options.heated_rear = at.solver.rear_reference == "heated";
+        SolveOptions options = solve_options(at.solver);
         options.threads = threads_;
         const SolveSummary summary = solver.solve(s, rows, options);
         expect(summary.times.size() == times, "the solver observes at every output time");
@@ -220,7 +218,7 @@ ModelDescription BuiltInModel::describe() const {
   ModelDescription d;
   d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
-  const int per_output = solver_->steps_per_output(s, case_.solver.time_step_safety);
+  const int per_output = solver_->steps_per_output(s, solve_options(case_.solver));
   d.time_step = case_.time.output_interval / per_output;
   d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
   d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;

@@ -87,10 +87,11 @@ TEST(RearFace, ReflectsNothingAtNormalIncidence) {
 }
 
 // The mode cos(pi z / H) of a rigid channel is two plane waves at +- theta, tan(theta) = (pi/H)/k_x: each reflects
-// (cos theta - 1)/(cos theta + 1), -0.1716 at 45 degrees; the packet's envelope spreads the angle by a few degrees.
+// (cos theta - 1)/(cos theta + 1), -0.1716 at 45 degrees; the packet's envelope spreads the angle by a few degrees. The face
+// averages the velocity over a step, which takes cos(omega dt / 2) off its impedance: 0.186 with half as many elements each way.
 TEST(RearFace, ReflectsAtFortyFiveDegreesAsAPlaneWaveConditionDoes) {
   const double height = 0.02, k = M_PI / height, sd = 0.06, start = 0.25, far = 0.5, omega = mercury_speed * k * std::sqrt(2.0);
-  const Mesh mesh = channel(250, 10, height, far);
+  const Mesh mesh = channel(500, 20, height, far);
   const double group = mercury_speed / std::sqrt(2.0), time = 2 * (far - start) / group;
   RunSetup s = linear_setup(time, time);
   // phi = G(x - group t) cos(k z) cos(k x - omega t), displacement = grad phi.
