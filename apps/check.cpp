@@ -6,13 +6,14 @@
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "forward/mesh/write_mesh.hpp"
 #include "forward/repeatability.hpp"
 
 namespace calomel {
 
 /// Reads every table, builds the mesh, places the sensors and holds the recordings against them; prints the resolved case
 /// as JSON to stdout, what was found and the cost to stderr. Runs nothing and writes nothing, but with --floor the ensemble
-/// mean on jittered meshes, whose scatter goes to floor.json.
+/// mean on jittered meshes, whose scatter goes to floor.json, and with --write-mesh the mesh.
 ExitStatus Stages::check() {
   const auto& shape = model().shape();
   const auto d = model().describe();
@@ -34,6 +35,10 @@ ExitStatus Stages::check() {
   const double runs = double(study_.campaign.runs) * study_.campaign.pulses * conditions;
   say(fmt::format("cost: one run about {}; the campaign of {} ensemble means over {} parameters about {} on {} threads", duration_text(d.estimated_seconds),
                   study_.campaign.runs, shape.parameters.size(), duration_text(runs * d.estimated_seconds / command_.threads), command_.threads));
+  if (!command_.write_mesh.empty()) {
+    calomel::write_mesh(model().mesh(), command_.write_mesh);
+    say("mesh written to " + command_.write_mesh.string());
+  }
   if (command_.floor) measure_floor();
   return ExitStatus::done;
 }
