@@ -78,8 +78,8 @@ std::string case_reference() {
   s += table<CaseName>("[case]", "case", "The whole table may be left out.");
   s += table<GeometryOptions>(
       "[geometry]", "geometry",
-      "The target: a box, a jet-flow target or a round bar. Required. `x` runs along the beam from the outer front face, `z` up from the "
-      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. `kind = \"mesh\"` is not built yet. "
+      "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). Required. `x` runs along the beam from the outer front face, `z` up from the "
+      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
       "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
   s += table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");

@@ -53,8 +53,9 @@ void refuse_material(const MeshFile& mesh, const std::vector<std::uint8_t>& mate
   const auto first = std::find(material.begin(), material.end(), wrong);
   if (first == material.end()) return;
   const auto e = std::size_t(first - material.begin());
-  throw InputError({.problem = fmt::format("{} elements are {}, the first is {} ({})", std::count(material.begin(), material.end(), wrong), problem, mesh.element_text(e), sets_of(mesh, e)),
-                    .suggestion = fmt::format("name the sets with geometry.sets.steel and geometry.sets.mercury; there are {}", join(names_in(mesh.element_sets))),
+  throw InputError({.problem = fmt::format("{} of {} elements are {}, the first is {} ({})", std::count(material.begin(), material.end(), wrong), material.size(),
+                                           problem, mesh.element_text(e), sets_of(mesh, e)),
+                    .suggestion = fmt::format("name the sets with geometry.sets.steel and geometry.sets.mercury; those there are {}", join(names_in(mesh.element_sets))),
                     .file = mesh.path.string(),
                     .line = mesh.line_of(e)});
 }

@@ -106,7 +106,7 @@ void expect_shared(const MeshFile& mesh, std::span<const Region> region) {
                                            place(mesh.nodes[std::size_t(a)])),
                     .suggestion = fmt::format("merge them in the mesh generator, or with geometry.merge_distance = {:.1g}; steel and mercury share nodes in the "
                                               "file, wetted = \"slip\" parts them",
-                                              distance),
+                                              2 * distance),
                     .file = mesh.path.string()});
 }
 
