@@ -53,7 +53,9 @@ class Search {
     else if (p.ok && !p.scatter.empty())
       e.floor_variance = Eigen::Map<const Eigen::VectorXd>(p.scatter.data(), Eigen::Index(p.scatter.size())).array().square();
     if (with_surrogate && on_surrogate() && models_.surrogate_variance) e.surrogate_variance = models_.surrogate_variance(theta);
-    return {problem_, recordings_, recording_options_, options_.likelihood, e};
+    Likelihood l(problem_, recordings_, recording_options_, options_.likelihood, e);
+    if (!models_.mesh.empty() || models_.mesh_relative <= 0) return l;
+    return l.with("mesh, assumed", models_.mesh_relative * models_.mesh_relative * discrepancy_shape(problem_, l.grid(), l.data(), models_.positions, options_.discrepancy));
   }
 
   /// Design points by the prior, (n_parameters, options.design) and the nominal one as the last column.
@@ -116,7 +118,7 @@ class Search {
   [[nodiscard]] double log_evidence(const Optimum& o) const {
     const Eigen::VectorXd m = space_.mode_slope(o.x);
     const Eigen::MatrixXd c = m.asDiagonal() * o.covariance * m.asDiagonal();
-    return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + 0.5 * std::log(c.determinant());
+    return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + Eigen::LLT<Eigen::MatrixXd>(c).matrixLLT().diagonal().array().log().sum();
   }
 
   /// Secants of the search model in posterior standard deviations: a surrogate is smooth.
@@ -186,7 +188,7 @@ Likelihood with_discrepancy(MapSummary& out, Search& search, const Problem& prob
   Eigen::VectorXd widths = 0.3 * optima[0].covariance.diagonal().cwiseSqrt();
   for (std::size_t i = discrepancy_scales.size(); i-- > 0;) {
     const double s = discrepancy_scales[i];
-    const Likelihood l = plain.with(s * s * shape);
+    const Likelihood l = plain.with("discrepancy", s * s * shape);
     const auto found = search.optima(l, {x}, {widths}, {});
     if (found.empty()) continue;
     // Weights of the trapezium rule over the scales.
@@ -209,7 +211,7 @@ Likelihood with_discrepancy(MapSummary& out, Search& search, const Problem& prob
   out.discrepancy_scale = scales[best];
   optima[0] = at_scale[best];
   out.scale_spread = (second - mean * mean.transpose() - at_scale[best].covariance).trace() / at_scale[best].covariance.trace();
-  return plain.with(out.discrepancy_scale * out.discrepancy_scale * shape);
+  return plain.with("discrepancy", out.discrepancy_scale * out.discrepancy_scale * shape);
 }
 
 /// Largest slope of the log posterior at x by the surrogate's own gradient, in units of the posterior sd.
@@ -289,7 +291,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   if (polished) {
     of_model.emplace(search.likelihood(space.theta(optima[0].x), false));
     if (physical)
-      of_model.emplace(of_model->with(std::pow(out.discrepancy_scale, 2) *
+      of_model.emplace(of_model->with("discrepancy", std::pow(out.discrepancy_scale, 2) *
                                       discrepancy_shape(problem, of_model->grid(), of_model->data(), models.positions, options.discrepancy)));
     final_likelihood = &*of_model;
   }
@@ -317,7 +319,10 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   std::optional<Linearisation> at;
   Eigen::MatrixXd covariance = optima.empty() ? Eigen::MatrixXd((0.01 * box.array().square()).matrix().asDiagonal()) : optima[0].covariance;
   if (polished) {
-    const Polished p = polish(on_model, space, point, covariance, {options.polish_runs, options.secant},
+    // As wide as the posterior that is honest about the fit: the surrogate's at its optimum, with its misfit.
+    const auto l = on_search.linearise(optima[0].x, principal_steps(covariance, space, search.secant()));
+    const double misfit = l ? std::max(1.0, l->chi2 / double(l->residual.size())) : 1;
+    const Polished p = polish(on_model, space, point, misfit * covariance, {options.polish_runs, options.secant},
                               [&](int done) { if (progress) progress("polishing runs", std::size_t(done), std::size_t(options.polish_runs)); });
     out.polish_steps = p.steps;
     at = p.at;

@@ -24,6 +24,7 @@ struct MapOptions {
   int polish_runs = 40;
   double secant = 1;
   bool widen = true;
+  std::optional<double> mesh_error;
   LikelihoodOptions likelihood;
   DiscrepancyOptions discrepancy;
 
@@ -41,6 +42,8 @@ struct MapOptions {
     v("polish_runs", polish_runs, {.range = at_least(0), .doc = "at most so many runs of the true model for that"});
     v("secant", secant, {.range = between(0.3, 3), .doc = "half width of the true model's secants in posterior standard deviations: it is rough"});
     v("widen", widen, {.doc = "multiply the covariance by chi-squared over its expectation where the fit is not adequate"});
+    v("mesh_error", mesh_error,
+      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.1 per millimetre of element size"});
     v.table("likelihood", likelihood, "covariance of data and model");
     v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
   }
@@ -76,7 +79,8 @@ struct MapModels {
   /// Variance of (model - surrogate) at a point, (values); needed with a surrogate.
   std::function<Eigen::VectorXd(std::span<const double>)> surrogate_variance;
   Eigen::VectorXd floor_variance;  ///< measured; empty: the energy scatter of the ensemble stands for it
-  MeshError mesh;
+  MeshError mesh;                  ///< from pairs of runs
+  double mesh_relative = 0;        ///< without pairs: error of the mesh over the local amplitude that is taken for granted
   Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
 };
 

@@ -27,8 +27,9 @@ Polished polish(const PosteriorMode& mode, const SearchSpace& space, const Poste
                 const std::function<void(int)>& progress) {
   Polished out{.point = start, .x = space.from(start.theta), .covariance = covariance};
   const int cost = int(2 * space.size() + 1);
+  // The secants keep the width of the covariance that was handed in: narrower ones would show the roughness, whose slopes make them narrower still.
+  const Eigen::MatrixXd steps = principal_steps(covariance, space, options.secant);
   while (out.runs + cost <= options.runs) {
-    const Eigen::MatrixXd steps = principal_steps(out.covariance, space, options.secant);
     const auto at = mode.linearise(out.x, steps);
     out.runs += cost;
     if (progress) progress(out.runs);

@@ -43,14 +43,17 @@ Eigen::MatrixXd baselines(const ReplicateNoise& noise, const Decimation& grid, c
   return c;
 }
 
-/// Variances of model values as a process along each record with exponential correlation.
-Eigen::MatrixXd along_records(const Eigen::VectorXd& variance, const Decimation& grid, double time) {
+/// Variances of model values as a process along each record whose correlation is a sum of two exponentials: most of what a jitter changes is forgotten
+/// within microseconds, the rest rings on with the structure.
+Eigen::MatrixXd along_records(const Eigen::VectorXd& variance, const Decimation& grid, const LikelihoodOptions& options) {
   const auto p = Eigen::Index(grid.size());
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(p, p);
   const Eigen::VectorXd sd = grid.apply(variance).col(0).cwiseMax(0.0).cwiseSqrt();
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const Eigen::VectorXd m = part(sd, grid, i);
-    block(c, grid, i) = m.asDiagonal() * filtered_covariance(grid.windows(i), grid.record_time(), time, 0) * m.asDiagonal();
+    const auto with = [&](double time) { return filtered_covariance(grid.windows(i), grid.record_time(), time, 0); };
+    const double slow = options.floor_slow_share;
+    block(c, grid, i) = m.asDiagonal() * ((1 - slow) * with(options.floor_time) + slow * with(options.floor_slow_time)) * m.asDiagonal();
   }
   return c;
 }
@@ -138,8 +141,8 @@ Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, con
     add("pulse energy", own * own.transpose());
   }
   if (e.floor_variance.size() && options.floor > 0)
-    add("repeatability floor", options.floor * options.floor * along_records(e.floor_variance, grid_, options.floor_time));
-  if (e.surrogate_variance.size()) add("surrogate", along_records(e.surrogate_variance, grid_, options.floor_time));
+    add("repeatability floor", options.floor * options.floor * along_records(e.floor_variance, grid_, options));
+  if (e.surrogate_variance.size()) add("surrogate", along_records(e.surrogate_variance, grid_, options));
   if (!mesh_.empty()) {
     const Eigen::MatrixXd spread = grid_.apply(mesh_.spread());
     add("mesh", spread * spread.transpose());
@@ -147,17 +150,24 @@ Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, con
   for (const auto& s : noise_.series) noise_freedom_ += s.freedom;
   const double total = covariance_.trace();
   for (auto& [source, share] : shares_) share /= total;
-  *this = with(Eigen::MatrixXd());
+  distribute();
 }
 
-Likelihood Likelihood::with(const Eigen::MatrixXd& extra) const {
+Likelihood Likelihood::with(const std::string& source, const Eigen::MatrixXd& extra) const {
   Likelihood out = *this;
-  const Eigen::MatrixXd all = extra.size() ? Eigen::MatrixXd(covariance_ + extra) : covariance_;
-  // Only the noise's scale was learnt from repeats: its freedom is diluted by what is known otherwise (Satterthwaite 1946).
-  const double share = noise_trace_ / all.trace();
-  const double freedom = std::isinf(noise_freedom_) ? infinity : noise_freedom_ / (share * share);
-  out.errors_.emplace(all, freedom > 1e8 ? infinity : freedom);
+  const double before = covariance_.trace(), own = extra.trace();
+  for (auto& [name, share] : out.shares_) share *= before / (before + own);
+  out.shares_.emplace_back(source, own / (before + own));
+  out.covariance_ += extra;
+  out.distribute();
   return out;
+}
+
+void Likelihood::distribute() {
+  // Only the noise's scale was learnt from repeats: its freedom is diluted by what is known otherwise (Satterthwaite 1946).
+  const double share = noise_trace_ / covariance_.trace();
+  const double freedom = std::isinf(noise_freedom_) ? infinity : noise_freedom_ / (share * share);
+  errors_.emplace(covariance_, freedom > 1e8 ? infinity : freedom);
 }
 
 Eigen::VectorXd Likelihood::residual(std::span<const double> theta, std::span<const double> history) const {

@@ -22,7 +22,9 @@ struct LikelihoodOptions {
   double baseline = 1;
   double coherent_noise = 0.1;
   double floor = 1;
-  double floor_time = 10e-6;
+  double floor_time = 2.5e-6;
+  double floor_slow_time = 40e-6;
+  double floor_slow_share = 0.25;
 
   template <class V>
   void visit(V& v) {
@@ -33,7 +35,9 @@ struct LikelihoodOptions {
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("floor", floor, {.range = at_least(0), .doc = "factor on the repeatability floor; 0 leaves it out"});
     v("floor_time", floor_time,
-      {.unit = "s", .range = above(0), .doc = "correlation time of the repeatability floor and of the surrogate's error along the record"});
+      {.unit = "s", .range = above(0), .doc = "correlation time along the record of the greater part of the repeatability floor and of the surrogate's error"});
+    v("floor_slow_time", floor_slow_time, {.unit = "s", .range = above(0), .doc = "that of the rest"});
+    v("floor_slow_share", floor_slow_share, {.range = between(0, 1), .doc = "share of the rest in the variance"});
   }
 };
 
@@ -107,13 +111,13 @@ class Likelihood {
   [[nodiscard]] const ErrorDistribution& errors() const { return *errors_; }
   /// Mean records, (grid().size()); those of gauges with other pulses than the rest are carried to mean energy 1.
   [[nodiscard]] const Eigen::VectorXd& data() const { return data_; }
-  /// Covariance without discrepancy, (size, size).
+  /// Covariance of all, (size, size).
   [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
   /// Shares of the covariance's trace, by source.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& shares() const { return shares_; }
 
-  /// The same with another term added to the covariance, (size, size).
-  [[nodiscard]] Likelihood with(const Eigen::MatrixXd& extra) const;
+  /// The same with another term added to the covariance, (size, size), under a name of its own among the shares.
+  [[nodiscard]] Likelihood with(const std::string& source, const Eigen::MatrixXd& extra) const;
 
   /// data - (model + mesh shift). history: (values of the model).
   [[nodiscard]] Eigen::VectorXd residual(std::span<const double> theta, std::span<const double> history) const;
@@ -130,6 +134,7 @@ class Likelihood {
   Eigen::VectorXd data_;
   Eigen::MatrixXd covariance_;
   std::vector<std::pair<std::string, double>> shares_;
+  void distribute();
   double noise_trace_ = 0, noise_freedom_ = 0;
   std::optional<ErrorDistribution> errors_;
 };
