@@ -97,7 +97,7 @@ class Search {
         bool limited = false;
         const Eigen::MatrixXd c = covariance_of(mode.curvature(*l), space_, m->x, limited);
         found[i] = Optimum{m->x, m->log_posterior, c};
-        widths = (secant() * c.diagonal().cwiseSqrt()).cwiseMin(0.1 * (space_.high() - space_.low())).cwiseMax(1e-7 * (space_.high() - space_.low()));
+        widths = space_.secant_widths(m->x, secant() * c.diagonal().cwiseSqrt(), on_surrogate() ? 0.3 : options_.secant);
         if (pass == 0) {
           const auto again = mode.find(m->x, widths);
           if (again && again->log_posterior >= m->log_posterior) m = again;
@@ -275,7 +275,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
       from.push_back(space.from(p.theta));
       for (const auto& o : optima)
         if (space.theta(o.x) == p.theta && widths.size() < from.size())
-          widths.push_back((search.secant() * o.covariance.diagonal().cwiseSqrt()).cwiseMin(0.1 * box).cwiseMax(1e-7 * box));
+          widths.push_back(space.secant_widths(o.x, search.secant() * o.covariance.diagonal().cwiseSqrt(), search.secant()));
     }
     if (auto again = search.optima(*likelihood, from, widths, progress); !again.empty()) optima = std::move(again);
     if (physical) likelihood.emplace(with_discrepancy(out, search, problem, *likelihood, models, options, optima));
@@ -318,14 +318,16 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   const PosteriorMode& own = polished || !search.on_surrogate() ? on_model : on_search;
   std::optional<Linearisation> at;
   Eigen::MatrixXd covariance = optima.empty() ? Eigen::MatrixXd((0.01 * box.array().square()).matrix().asDiagonal()) : optima[0].covariance;
+  const Eigen::VectorXd widths = space.secant_widths(x, search.secant() * covariance.diagonal().cwiseSqrt(), options.secant);
+  std::vector<std::pair<Eigen::VectorXd, double>> known;  // points that the model was run at, and the log posterior there
+  for (const auto& c : out.candidates)
+    if (c.objective_model) known.emplace_back(space.from(c.theta), *c.objective_model);
   if (polished) {
-    // As wide as the posterior that is honest about the fit: the surrogate's at its optimum, with its misfit.
-    const auto l = on_search.linearise(optima[0].x, principal_steps(covariance, space, search.secant()));
-    const double misfit = l ? std::max(1.0, l->chi2 / double(l->residual.size())) : 1;
-    const Polished p = polish(on_model, space, point, misfit * covariance, {options.polish_runs, options.secant},
+    const Polished p = polish(on_model, space, point, covariance, widths, options.polish_runs,
                               [&](int done) { if (progress) progress("polishing runs", std::size_t(done), std::size_t(options.polish_runs)); });
     out.polish_steps = p.steps;
     at = p.at;
+    for (const auto& t : p.tried) known.emplace_back(space.from(t.theta), t.log_posterior);
     if (p.steps > 0) {
       point = p.point, x = p.x;
       Candidate c{.theta = point.theta, .objective_surrogate = on_search.at(x).log_posterior, .objective_model = point.log_posterior};
@@ -334,7 +336,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
       out.candidates.insert(out.candidates.begin(), std::move(c));
     }
   }
-  if (!at) at = own.linearise(x, principal_steps(covariance, space, own.is(models.true_model) ? options.secant : search.secant()));
+  if (!at) at = own.linearise(x, widths.asDiagonal());
   out.model_runs += on_model.evaluations();
   out.model_s += model_clock.seconds();
 
@@ -352,11 +354,19 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   out.log_likelihood = final_likelihood->log_likelihood(point.theta, point.history);
   out.log_prior = log_prior(space.priors(), point.theta);
   out.log_evidence_laplace = search.log_evidence({x, point.log_posterior, covariance});
-  covariance *= out.widening * (1 + std::max(0.0, out.scale_spread));
+  if (at) {
+    for (Eigen::Index i = 0; i < at->points.cols(); ++i) known.emplace_back(at->points.col(i), at->log_posteriors[i]);
+    Eigen::MatrixXd points(space.size(), Eigen::Index(known.size()));
+    Eigen::VectorXd seen(points.cols());
+    for (std::size_t i = 0; i < known.size(); ++i) points.col(Eigen::Index(i)) = known[i].first, seen[Eigen::Index(i)] = known[i].second;
+    out.curvature_seen = seen_curvature(points, seen, x, point.log_posterior, covariance);
+  }
+  const double flatter = std::clamp(out.curvature_seen, 0.01, 1.0);
+  covariance *= out.widening / flatter * (1 + std::max(0.0, out.scale_spread));
   const Eigen::VectorXd by_x = space.slope(x);
   out.covariance = by_x.asDiagonal() * covariance * by_x.asDiagonal();
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();
-  out.identification = identify(problem.shape.parameters, point.theta, data_own, out.covariance, space.prior_sd(x).cwiseProduct(by_x), out.widening);
+  out.identification = identify(problem.shape.parameters, point.theta, data_own, out.covariance, space.prior_sd(x).cwiseProduct(by_x), out.widening / flatter);
   out.shares = final_likelihood->shares();
   out.energy_sd = final_likelihood->noise().energy_sd, out.split_half = final_likelihood->noise().split_half;
   for (const auto& s : final_likelihood->noise().series) out.noise_time.push_back(s.time);

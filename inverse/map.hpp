@@ -40,7 +40,7 @@ struct MapOptions {
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
     v("polish", polish, {.doc = "improve the best candidate on the true model itself"});
     v("polish_runs", polish_runs, {.range = at_least(0), .doc = "at most so many runs of the true model for that"});
-    v("secant", secant, {.range = between(0.3, 3), .doc = "half width of the true model's secants in posterior standard deviations: it is rough"});
+    v("secant", secant, {.range = between(0.3, 3), .doc = "half width of the true model's secants, which is rough: in posterior standard deviations, and at least in units of 1.5 % of density, 3 % of sound speed, 35 % of the cutoff"});
     v("widen", widen, {.doc = "multiply the covariance by chi-squared over its expectation where the fit is not adequate"});
     v("mesh_error", mesh_error,
       {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.1 per millimetre of element size"});
@@ -51,7 +51,8 @@ struct MapOptions {
 
 struct MapSummary : Calibration {
   Eigen::MatrixXd covariance;              ///< (n, n), in the parameters' own units, widened where the fit is not adequate
-  double widening = 1;                     ///< factor in it
+  double widening = 1;                     ///< factor in it for a misfit
+  double curvature_seen = 1;               ///< see seen_curvature; the covariance is divided by it where it is below 1
   double log_likelihood = 0, log_prior = 0;
   double log_evidence_laplace = 0;
   double chi2 = 0;                         ///< whitened; its expectation is `values` less the parameters

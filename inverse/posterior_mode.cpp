@@ -183,14 +183,27 @@ Eigen::VectorXd SearchSpace::prior_sd(const Eigen::VectorXd& x) const {
   return sd;
 }
 
+Eigen::VectorXd SearchSpace::secant_widths(const Eigen::VectorXd& x, const Eigen::VectorXd& sds, double factor) const {
+  Eigen::VectorXd widths = sds;
+  const Eigen::VectorXd by_x = slope(x);
+  const auto t = theta(x);
+  for (Eigen::Index k = 0; k < size(); ++k) {
+    const double scale = secant_scale(parameters_[std::size_t(k)]) * t[std::size_t(k)] / by_x[k], box = high_[k] - low_[k];
+    widths[k] = std::clamp(std::max(widths[k], factor * scale), 1e-7 * box, 0.15 * box);
+  }
+  return widths;
+}
+
 Eigen::MatrixXf PosteriorMode::run(const Eigen::MatrixXd& thetas) const {
   evaluations_ += std::size_t(thetas.cols());
   return model_.means(thetas, threads_);
 }
 
 Eigen::VectorXd PosteriorMode::log_posteriors(const Eigen::MatrixXd& thetas) const {
-  const Eigen::MatrixXf y = run(thetas);
-  const Eigen::MatrixXd r = likelihood_.residuals(thetas, y);
+  return log_posteriors_of(thetas, likelihood_.residuals(thetas, run(thetas)));
+}
+
+Eigen::VectorXd PosteriorMode::log_posteriors_of(const Eigen::MatrixXd& thetas, const Eigen::MatrixXd& r) const {
   Eigen::VectorXd l(thetas.cols());
   for (Eigen::Index i = 0; i < l.size(); ++i) {
     l[i] = -infinity;
@@ -234,8 +247,9 @@ std::optional<Linearisation> PosteriorMode::linearise(const Eigen::VectorXd& x, 
   const Eigen::MatrixXd r = likelihood_.residuals(thetas, run(thetas));
   if (!r.col(2 * n).allFinite()) return std::nullopt;
   const auto& errors = likelihood_.errors();
-  Linearisation l{.x = x, .residual = errors.whiten(r.col(2 * n))};
+  Linearisation l{.x = x, .points = points, .residual = errors.whiten(r.col(2 * n))};
   l.chi2 = l.residual.squaredNorm();
+  l.log_posteriors = log_posteriors_of(thetas, r);
   Eigen::MatrixXd along(r.rows(), n);
   for (Eigen::Index k = 0; k < n; ++k) {
     double up = reach[2 * k], down = reach[2 * k + 1];
@@ -279,6 +293,19 @@ std::optional<PosteriorMode::Mode> PosteriorMode::find(const Eigen::VectorXd& st
   const PosteriorPoint p = at(x);
   if (p.history.empty()) return std::nullopt;
   return Mode{x, p.log_posterior, int(summary.iterations.size()), summary.termination_type == ceres::CONVERGENCE};
+}
+
+double seen_curvature(const Eigen::MatrixXd& points, const Eigen::VectorXd& log_posteriors, const Eigen::VectorXd& best, double log_posterior,
+                      const Eigen::MatrixXd& covariance, double greatest) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  double seen = 0, promised = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const double drop = log_posterior - log_posteriors[i];
+    const double due = 0.5 * factor.matrixL().solve(points.col(i) - best).squaredNorm();
+    if (!(drop < greatest) || !(due > 0.1)) continue;
+    seen += std::max(drop, 0.0), promised += due;
+  }
+  return promised > 0 ? seen / promised : 1;
 }
 
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& curvature, const SearchSpace& space, const Eigen::VectorXd& x, bool& limited) {

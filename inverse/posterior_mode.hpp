@@ -35,6 +35,8 @@ class SearchSpace {
   [[nodiscard]] Eigen::VectorXd mode_slope(const Eigen::VectorXd& x) const;
   /// Standard deviation before the data, in x at `x`; a uniform prior's is its interval's over sqrt(12).
   [[nodiscard]] Eigen::VectorXd prior_sd(const Eigen::VectorXd& x) const;
+  /// Half widths of secants in x that a rough model bears, (n): `sds` standard deviations, but not below `factor` times secant_scale; within a tenth of the box.
+  [[nodiscard]] Eigen::VectorXd secant_widths(const Eigen::VectorXd& x, const Eigen::VectorXd& sds, double factor) const;
 
  private:
   std::vector<Parameter> parameters_;
@@ -47,6 +49,8 @@ class SearchSpace {
 /// A model at a point with its secants.
 struct Linearisation {
   Eigen::VectorXd x;
+  Eigen::MatrixXd points;           ///< where the model was run, in x, (n, 2 n + 1), the middle last
+  Eigen::VectorXd log_posteriors;   ///< there; -infinity where it failed
   Eigen::VectorXd residual;  ///< whitened, (p)
   Eigen::MatrixXd jacobian;  ///< of it by x, (p, n)
   double chi2 = 0;
@@ -91,6 +95,7 @@ class PosteriorMode {
   [[nodiscard]] const Likelihood& likelihood() const { return likelihood_; }
 
  private:
+  [[nodiscard]] Eigen::VectorXd log_posteriors_of(const Eigen::MatrixXd& thetas, const Eigen::MatrixXd& residuals) const;
   [[nodiscard]] Eigen::MatrixXf run(const Eigen::MatrixXd& thetas) const;
   const ForwardModel& model_;
   const Likelihood& likelihood_;
@@ -98,6 +103,11 @@ class PosteriorMode {
   int threads_;
   mutable std::atomic<std::size_t> evaluations_{0};
 };
+
+/// How much of the drop of the log posterior that a covariance promises was seen at points run: sum of drops over sum of d' C^-1 d / 2, of
+/// the points whose drop is below `greatest`; 1 where none tells. Below 1 the curvature by secants is steeper than the posterior is wide.
+double seen_curvature(const Eigen::MatrixXd& points, const Eigen::VectorXd& log_posteriors, const Eigen::VectorXd& best, double log_posterior,
+                      const Eigen::MatrixXd& covariance, double greatest = 50);
 
 /// Inverse of a curvature with its reach kept within the box of a uniform prior: where a parameter's sd would exceed a quarter of its
 /// interval, the interval's own variance is taken as information. `limited` tells whether that happened.
