@@ -10,15 +10,16 @@
 #include "forward/campaign/archive.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/spe.hpp"
 
 namespace calomel {
 
 namespace {
 
 /// Progress of a calibration on the display; stops the work when the user asked to.
-class CalibrationProgress {
+class CalibrationDisplay {
  public:
-  CalibrationProgress(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
+  CalibrationDisplay(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
   void operator()(const std::string& what, std::size_t done, std::size_t total) {
     if (stop_requested()) throw Interrupted();
     if (what != what_) display_.reset(), display_.emplace(method_, what, style_, std::cerr), what_ = what;
@@ -84,10 +85,12 @@ Provenance Stages::train_provenance() const {
 }
 
 Provenance Stages::calibration_provenance(const std::string& method) const {
+  const bool spe = method == "spe";  // learns from the campaign itself, the others from the trained surrogate
+  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";
   return {.stage = method,
-          .options = {{"enc", echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+          .options = {{method, spe ? echo(study_.spe) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
           .seed = command_.seed,
-          .inputs = {{"surrogate.nc", hash_file(command_.out / "surrogate.nc")}, {"recordings", hash_file(study_.recordings_file())}}};
+          .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
 }
 
 bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
@@ -150,27 +153,37 @@ ExitStatus Stages::train(Asked asked) {
 }
 
 ExitStatus Stages::calibrate(const std::string& method) {
-  if (method != "enc")
-    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc", .suggestion = "take --method enc"});
+  if (method != "enc" && method != "spe")
+    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc, spe", .suggestion = "take --method enc"});
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
-  const auto upstream = train(Asked::upstream);
+  const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");
     const auto before = read_json(command_.out / (method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
   }
-  const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-  const auto progress = std::make_shared<CalibrationProgress>(method, command_.quiet);
-  const auto summary = study_.file.locating([&] {
-    return run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads,
-                   [&](const std::string& what, std::size_t done, std::size_t total) { (*progress)(what, done, total); });
-  });
-  write_enc(summary, against, provenance, command_.out);
+  const auto summary = calibrated_by(method, against, provenance);
   for (const auto& w : summary.warnings)  // those of the recordings were said when they were read
     if (std::find(problem().warnings.begin(), problem().warnings.end(), w) == problem().warnings.end()) say("warning: " + w);
   say(fmt::format("{}: {}", method, summary.message));
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+}
+
+Calibration Stages::calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance) {
+  const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
+  const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
+  return study_.file.locating([&]() -> Calibration {
+    if (method == "spe") {
+      const auto summary = run_spe(against, read_archive(command_.out / "campaign.nc"), model(), study_.spe, command_.seed, command_.threads, progress);
+      write_spe(summary, against, provenance, command_.out);
+      return summary;
+    }
+    const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
+    const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
+    write_enc(summary, against, provenance, command_.out);
+    return summary;
+  });
 }
 
 }  // namespace calomel

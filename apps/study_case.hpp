@@ -14,6 +14,7 @@
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/recordings.hpp"
+#include "inverse/spe/options.hpp"
 
 namespace calomel {
 
@@ -26,7 +27,7 @@ struct StudyOptions {
   void visit(V& v) {
     v("stages", stages,
       {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
-    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc"}, .least_size = 1});
+    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "spe"}, .least_size = 1});
   }
 };
 
@@ -36,6 +37,7 @@ struct StudyCase {
   CampaignOptions campaign;
   SurrogateOptions surrogate;
   EncOptions enc;
+  SpeOptions spe;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;
