@@ -11,15 +11,16 @@
 #include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/spe.hpp"
 
 namespace calomel {
 
 namespace {
 
 /// Progress of a calibration on the display; stops the work when the user asked to.
-class ProgressOfMethod {
+class CalibrationDisplay {
  public:
-  ProgressOfMethod(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
+  CalibrationDisplay(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
   void operator()(const std::string& what, std::size_t done, std::size_t total) {
     if (stop_requested()) throw Interrupted();
     if (what != what_) display_.reset(), display_.emplace(method_, what, style_, std::cerr), what_ = what;
@@ -85,11 +86,13 @@ Provenance Stages::train_provenance() const {
 }
 
 Provenance Stages::calibration_provenance(const std::string& method) const {
+  const bool spe = method == "spe", map = method == "map";
+  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";  // SPE learns from the campaign itself
   Provenance p{.stage = method,
-               .options = {{method, method == "map" ? echo(study_.map) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+               .options = {{method, spe ? echo(study_.spe) : map ? echo(study_.map) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
                .seed = command_.seed,
-               .inputs = {{"surrogate.nc", hash_file(command_.out / "surrogate.nc")}, {"recordings", hash_file(study_.recordings_file())}}};
-  if (method == "map") {
+               .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
+  if (map) {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
     if (study_.map.likelihood.floor > 0) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   }
@@ -156,10 +159,8 @@ ExitStatus Stages::train(Asked asked) {
 }
 
 ExitStatus Stages::calibrate(const std::string& method) {
-  if (method != "enc" && method != "map")
-    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc, map", .suggestion = "take --method enc"});
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
-  const auto upstream = train(Asked::upstream);
+  const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
   if (method == "map" && study_.map.likelihood.floor > 0) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
@@ -167,19 +168,28 @@ ExitStatus Stages::calibrate(const std::string& method) {
     const auto before = read_json(command_.out / (method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
   }
-  const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-  const auto display = std::make_shared<ProgressOfMethod>(method, command_.quiet);
-  const CalibrationProgress progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
-  const Calibration summary = study_.file.locating([&]() -> Calibration {
-    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
-    auto enc = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
-    write_enc(enc, against, provenance, command_.out);
-    return enc;
-  });
+  const auto summary = calibrated_by(method, against, provenance);
   for (const auto& w : summary.warnings)  // those of the recordings were said when they were read
     if (std::find(problem().warnings.begin(), problem().warnings.end(), w) == problem().warnings.end()) say("warning: " + w);
   say(fmt::format("{}: {}", method, summary.message));
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+}
+
+Calibration Stages::calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance) {
+  const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
+  const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
+  return study_.file.locating([&]() -> Calibration {
+    if (method == "spe") {
+      const auto summary = run_spe(against, read_archive(command_.out / "campaign.nc"), model(), study_.spe, command_.seed, command_.threads, progress);
+      write_spe(summary, against, provenance, command_.out);
+      return summary;
+    }
+    const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
+    const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
+    write_enc(summary, against, provenance, command_.out);
+    return summary;
+  });
 }
 
 MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {

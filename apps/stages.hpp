@@ -11,6 +11,7 @@
 #include "base/artefact.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
+#include "inverse/calibration.hpp"
 #include "inverse/map.hpp"
 #include "inverse/problem.hpp"
 
@@ -61,6 +62,8 @@ class Stages {
   [[nodiscard]] bool due(const Provenance& now, const std::vector<std::string>& files, Asked asked);
   ExitStatus campaign(Asked asked);
   ExitStatus train(Asked asked);
+  /// Runs one method and writes its artefacts.
+  Calibration calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance);
 
   const CommandLine& command_;
   StudyCase study_;

@@ -15,6 +15,7 @@
 #include "inverse/enc.hpp"
 #include "inverse/map.hpp"
 #include "inverse/recordings.hpp"
+#include "inverse/spe/options.hpp"
 
 namespace calomel {
 
@@ -27,7 +28,7 @@ struct StudyOptions {
   void visit(V& v) {
     v("stages", stages,
       {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
-    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "map"}, .least_size = 1});
+    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "spe", "map"}, .least_size = 1});
   }
 };
 
@@ -37,6 +38,7 @@ struct StudyCase {
   CampaignOptions campaign;
   SurrogateOptions surrogate;
   EncOptions enc;
+  SpeOptions spe;
   MapOptions map;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;

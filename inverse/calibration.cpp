@@ -32,8 +32,7 @@ Bounds bounds_of(const ModelShape& shape) {
   return bounds;
 }
 
-std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds) {
-  std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t n, double separation, const Bounds& bounds) {
   std::vector<Proposal> out;
   for (const auto& p : pool) {
     if (out.size() == n) break;
@@ -44,6 +43,11 @@ std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, 
       out.push_back(p);
   }
   return out;
+}
+
+std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds) {
+  std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return spread_out(pool, n, separation, bounds);
 }
 
 Calibration begin_calibration(const Problem& problem, const std::string& objective, const std::string& key) {

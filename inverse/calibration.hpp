@@ -66,8 +66,10 @@ class Clock {
 /// The box of the parameters' bounds.
 Bounds bounds_of(const ModelShape& shape);
 
-/// Proposals in order of cost, at most n of them, each at least `separation` from those before it and never equal to one: the largest
+/// Proposals in their order, at most n of them, each at least `separation` from those before it and never equal to one: the largest
 /// distance over the parameters in units of their bounds.
+std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t n, double separation, const Bounds& bounds);
+/// The same in order of cost.
 std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds);
 
 /// A calibration before the search: the objective by name, the nominal point, the problem's warnings. `key` names the option.

@@ -228,6 +228,19 @@ double exact_slope(const ForwardModel& surrogate, const Likelihood& likelihood, 
   return by_x.cwiseProduct(o.covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
 }
 
+/// Spread of rival optima about x, each weighed by exp(-(drop of its log posterior) / temperature), (n, n).
+Eigen::MatrixXd spread_of(const std::vector<std::pair<Eigen::VectorXd, double>>& rivals, const Eigen::VectorXd& x, double log_posterior, double temperature) {
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(x.size(), x.size());
+  double total = 1;  // of the mode itself
+  for (const auto& [at, value] : rivals) {
+    const Eigen::VectorXd d = at - x;
+    if (d.cwiseAbs().maxCoeff() == 0) continue;
+    const double weight = std::exp(std::min(0.0, value - log_posterior) / temperature);
+    spread += weight * d * d.transpose(), total += weight;
+  }
+  return spread / total;
+}
+
 void warn(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, bool limited) {
   if (!out.adequate) out.warnings.push_back(out.adequacy);
   for (Eigen::Index k = 0; k < space.size(); ++k) {
@@ -361,8 +374,20 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
     for (std::size_t i = 0; i < known.size(); ++i) points.col(Eigen::Index(i)) = known[i].first, seen[Eigen::Index(i)] = known[i].second;
     out.curvature_seen = seen_curvature(points, seen, x, point.log_posterior, covariance);
   }
+  // Optima that the model's roughness cannot tell apart belong to the answer: how far surrogate and model disagree on their log posteriors is the
+  // temperature at which they are weighed.
+  std::vector<std::pair<Eigen::VectorXd, double>> rivals;
+  double apart = 0, disagreement = 0;
+  for (const auto& c : out.candidates)
+    if (c.objective_model && std::isfinite(c.objective_surrogate)) rivals.emplace_back(space.from(c.theta), *c.objective_model), apart += c.objective_surrogate - *c.objective_model;
+  for (const auto& c : out.candidates)
+    if (c.objective_model && std::isfinite(c.objective_surrogate))
+      disagreement += std::pow(c.objective_surrogate - *c.objective_model - apart / double(rivals.size()), 2);
+  if (rivals.size() > 1) out.roughness = std::sqrt(disagreement / double(rivals.size() - 1));
+  const Eigen::MatrixXd between = spread_of(rivals, x, point.log_posterior, std::max(1.0, out.roughness));
   const double flatter = std::clamp(out.curvature_seen, 0.01, 1.0);
   covariance *= out.widening / flatter * (1 + std::max(0.0, out.scale_spread));
+  covariance += between;
   const Eigen::VectorXd by_x = space.slope(x);
   out.covariance = by_x.asDiagonal() * covariance * by_x.asDiagonal();
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();

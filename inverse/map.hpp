@@ -53,6 +53,8 @@ struct MapSummary : Calibration {
   Eigen::MatrixXd covariance;              ///< (n, n), in the parameters' own units, widened where the fit is not adequate
   double widening = 1;                     ///< factor in it for a misfit
   double curvature_seen = 1;               ///< see seen_curvature; the covariance is divided by it where it is below 1
+  double roughness = 0;                    ///< sd of the difference of log posteriors by surrogate and true model over the candidates; their spread, weighed at this
+                                           ///< temperature, is part of the covariance
   double log_likelihood = 0, log_prior = 0;
   double log_evidence_laplace = 0;
   double chi2 = 0;                         ///< whitened; its expectation is `values` less the parameters

@@ -54,7 +54,7 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   Json sd = Json::object();
   for (Eigen::Index k = 0; k < s.covariance.rows(); ++k) sd[shape.parameters[std::size_t(k)].name] = number(std::sqrt(s.covariance(k, k)));
   own["sd"] = sd;
-  own["widening"] = s.widening, own["curvature_seen"] = number(s.curvature_seen);
+  own["widening"] = s.widening, own["curvature_seen"] = number(s.curvature_seen), own["roughness"] = number(s.roughness);
   own["log_likelihood"] = number(s.log_likelihood), own["log_prior"] = number(s.log_prior);
   own["log_evidence_laplace"] = number(s.log_evidence_laplace);
   own["chi2"] = number(s.chi2), own["values"] = s.values;
