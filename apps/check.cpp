@@ -43,6 +43,18 @@ ExitStatus Stages::check() {
   return ExitStatus::done;
 }
 
+Provenance Stages::floor_provenance() const {
+  Json options = study_.model_options();
+  options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
+  return {.stage = "floor", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
+}
+
+void Stages::need_floor() {
+  if (!due(floor_provenance(), {"floor.json"}, Asked::upstream)) return;
+  say("no repeatability floor in " + command_.out.string() + ": measuring it first");
+  measure_floor();
+}
+
 void Stages::measure_floor() {
   const FloorOptions options;
   ProgressDisplay display("floor", "members", progress_style(command_.quiet), std::cerr);
@@ -50,7 +62,7 @@ void Stages::measure_floor() {
       model().forward_case(), model().ensemble(), options, command_.seed, command_.threads,
       [&](std::size_t done, std::size_t total) { display.update(done, total); }, &stop_requested());
   Json json = floor_json(floor);
-  json["provenance"] = Provenance{.stage = "floor", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()}.json();
+  json["provenance"] = floor_provenance().json();
   write_json(command_.out / "floor.json", json);
   say(fmt::format(
       "repeatability floor of the ensemble mean over {} jitters of mesh, viscosity and energies: {:.2f} % of the signal (mean over sensors), {:.2f} % at worst",
