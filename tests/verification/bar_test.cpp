@@ -27,7 +27,6 @@ TEST(Bar, FreeFixedFrequencies) {
   for (const int n : {1, 2, 3}) {
     const double exact = (2 * n - 1) * bar_speed() / (4 * length), coarse = frequency(n, 20, steel()), middle = frequency(n, 40, steel()), fine = frequency(n, 80, steel());
     verify({.item = "Free-fixed bar", .quantity = "f" + std::to_string(n), .unit = "Hz", .reference = exact, .source = "(2 n - 1) c0 / 4 L", .measured = fine, .tolerance = 1e-3 * exact,
-            .order = std::log2(std::abs((coarse - exact) / (middle - exact))), .control = "modulus +1 %", .control_value = frequency(n, 80, LinearElastic::from_young(1.01 * young, poisson))});
-    if (n == 3) observed_order("bar, mode 3", {4, 2}, {coarse / exact - 1, middle / exact - 1});
+            .order = observed_order({4, 2}, {coarse - exact, middle - exact}), .control = "modulus +1 %", .control_value = frequency(n, 80, LinearElastic::from_young(1.01 * young, poisson))});
   }
 }

@@ -129,9 +129,9 @@ TEST(BleichSandler, BulkCavitationOpensAndClosesAsInTheConvergedSolution) {
   const std::vector<double> times{1, 2, 4, 8, 10}, references{.542, .369, .146, -.105, -.169};
   for (std::size_t i = 0; i < times.size(); ++i)
     readings.push_back({fmt::format("velocity at {:.0f} ms", times[i]), "m/s", references[i], 0.0076, [&times, i](const Bulk& r) { return at(r, 1e-3 * times[i]); }, "no cutoff", &linear});
-  const double order = observed_order("Bleich-Sandler, rise", {1, 0.5}, {rise(coarse) / 1.707 - 1, rise(b) / 1.707 - 1});
+  const double order = drawn_order("Bleich-Sandler, rise", {1, 0.5}, {rise(coarse) / 1.707 - 1, rise(b) / 1.707 - 1});
   for (const auto& r : readings)
-    verify({.item = "Bleich-Sandler", .quantity = r.name, .unit = r.unit, .reference = r.reference, .source = "converged solution, physics.md section 4", .measured = r.value(b),
+    verify({.item = "Bleich-Sandler", .quantity = r.name, .unit = r.unit, .reference = r.reference, .source = "converged solution of Bleich and Sandler's problem", .measured = r.value(b),
             .tolerance = r.tolerance, .order = r.name == "largest rise" ? order : std::nan(""), .control = r.spoiled ? r.control : "the rows with other controls",
             .control_value = r.spoiled ? r.value(*r.spoiled) : std::nan("")});
   std::vector<double> t, v;
@@ -139,5 +139,5 @@ TEST(BleichSandler, BulkCavitationOpensAndClosesAsInTheConvergedSolution) {
   draw("bleich_sandler", "solver, 6.25 mm", t, v);
   std::vector<double> x{0.257, 5.96}, y{0.7649, 0};
   x.insert(x.end(), times.begin(), times.end()), y.insert(y.end(), references.begin(), references.end());
-  draw("bleich_sandler", "reference", x, y);
+  draw("bleich_sandler", "reference (points)", x, y);
 }

@@ -24,7 +24,7 @@ struct Axis {
     if (logarithmic) low = *least / 1.3, high = *greatest * 1.3;
     else low = *least - 0.03 * (*greatest - *least), high = *greatest + 0.03 * (*greatest - *least);
   }
-  /// Powers of ten (times 2 and 5 on a short axis), or about six round steps.
+  /// Powers of ten, times 1, 2 and 5 on a short axis; or about six round steps.
   [[nodiscard]] std::vector<double> ticks() const {
     std::vector<double> t;
     if (logarithmic) {
@@ -47,7 +47,7 @@ const std::map<std::string, std::pair<Axis, Axis>> axes{
     {"pochhammer_chree", {{"omega a / c0"}, {"c / c0"}}},
 };
 
-constexpr std::array colours{"#1f5a99", "#b03a2e", "#2e7d4f", "#8a5a00", "#6a3d9a", "#444444"};
+constexpr std::array colours{"#1f5a99", "#b03a2e", "#2e7d4f", "#8a5a00", "#6a3d9a", "#c2527a", "#777777", "#444444"};
 constexpr double left = 70, top = 20, width = 460, height = 320, legend = 200;
 
 }  // namespace
@@ -74,11 +74,11 @@ std::string picture(const std::string& name, const std::vector<Curve>& curves) {
   for (std::size_t k = 0; k < curves.size(); ++k) {
     const auto& c = curves[k];
     const char* colour = colours[k % colours.size()];
-    const bool points = c.name.starts_with("reference") || c.x.size() < 20;
-    if (!c.name.starts_with("reference")) {
+    const bool guide = c.name.starts_with("guide"), alone = c.name.ends_with("(points)"), points = !guide && (alone || c.x.size() < 20);
+    if (!alone) {
       std::string path;
       for (std::size_t i = 0; i < c.x.size(); ++i) path += fmt::format("{}{:.1f} {:.1f}", i == 0 ? 'M' : 'L', px(c.x[i]), py(c.y[i]));
-      svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", path, colour);
+      svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"{}/>\n", path, colour, guide ? " stroke-dasharray=\"5 4\"" : "");
     }
     if (points)
       for (std::size_t i = 0; i < c.x.size(); ++i) svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\"/>\n", px(c.x[i]), py(c.y[i]), colour);

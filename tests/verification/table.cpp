@@ -69,6 +69,8 @@ void write_pages(const Record& record, const std::filesystem::path& folder) {
   write_atomically(folder / "table.md", table_page(record));
   std::map<std::string, std::vector<Curve>> pictures;
   for (const auto& c : record.curves) pictures[c.picture].push_back(c);
+  pictures["convergence"].push_back({"convergence", "guide: first order", {0.2, 1}, {2e-3, 1e-2}});
+  pictures["convergence"].push_back({"convergence", "guide: second order", {0.2, 1}, {4e-4, 1e-2}});
   for (const auto& [name, curves] : pictures) write_atomically(folder / (name + ".svg"), picture(name, curves));
 }
 
