@@ -31,7 +31,7 @@ ExitStatus run_list(const CommandLine&) {
   print("mechanisms ([mechanism.NAME])", mechanisms());
   print("designs ([campaign] design)", designs());
   print("surrogates ([surrogate] kind)", surrogate_kinds());
-  print("objectives ([enc] objective)", objectives());
+  print("objectives ([enc], [spe] objective)", objectives());
   print("optimisers ([enc] optimizers)", optimizers());
   return ExitStatus::done;
 }

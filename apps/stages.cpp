@@ -8,17 +8,19 @@
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
 #include "forward/campaign/archive.hpp"
+#include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/spe.hpp"
 
 namespace calomel {
 
 namespace {
 
 /// Progress of a calibration on the display; stops the work when the user asked to.
-class CalibrationProgress {
+class CalibrationDisplay {
  public:
-  CalibrationProgress(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
+  CalibrationDisplay(std::string method, bool quiet) : method_(std::move(method)), style_(progress_style(quiet)) {}
   void operator()(const std::string& what, std::size_t done, std::size_t total) {
     if (stop_requested()) throw Interrupted();
     if (what != what_) display_.reset(), display_.emplace(method_, what, style_, std::cerr), what_ = what;
@@ -84,10 +86,17 @@ Provenance Stages::train_provenance() const {
 }
 
 Provenance Stages::calibration_provenance(const std::string& method) const {
-  return {.stage = method,
-          .options = {{"enc", echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
-          .seed = command_.seed,
-          .inputs = {{"surrogate.nc", hash_file(command_.out / "surrogate.nc")}, {"recordings", hash_file(study_.recordings_file())}}};
+  const bool spe = method == "spe", map = method == "map";
+  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";  // SPE learns from the campaign itself
+  Provenance p{.stage = method,
+               .options = {{method, spe ? echo(study_.spe) : map ? echo(study_.map) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+               .seed = command_.seed,
+               .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
+  if (map) {
+    for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
+    if (study_.map.likelihood.floor > 0) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
+  }
+  return p;
 }
 
 bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
@@ -150,27 +159,57 @@ ExitStatus Stages::train(Asked asked) {
 }
 
 ExitStatus Stages::calibrate(const std::string& method) {
-  if (method != "enc")
-    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc", .suggestion = "take --method enc"});
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
-  const auto upstream = train(Asked::upstream);
+  const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
+  if (method == "map" && study_.map.likelihood.floor > 0) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");
     const auto before = read_json(command_.out / (method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
   }
-  const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-  const auto progress = std::make_shared<CalibrationProgress>(method, command_.quiet);
-  const auto summary = study_.file.locating([&] {
-    return run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads,
-                   [&](const std::string& what, std::size_t done, std::size_t total) { (*progress)(what, done, total); });
-  });
-  write_enc(summary, against, provenance, command_.out);
+  const auto summary = calibrated_by(method, against, provenance);
   for (const auto& w : summary.warnings)  // those of the recordings were said when they were read
     if (std::find(problem().warnings.begin(), problem().warnings.end(), w) == problem().warnings.end()) say("warning: " + w);
   say(fmt::format("{}: {}", method, summary.message));
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+}
+
+Calibration Stages::calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance) {
+  const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
+  const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
+  return study_.file.locating([&]() -> Calibration {
+    if (method == "spe") {
+      const auto summary = run_spe(against, read_archive(command_.out / "campaign.nc"), model(), study_.spe, command_.seed, command_.threads, progress);
+      write_spe(summary, against, provenance, command_.out);
+      return summary;
+    }
+    const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
+    const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
+    write_enc(summary, against, provenance, command_.out);
+    return summary;
+  });
+}
+
+MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
+  const auto& shape = model().shape();
+  MapModels models{.true_model = model(), .surrogate = &surrogate};
+  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
+  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
+  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
+  models.mesh_relative = study_.map.mesh_error.value_or(100 * element);  // first order: 0.1 at 1 mm
+  models.positions.resize(Eigen::Index(shape.sensors.size()), 3);
+  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
+    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
+  const auto recordings = [&] {
+    std::vector<std::string> said;
+    return study_.matched_recordings(shape.sensors, said);
+  }();
+  auto summary = run_map(problem(), recordings, *study_.recordings, models, study_.map, command_.seed, command_.threads, progress);
+  write_map(summary, problem(), provenance, command_.out);
+  if (summary.best.objective_model) say("map: " + summary.identification.sentence);
+  return summary;
 }
 
 }  // namespace calomel

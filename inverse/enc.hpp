@@ -2,15 +2,10 @@
 /// Evolutionary neural calibration: rounds of population optimisers on a surrogate, the best distinct points re-run in the
 /// true model. Seed paper, section "Evolutionary Optimization"; Radaideh et al.
 #include <filesystem>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
-#include "inverse/objective.hpp"
-#include "inverse/optimizer/optimizer.hpp"
-#include "inverse/problem.hpp"
+#include "inverse/calibration.hpp"
 
 namespace calomel {
 
@@ -45,14 +40,6 @@ struct EncRound {
   std::size_t evaluations = 0;
 };
 
-struct EncCandidate {
-  std::vector<double> theta;
-  double objective_surrogate = 0;
-  std::optional<double> objective_model;  ///< empty: the true model failed there
-  std::string message;                    ///< why it failed
-  Score score;
-};
-
 /// Rounds of one optimiser together.
 struct EncOptimizer {
   std::string name;
@@ -61,34 +48,16 @@ struct EncOptimizer {
   std::vector<double> trace;          ///< of its best round
 };
 
-enum class EncStatus { not_run, done, no_candidate };
-
-struct EncSummary {
-  EncStatus status = EncStatus::not_run;
-  std::string message = "the calibration was not run";
-  Objective objective;
-  std::vector<double> theta, nominal;              ///< (n_parameters) in declared order
-  EncCandidate best, at_nominal;                   ///< as the true model has them
-  std::vector<EncCandidate> candidates;            ///< best by the true model first; failed ones only when no other was left
-  std::vector<EncCandidate> failed;                ///< candidates replaced by another because the true model failed
-  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means; empty where failed
+struct EncSummary : Calibration {
   std::vector<EncRound> rounds;
   std::vector<EncOptimizer> optimizers;
-  std::vector<std::string> warnings;
-  std::size_t evaluations = 0;       ///< of the surrogate
-  std::size_t model_runs = 0;        ///< of the true model
-  double search_s = 0, model_s = 0;  ///< wall time of the rounds and of the true-model runs [s]
-  [[nodiscard]] bool trusted() const { return status == EncStatus::done; }
 };
-
-/// What is done and what there is to do, of "rounds" or "true-model runs"; called from any thread, one at a time.
-using EncProgress = std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
 
 /// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`
 /// have the shape of `problem`.
 /// Errors: InputError for an unknown optimiser or objective; what the models throw.
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
-                                 std::uint64_t seed, int threads, const EncProgress& progress = {});
+                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {});
 
 /// The contents of enc.json.
 Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);

@@ -36,7 +36,7 @@ struct OptimizerResult {
 
 /// generations, population, seed -> algorithm. One `evolve` runs them all.
 using OptimizerEntry = std::function<pagmo::algorithm(int generations, unsigned seed)>;
-/// es, gwo, de, mfo, cmaes.
+/// es, gwo, de, mfo, cmaes, cmaes_restarts, dgs, nesterov.
 const Registry<OptimizerEntry>& optimizers();
 
 /// Runs one algorithm from a uniform random population; the box is scaled to [0, 1] in each parameter.

@@ -1,10 +1,13 @@
 #include <pagmo/algorithms/cmaes.hpp>
 
+#include "inverse/optimizer/cmaes_restarts.hpp"
 #include "inverse/optimizer/de.hpp"
+#include "inverse/optimizer/dgs.hpp"
 #include "inverse/optimizer/es.hpp"
 #include "inverse/optimizer/gwo.hpp"
 #include "inverse/optimizer/mfo.hpp"
 #include "inverse/optimizer/optimizer.hpp"
+#include "inverse/optimizer/random_search.hpp"
 
 namespace calomel {
 
@@ -22,6 +25,12 @@ const Registry<OptimizerEntry>& optimizers() {
     r.add("cmaes", "covariance matrix adaptation (Hansen 2006), pagmo's own, evaluated point by point", [](int generations, unsigned seed) {
       return pagmo::algorithm{pagmo::cmaes(unsigned(generations), -1, -1, -1, -1, 0.3, 1e-10, 1e-10, false, true, seed)};
     });
+    r.add("cmaes_restarts", "cmaes started again with twice the population whenever it has converged (Auger and Hansen 2005)",
+          [](int generations, unsigned seed) { return pagmo::algorithm{CmaesRestarts{.generations = generations, .seed = seed}}; });
+    r.add("dgs", "gradient descent on a function smoothed along directions (Tran and Zhang 2020)",
+          [](int generations, unsigned seed) { return pagmo::algorithm{DirectionalGaussianSmoothing{.generations = generations, .seed = seed, .options = {}}}; });
+    r.add("nesterov", "random search along Gaussian directions (Nesterov and Spokoiny 2017)",
+          [](int generations, unsigned seed) { return pagmo::algorithm{NesterovRandomSearch{.generations = generations, .seed = seed}}; });
     return r;
   }();
   return all;

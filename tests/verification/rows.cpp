@@ -24,8 +24,8 @@ void append(const std::string& line) {
 }  // namespace
 
 void verify(const Row& row) {
-  std::cout << fmt::format("[ measured ] {}, {}: {:.6g} {} (reference {:.6g}, off by {:.3g} of {:.3g}{})\n", row.item, row.quantity, row.measured, row.unit, row.reference,
-                           row.measured - row.reference, row.tolerance, std::isnan(row.order) ? "" : fmt::format(", order {:.2f}", row.order));
+  std::cout << fmt::format("[ measured ] {}, {}: {:.6g} {} (reference {:.6g}, off by {:.3g} of {:.3g}{})\n", row.item, row.quantity, row.measured, row.unit,
+                           row.reference, row.measured - row.reference, row.tolerance, std::isnan(row.order) ? "" : fmt::format(", order {:.2f}", row.order));
   if (!std::isnan(row.control_value)) std::cout << fmt::format("[ control  ] {}: {:.6g}\n", row.control, row.control_value);
   append("row:" + to_line(row));
   EXPECT_NE(std::find(items().begin(), items().end(), row.item), items().end()) << row.item << " is not among the items of row_file.cpp";

@@ -16,7 +16,16 @@ using ::testing::IsEmpty;
 namespace {
 
 Row example(const std::string& quantity, double value) {
-  return {.item = "Taylor plate", .quantity = quantity, .unit = "m/s", .reference = 2, .source = "a, b and \"c\"", .measured = value, .tolerance = 0.1, .order = 1.9, .control = "spoiled", .control_value = 3};
+  return {.item = "Taylor plate",
+          .quantity = quantity,
+          .unit = "m/s",
+          .reference = 2,
+          .source = "a, b and \"c\"",
+          .measured = value,
+          .tolerance = 0.1,
+          .order = 1.9,
+          .control = "spoiled",
+          .control_value = 3};
 }
 
 /// A committed table of two rows.
@@ -53,7 +62,8 @@ TEST(Table, RowsTooManyAndTooFewAreNoticed) {
   const Committed committed(two);
   Record other = two;
   other.rows[1].quantity = "three";
-  EXPECT_THAT(compare(other, committed.page), ElementsAre(HasSubstr("not in the table: Taylor plate | three"), HasSubstr("but not recorded: Taylor plate | two")));
+  EXPECT_THAT(compare(other, committed.page),
+              ElementsAre(HasSubstr("not in the table: Taylor plate | three"), HasSubstr("but not recorded: Taylor plate | two")));
   other = two;
   other.rows.push_back(two.rows[0]);
   EXPECT_THAT(compare(other, committed.page), ElementsAre(HasSubstr("recorded twice")));

@@ -42,8 +42,10 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
   std::vector<bool> liquid(mesh.nodes.size(), false);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const NodeId n : mesh.elements[e]) {
-      if (mesh.region[e] == Region::mercury) liquid[std::size_t(n)] = true;
-      else if (held) mesh.fixed[std::size_t(n)] |= 1;
+      if (mesh.region[e] == Region::mercury)
+        liquid[std::size_t(n)] = true;
+      else if (held)
+        mesh.fixed[std::size_t(n)] |= 1;
     }
   const double a = thick_walled(h, held), k = M_PI / length, period = 2 * length / a;
   RunSetup s = linear_setup(2.5 * period, period / 100);
@@ -91,11 +93,24 @@ TEST(WaterHammer, RunsAtKortewegsSpeedWithJoukowskysPressure) {
     const std::string pipe = fmt::format("{:.0f} mm, {}", 1e3 * c.h, c.held ? "held axially" : "free");
     const Hammer got = hammer(c.h, c.held, 20, steel());
     EXPECT_NEAR(got.speed, c.tabulated, 0.04 * c.tabulated);  // the thin wall's number is not far
-    verify({.item = "Water hammer", .quantity = "speed, " + pipe, .unit = "m/s", .reference = exact,
-            .source = fmt::format("Korteweg with Lame's wall; thin wall, tabulated, {:.0f} m/s ({:+.1f} %)", c.tabulated, 100 * (korteweg(c.h, c.held) / exact - 1)), .measured = got.speed,
-            .tolerance = 0.005 * exact, .control = "modulus of the pipe +3 %", .control_value = hammer(c.h, c.held, 20, LinearElastic::from_young(1.03 * young, poisson)).speed});
+    verify({.item = "Water hammer",
+            .quantity = "speed, " + pipe,
+            .unit = "m/s",
+            .reference = exact,
+            .source =
+                fmt::format("Korteweg with Lame's wall; thin wall, tabulated, {:.0f} m/s ({:+.1f} %)", c.tabulated, 100 * (korteweg(c.h, c.held) / exact - 1)),
+            .measured = got.speed,
+            .tolerance = 0.005 * exact,
+            .control = "modulus of the pipe +3 %",
+            .control_value = hammer(c.h, c.held, 20, LinearElastic::from_young(1.03 * young, poisson)).speed});
     // A velocity of the mercury alone also stirs the pipe's own waves: some of it does not go into this mode.
-    verify({.item = "Water hammer", .quantity = "pressure over rho a V, " + pipe, .reference = 1, .source = "Joukowsky", .measured = got.pressure, .tolerance = 0.02, .control = "speed of sound in place of a",
+    verify({.item = "Water hammer",
+            .quantity = "pressure over rho a V, " + pipe,
+            .reference = 1,
+            .source = "Joukowsky",
+            .measured = got.pressure,
+            .tolerance = 0.02,
+            .control = "speed of sound in place of a",
             .control_value = got.pressure * got.speed / speed});
   }
 }

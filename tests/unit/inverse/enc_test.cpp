@@ -33,7 +33,7 @@ EncOptions small() {
 TEST(Enc, RecoversTheTruth) {
   Case c;
   const auto s = run_enc(c.problem, c.model, c.model, small(), 1, 2);
-  ASSERT_EQ(s.status, EncStatus::done);
+  ASSERT_EQ(s.status, CalibrationStatus::done);
   // mae of the mean of 8 pulses about the truth is 8e-6 sqrt(2 / (8 pi)) = 2.26 microstrain; peaks are 160 microstrain.
   EXPECT_NEAR(s.theta[0], truth[0], 0.02 * truth[0]);
   EXPECT_NEAR(s.theta[1], truth[1], 0.005 * truth[1]);
@@ -118,7 +118,7 @@ TEST(Enc, AFailedCandidateIsReplacedByAnother) {
   Oscillations fragile;
   fragile.fails = [](std::span<const double> theta) { return std::abs(theta[0] - truth[0]) < 150; };  // just where the optimum is
   const auto s = run_enc(c.problem, c.model, fragile, small(), 1, 2);
-  EXPECT_EQ(s.status, EncStatus::done);
+  EXPECT_EQ(s.status, CalibrationStatus::done);
   EXPECT_FALSE(s.failed.empty());
   EXPECT_EQ(s.candidates.size(), 5u);
   for (const auto& k : s.candidates) EXPECT_TRUE(k.objective_model.has_value());
@@ -131,12 +131,12 @@ TEST(Enc, WhenEveryRunFailsItSaysSo) {
   broken.fails = [](std::span<const double>) { return true; };
   const auto dir = scratch("broken");
   auto s = run_enc(c.problem, c.model, broken, small(), 1, 2);
-  EXPECT_EQ(s.status, EncStatus::no_candidate);
+  EXPECT_EQ(s.status, CalibrationStatus::no_candidate);
   EXPECT_FALSE(s.trusted());
   write_enc(s, c.problem, {.stage = "enc"}, dir);
   EXPECT_TRUE(read_json(dir / "enc.json")["candidates"][0]["objective_model"].is_null());
   s = run_enc(c.problem, broken, c.model, small(), 1, 2);  // the surrogate fails everywhere
-  EXPECT_EQ(s.status, EncStatus::no_candidate);
+  EXPECT_EQ(s.status, CalibrationStatus::no_candidate);
   EXPECT_EQ(s.theta, nominal(c.model.shape()));
   EXPECT_THAT(s.message, HasSubstr("surrogate failed"));
   write_enc(s, c.problem, {.stage = "enc"}, dir);

@@ -1,0 +1,65 @@
+#pragma once
+/// Options of sparse polynomial expansion calibration, table `[spe]`.
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "inverse/objective.hpp"
+#include "inverse/optimizer/dgs.hpp"
+
+namespace calomel {
+
+/// What is published (seed paper, section "Sparse Polynomial Expansion Results") and where the defaults differ from it: docs/theory/spe.md.
+struct SpeOptions {
+  std::string objective = "paper_spe";
+  std::string transform = "none";
+  std::vector<int> total_degree{10, 11, 12, 13, 14, 15, 16, 17, 18};
+  std::vector<int> tensor_product{5, 6, 7, 8, 9, 10, 11};
+  std::vector<int> hyperbolic_cross{};
+  int most_terms = 10000;
+  std::string lambda_scale = "cross_validation";
+  std::vector<double> lambdas{0.25, 0.5, 1, 2, 4};
+  bool penalise_constant = false;
+  double validation_fraction = 0.2;
+  int folds = 5;
+  bool refit = true;
+  int trials = 50;
+  int iterations = 100;
+  DgsOptions dgs;
+  double merge = 0.02;
+  double bandwidth = 0.05;
+  int candidates = 8;
+  int refinements = 2;
+  double separation = 0.03;
+
+  template <class V>
+  void visit(V& v) {
+    v("objective", objective, {.doc = "the misfit that the polynomials approximate", .choices = objectives().names()});
+    v("transform", transform, {.doc = "none: of the misfit itself, as published; log: of its logarithm", .choices = {"none", "log"}});
+    v("total_degree", total_degree, {.range = between(1, 40), .doc = "orders of the total-degree spaces"});
+    v("tensor_product", tensor_product, {.range = between(1, 40), .doc = "orders of the tensor-product spaces"});
+    v("hyperbolic_cross", hyperbolic_cross, {.range = between(1, 1000), .doc = "orders of the hyperbolic-cross spaces, for many parameters"});
+    v("most_terms", most_terms, {.range = between(10, 1e5), .doc = "spaces with more terms than this are left out with a warning"});
+    v("lambda_scale", lambda_scale,
+      {.doc = "what spe.lambdas are multiples of: 1 (absolute, as published), the least value at which every coefficient vanishes, or the best value of each space",
+       .choices = {"absolute", "lambda_max", "validation", "cross_validation"}});
+    v("lambdas", lambdas, {.range = above(0), .doc = "weights of the l1 norm in |A z - d|^2 + lambda |z|_1, one surrogate each; published 100, 500, 1000, 1500, 2000", .least_size = 1});
+    v("penalise_constant", penalise_constant, {.doc = "whether the constant term pays the penalty, as published"});
+    v("validation_fraction", validation_fraction, {.range = between(0.05, 0.5), .doc = "share of the runs that is held out"});
+    v("folds", folds, {.range = between(2, 20), .doc = "of the cross-validation over the training runs"});
+    v("refit", refit, {.doc = "fit again to all runs, held-out ones included, before the search (errors are those of the first fit)"});
+    v("trials", trials, {.range = between(1, 10000), .doc = "searches of each surrogate from random starts"});
+    v("iterations", iterations, {.range = between(1, 100000), .doc = "of a search"});
+    v.table("dgs", dgs, "directional Gaussian smoothing");
+    v("merge", merge, {.range = between(0, 0.5), .doc = "ends of searches nearer than this, in units of the bounds, are one optimum of a surrogate"});
+    v("bandwidth", bandwidth, {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "sd of the Gaussian that smooths the pooled optima, in units of the bounds"});
+    v("candidates", candidates, {.range = between(1, 50), .doc = "modes, or optima where modes run out, that are re-run in the true model"});
+    v("refinements", refinements,
+      {.range = between(0, 20), .doc = "times that the candidates' true misfits join the runs and everything is fitted and searched again; 0 as published"});
+    v("separation", separation, {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
+  }
+  /// Errors: InputError when no space is listed.
+  void validate() const;
+};
+
+}  // namespace calomel

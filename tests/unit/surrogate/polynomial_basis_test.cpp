@@ -1,0 +1,93 @@
+#include "forward/surrogate/polynomial_basis.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/random.hpp"
+
+using namespace calomel;
+
+namespace {
+
+Eigen::MatrixXd random_points(Eigen::Index d, Eigen::Index n, std::uint64_t seed) {
+  RandomStream random(seed, 0);
+  return Eigen::MatrixXd::NullaryExpr(d, n, [&] { return random.uniform(); });
+}
+
+}  // namespace
+
+TEST(PolynomialBasis, IsOrthonormalUnderTheChebyshevMeasure) {
+  // Gauss-Chebyshev quadrature with n nodes is exact to degree 2 n - 1: 16 nodes for products of two polynomials of degree 15.
+  constexpr Eigen::Index n = 16;
+  Eigen::MatrixXd nodes(2, n * n);
+  const auto node = [](Eigen::Index i) { return 0.5 + 0.5 * std::cos(std::numbers::pi * (double(i) + 0.5) / double(n)); };
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) nodes.col(i * n + j) << node(i), node(j);
+  for (const char* kind : {"total_degree", "tensor_product", "hyperbolic_cross"}) {
+    const auto degrees = PolynomialSpace{kind, 15}.degrees(2);
+    const Eigen::MatrixXd a = basis_matrix(degrees, nodes);
+    const Eigen::MatrixXd gram = a.transpose() * a / double(n * n);
+    EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-12) << kind;
+  }
+  // Negative control: uniform nodes are not that measure.
+  const Eigen::MatrixXd a = basis_matrix(PolynomialSpace{"total_degree", 3}.degrees(2), random_points(2, 20000, 1));
+  EXPECT_GT((a.transpose() * a / 20000.0 - Eigen::MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.2);
+}
+
+TEST(PolynomialBasis, HasThePublishedNumbersOfTerms) {
+  // Seed paper: 286 to 1330 degrees of freedom in total degree 10 to 18, 216 to 1728 in tensor products 5 to 11.
+  EXPECT_EQ(PolynomialSpace({"total_degree", 10}).terms(3, 100000), 286u);
+  EXPECT_EQ(PolynomialSpace({"total_degree", 18}).degrees(3).cols(), 1330);
+  EXPECT_EQ(PolynomialSpace({"tensor_product", 5}).terms(3, 100000), 216u);
+  EXPECT_EQ(PolynomialSpace({"tensor_product", 11}).degrees(3).cols(), 1728);
+  EXPECT_EQ(PolynomialSpace({"tensor_product", 11}).terms(8, 5000), 5000u);  // counted no further
+  const auto cross = PolynomialSpace{"hyperbolic_cross", 3}.degrees(2);      // (i+1)(j+1) <= 4
+  EXPECT_EQ(cross.cols(), 8);
+  EXPECT_EQ(cross.col(0), Eigen::Vector2i(0, 0));
+}
+
+TEST(Expansion, IsTheSumOfItsTerms) {
+  for (const Eigen::Index d : {1, 2, 3, 5}) {
+    const auto degrees = PolynomialSpace{"total_degree", d == 5 ? 4 : 9}.degrees(std::size_t(d));
+    RandomStream random(3, std::uint64_t(d));
+    Eigen::VectorXd c = Eigen::VectorXd::NullaryExpr(degrees.cols(), [&] { return random.uniform() < 0.4 ? random.normal() : 0.0; });
+    const auto units = random_points(d, 37, 4);  // no multiple of the block
+    const Expansion f(degrees, c);
+    EXPECT_EQ(f.terms(), std::size_t((c.array() != 0).count()));
+    Eigen::VectorXd values(37);
+    f.evaluate(units, {values.data(), 37});
+    EXPECT_LT((values - basis_matrix(degrees, units) * c).cwiseAbs().maxCoeff(), 1e-12 * c.cwiseAbs().sum());
+  }
+}
+
+TEST(Expansion, GradientIsThatOfDifferences) {
+  const auto degrees = PolynomialSpace{"tensor_product", 6}.degrees(3);
+  RandomStream random(5, 0);
+  const Eigen::VectorXd c = Eigen::VectorXd::NullaryExpr(degrees.cols(), [&] { return random.uniform() < 0.3 ? random.normal() : 0.0; });
+  const Expansion f(degrees, c);
+  const Eigen::MatrixXd units = random_points(3, 21, 6) * 0.9 + Eigen::MatrixXd::Constant(3, 21, 0.05);
+  Eigen::VectorXd values(21), plain(21);
+  Eigen::MatrixXd gradients;
+  f.evaluate(units, {values.data(), 21}, gradients);
+  f.evaluate(units, {plain.data(), 21});
+  EXPECT_EQ(values, plain);
+  constexpr double h = 1e-6;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    Eigen::MatrixXd up = units, down = units;
+    up.row(k).array() += h, down.row(k).array() -= h;
+    Eigen::VectorXd high(21), low(21);
+    f.evaluate(up, {high.data(), 21}), f.evaluate(down, {low.data(), 21});
+    const Eigen::VectorXd slope = (high - low) / (2 * h);
+    EXPECT_LT((slope - gradients.row(k).transpose()).cwiseAbs().maxCoeff(), 1e-5 * gradients.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST(Expansion, WithoutTermsIsZero) {
+  const auto degrees = PolynomialSpace{"total_degree", 2}.degrees(2);
+  const Expansion f(degrees, Eigen::VectorXd::Zero(degrees.cols()));
+  std::vector<double> values(3, 7.0);
+  f.evaluate(random_points(2, 3, 1), values);
+  EXPECT_EQ(values, (std::vector<double>{0, 0, 0}));
+}
