@@ -72,7 +72,7 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
   }
   const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}), fine = misfit({"geometry.element_size=0.0005"});
   const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"}), slower = misfit({"geometry.element_size=0.0005", "material.mercury.sound_speed=1420"});
-  const double order = observed_order("box slice", {2, 1, 0.5}, {coarse.mean, middle.mean, fine.mean});
+  const double order = drawn_order("box slice", {2, 1, 0.5}, {coarse.mean, middle.mean, fine.mean});
   verify({.item = "Whole base model", .quantity = "linear box slice, 8 gauges over 0.5 ms, 1 mm, mean relative L2", .reference = 0, .source = "independent finite differences, own error 0.5 %",
           .measured = middle.mean, .tolerance = 0.05, .order = std::log2(coarse.mean / middle.mean), .control = "tied", .control_value = tied.mean});
   verify({.item = "Whole base model", .quantity = "the same, 0.5 mm", .reference = 0, .source = "the same", .measured = fine.mean, .tolerance = 0.02, .order = order,

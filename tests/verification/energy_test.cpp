@@ -38,7 +38,7 @@ struct HeatedBox {
 TEST(Energy, IsKeptInTheLinearCase) {
   const HeatedBox box;
   const auto s = box.run();
-  verify({.item = "Energy", .quantity = "linear, nothing dissipates, max |dE| / E", .reference = 0, .source = "1/2 v- M v+ + stored", .measured = s.energy_balance_error, .tolerance = 1e-6,
+  verify({.item = "Energy", .quantity = "linear, nothing dissipates, greatest dE over E", .reference = 0, .source = "1/2 v- M v+ + stored", .measured = s.energy_balance_error, .tolerance = 1e-6,
           .control = "averaged velocities, see below"});
   EXPECT_GT(s.steps, 400);
   EXPECT_EQ(s.dissipated, 0);
@@ -64,7 +64,7 @@ TEST(Energy, DissipationAndRadiationAreBooked) {
   box.setup.liquid.viscosity = 2000;
   box.setup.hourglass = 0;
   const auto s = box.run();
-  verify({.item = "Energy", .quantity = "linear, viscosity and rear face, max |dE| / E", .reference = 0, .source = "balance", .measured = s.energy_balance_error, .tolerance = 1e-6,
+  verify({.item = "Energy", .quantity = "linear, viscosity and rear face, greatest dE over E", .reference = 0, .source = "balance", .measured = s.energy_balance_error, .tolerance = 1e-6,
           .control = "either entry left out (the lesser)", .control_value = std::min(s.dissipated, std::abs(s.radiated)) / s.energy_in});
   EXPECT_GT(s.dissipated, 1e-2 * s.energy_in);
   EXPECT_GT(std::abs(s.radiated), 1e-2 * s.energy_in);
@@ -87,7 +87,7 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
     errors.push_back(error);
   }
   EXPECT_GT(before, 1e-9);  // the cutoff is reached
-  verify({.item = "Energy", .quantity = "with the cutoff, step 0.9 of the stable one, max |dE| / E", .reference = 0, .source = "balance", .measured = errors[0], .tolerance = 1e-3,
+  verify({.item = "Energy", .quantity = "with the cutoff, step 0.9 of the stable one, greatest dE over E", .reference = 0, .source = "balance", .measured = errors[0], .tolerance = 1e-3,
           .order = std::log2(errors[1] / errors[2]), .control = "averaged velocities, see below"});
 }
 

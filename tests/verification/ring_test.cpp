@@ -77,10 +77,16 @@ TEST(Ring, FilledWithMercuryBreathesAtItsExactFrequencies) {
     for (std::size_t i = 0; i < tabulated.size(); ++i) {
       EXPECT_NEAR(exact[i], tabulated[i], 1.0);
       const double kh = 2 * M_PI * exact[i] / speed * size;
-      verify({.item = "Fluid-filled ring", .quantity = fmt::format("h {:.0f} mm, mode {}", 1e3 * h, i + 1), .unit = "Hz", .reference = exact[i],
-              .source = fmt::format("exact root; tabulated {:.0f} Hz", tabulated[i]), .measured = fine[i], .tolerance = exact[i] * (kh * kh / 12 + 1e-3),
-              .order = std::log((coarse[i] / exact[i] - 1) / (fine[i] / exact[i] - 1)) / std::log(24. / 14), .control = "speed of sound -3 %", .control_value = slower[i]});
+      verify({.item = "Fluid-filled ring",
+              .quantity = fmt::format("h {:.0f} mm, mode {}", 1e3 * h, i + 1),
+              .unit = "Hz",
+              .reference = exact[i],
+              .source = fmt::format("exact root; tabulated {:.0f} Hz", tabulated[i]),
+              .measured = fine[i],
+              .tolerance = exact[i] * (kh * kh / 12 + 1e-3),
+              .order = observed_order({1, 14. / 24}, {coarse[i] - exact[i], fine[i] - exact[i]}),
+              .control = "speed of sound -3 %",
+              .control_value = slower[i]});
     }
-    observed_order(fmt::format("ring {:.0f} mm, mode 2", 1e3 * h), {1, 14. / 24}, {coarse[1] / exact[1] - 1, fine[1] / exact[1] - 1});
   }
 }

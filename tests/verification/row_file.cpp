@@ -11,9 +11,25 @@
 namespace calomel::testing {
 
 const std::vector<std::string>& items() {
-  static const std::vector<std::string> all{
-      "Plane wave", "Mercury to steel", "Whole base model", "Null record", "Bending", "Simply supported plate", "Free-fixed bar", "Patch and modes", "Energy",
-      "Pochhammer-Chree", "Fluid-filled ring", "Wet flexural waves", "Inner corner", "Slip", "Taylor plate", "Bleich-Sandler", "Water hammer", "Rear face", "Reproducibility"};
+  static const std::vector<std::string> all{"Plane wave",
+                                            "Mercury to steel",
+                                            "Whole base model",
+                                            "Null record",
+                                            "Bending",
+                                            "Simply supported plate",
+                                            "Free-fixed bar",
+                                            "Patch and modes",
+                                            "Energy",
+                                            "Pochhammer-Chree",
+                                            "Fluid-filled ring",
+                                            "Wet flexural waves",
+                                            "Inner corner",
+                                            "Slip",
+                                            "Taylor plate",
+                                            "Bleich-Sandler",
+                                            "Water hammer",
+                                            "Rear face",
+                                            "Reproducibility"};
   return all;
 }
 
@@ -23,9 +39,12 @@ std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields{""};
   bool quoted = false;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) fields.emplace_back();
-    else fields.back() += c;
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
   }
   return fields;
 }
@@ -39,8 +58,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 std::string to_line(const Row& r) {
-  return fmt::format("{},{},{},{:.9g},{},{:.9g},{:.9g},{:.9g},{},{:.9g}", quoted(r.item), quoted(r.quantity), quoted(r.unit), r.reference, quoted(r.source), r.measured,
-                     r.tolerance, r.order, quoted(r.control), r.control_value);
+  return fmt::format("{},{},{},{:.9g},{},{:.9g},{:.9g},{:.9g},{},{:.9g}", quoted(r.item), quoted(r.quantity), quoted(r.unit), r.reference, quoted(r.source),
+                     r.measured, r.tolerance, r.order, quoted(r.control), r.control_value);
 }
 
 Row row_from_line(const std::string& line) {

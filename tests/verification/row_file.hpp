@@ -9,15 +9,15 @@ namespace calomel::testing {
 
 /// One checked number. The unit is that of reference, measured, tolerance and control_value ("" = dimensionless).
 struct Row {
-  std::string item;          ///< one of `items()`
-  std::string quantity;      ///< unique within the item
+  std::string item;      ///< one of `items()`
+  std::string quantity;  ///< unique within the item
   std::string unit;
   double reference = 0;
-  std::string source;        ///< where the reference comes from
+  std::string source;  ///< where the reference comes from
   double measured = 0;
-  double tolerance = 0;      ///< allowed |measured - reference|
+  double tolerance = 0;                                             ///< allowed |measured - reference|
   double order = std::numeric_limits<double>::quiet_NaN();          ///< observed under refinement; NaN: none
-  std::string control;       ///< what was spoiled
+  std::string control;                                              ///< what was spoiled
   double control_value = std::numeric_limits<double>::quiet_NaN();  ///< what came out then
 };
 

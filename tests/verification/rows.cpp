@@ -24,8 +24,8 @@ void append(const std::string& line) {
 }  // namespace
 
 void verify(const Row& row) {
-  std::cout << fmt::format("[ measured ] {}, {}: {:.6g} {} (reference {:.6g}, off by {:.3g} of {:.3g}{})\n", row.item, row.quantity, row.measured, row.unit, row.reference,
-                           row.measured - row.reference, row.tolerance, std::isnan(row.order) ? "" : fmt::format(", order {:.2f}", row.order));
+  std::cout << fmt::format("[ measured ] {}, {}: {:.6g} {} (reference {:.6g}, off by {:.3g} of {:.3g}{})\n", row.item, row.quantity, row.measured, row.unit,
+                           row.reference, row.measured - row.reference, row.tolerance, std::isnan(row.order) ? "" : fmt::format(", order {:.2f}", row.order));
   if (!std::isnan(row.control_value)) std::cout << fmt::format("[ control  ] {}: {:.6g}\n", row.control, row.control_value);
   append("row:" + to_line(row));
   EXPECT_NE(std::find(items().begin(), items().end(), row.item), items().end()) << row.item << " is not among the items of row_file.cpp";
@@ -40,12 +40,16 @@ void draw(const std::string& picture, const std::string& curve, const std::vecto
   append(line);
 }
 
-double observed_order(const std::string& what, const std::vector<double>& h, const std::vector<double>& error) {
-  std::vector<double> size;
-  for (const double e : error) size.push_back(std::abs(e));
-  draw("convergence", what, h, size);
+double observed_order(const std::vector<double>& h, const std::vector<double>& error) {
   const std::size_t n = h.size();
-  return std::log(size[n - 2] / size[n - 1]) / std::log(h[n - 2] / h[n - 1]);
+  return std::log(std::abs(error[n - 2] / error[n - 1])) / std::log(h[n - 2] / h[n - 1]);
+}
+
+double drawn_order(const std::string& what, const std::vector<double>& h, const std::vector<double>& error) {
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < h.size(); ++i) x.push_back(h[i] / h[0]), y.push_back(std::abs(error[i]));
+  draw("convergence", what, x, y);
+  return observed_order(h, error);
 }
 
 void rows_absent(const std::string& why) { append("absent:" + why); }

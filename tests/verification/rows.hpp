@@ -19,8 +19,11 @@ void verify(const Row& row);
 /// Records a curve of a picture. `x`, `y`: (points).
 void draw(const std::string& picture, const std::string& curve, const std::vector<double>& x, const std::vector<double>& y);
 
-/// Records errors against the element size [m], for the picture of convergence; returns the order between the last two.
-double observed_order(const std::string& what, const std::vector<double>& h, const std::vector<double>& error);
+/// Order of convergence between the last two meshes. `h`: element sizes, to any scale; `error`: (h).
+double observed_order(const std::vector<double>& h, const std::vector<double>& error);
+
+/// The same, which also puts the errors into the picture of convergence.
+double drawn_order(const std::string& what, const std::vector<double>& h, const std::vector<double>& error);
 
 /// Records that this test could not run, so that its rows are not missed.
 void rows_absent(const std::string& why);

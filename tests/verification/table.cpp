@@ -44,18 +44,20 @@ std::vector<std::string> cells_of(const std::string& line) {
 std::string table_page(const Record& record) {
   std::string page =
       "# Verification table\n\n"
-      "Made by `verification_table` from what the tests of `tests/verification` measured; do not edit it. How to make it anew, and what the items mean: [README](README.md).\n"
+      "Made by `verification_table` from what the tests of `tests/verification` measured; do not edit it. How to make it anew, and what the items mean: "
+      "[README](README.md).\n"
       "A row holds when the error is within the tolerance; the control is the same check with the law spoiled, which must lie outside it.\n";
   std::string item;
   for (const auto& r : record.rows) {
     if (r.item != item) {
       item = r.item;
-      page += fmt::format("\n## {}\n\n| quantity | reference | measured | error | allowed | order | source | control |\n|---|---|---|---|---|---|---|---|\n", item);
+      page +=
+          fmt::format("\n## {}\n\n| quantity | reference | measured | error | allowed | order | source | control |\n|---|---|---|---|---|---|---|---|\n", item);
     }
     const std::string unit = r.unit.empty() ? "" : " " + r.unit;
     const std::string control = std::isnan(r.control_value) ? r.control : fmt::format("{}: {}{}", r.control, number(r.control_value), unit);
-    page += fmt::format("| {} | {}{} | {}{} | {} | {} | {} | {} | {} |\n", r.quantity, number(r.reference), unit, number(r.measured), unit, error_of(r), tolerance_of(r),
-                        std::isnan(r.order) ? "" : fmt::format("{:.2f}", r.order), r.source, control);
+    page += fmt::format("| {} | {}{} | {}{} | {} | {} | {} | {} | {} |\n", r.quantity, number(r.reference), unit, number(r.measured), unit, error_of(r),
+                        tolerance_of(r), std::isnan(r.order) ? "" : fmt::format("{:.2f}", r.order), r.source, control);
   }
   return page;
 }
@@ -69,6 +71,8 @@ void write_pages(const Record& record, const std::filesystem::path& folder) {
   write_atomically(folder / "table.md", table_page(record));
   std::map<std::string, std::vector<Curve>> pictures;
   for (const auto& c : record.curves) pictures[c.picture].push_back(c);
+  pictures["convergence"].push_back({"convergence", "guide: first order", {0.2, 1}, {2e-3, 1e-2}});
+  pictures["convergence"].push_back({"convergence", "guide: second order", {0.2, 1}, {4e-4, 1e-2}});
   for (const auto& [name, curves] : pictures) write_atomically(folder / (name + ".svg"), picture(name, curves));
 }
 
@@ -94,7 +98,8 @@ std::vector<std::string> compare(const Record& record, const std::filesystem::pa
     }
     // The table shows five digits.
     const double allowed = 0.1 * r.tolerance + 1e-4 * std::abs(found->second);
-    if (std::abs(found->second - r.measured) > allowed) differences.push_back(fmt::format("moved: {}: {:.5g} in the table, now {:.5g}", key, found->second, r.measured));
+    if (std::abs(found->second - r.measured) > allowed)
+      differences.push_back(fmt::format("moved: {}: {:.5g} in the table, now {:.5g}", key, found->second, r.measured));
   }
   if (record.absent.empty())
     for (const auto& [key, value] : committed)

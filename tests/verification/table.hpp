@@ -14,7 +14,7 @@ void write_pages(const Record& record, const std::filesystem::path& folder);
 /// tenth of its tolerance. Rows may be missing from the record as far as tests could not run.
 std::vector<std::string> compare(const Record& record, const std::filesystem::path& page);
 
-/// A line plot as SVG. Axes are logarithmic for the picture "convergence".
+/// A line plot as SVG: curves named "... (points)" without a line, those named "guide ..." dashed. Axes are logarithmic for the picture "convergence".
 std::string picture(const std::string& name, const std::vector<Curve>& curves);
 
 }  // namespace calomel::testing

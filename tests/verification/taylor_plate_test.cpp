@@ -43,10 +43,23 @@ Flight fly(int n, double mass_factor) {
 // h / (c theta) = 1.4 %, is all that can be promised: 1 % is allowed.
 TEST(TaylorPlate, MovesAsTheFormulaSays) {
   const Flight coarse = fly(200, 1), fine = fly(400, 1), spoiled = fly(400, 1.05);
-  verify({.item = "Taylor plate", .quantity = "velocity over 5 ms, relative L2", .reference = 0, .source = "Taylor 1941, B = 9.88", .measured = fine.error, .tolerance = 0.01,
-          .order = observed_order("Taylor plate", {1, 0.5}, {coarse.error, fine.error}), .control = "plate 5 % heavier", .control_value = spoiled.error});
+  verify({.item = "Taylor plate",
+          .quantity = "velocity over 5 ms, relative L2",
+          .reference = 0,
+          .source = "Taylor 1941, B = 9.88",
+          .measured = fine.error,
+          .tolerance = 0.01,
+          .order = drawn_order("Taylor plate", {1, 0.5}, {coarse.error, fine.error}),
+          .control = "plate 5 % heavier",
+          .control_value = spoiled.error});
   const PlateOnColumn p = plate(1);
   const double B = p.density * p.speed * p.theta / p.mass, peak = 2 * p.p0 / (p.density * p.speed) * std::pow(B, 1 / (1 - B));
-  verify({.item = "Taylor plate", .quantity = "peak velocity", .unit = "m/s", .reference = peak, .source = "2 p0/(rho c) B^(1/(1-B))", .measured = fine.peak, .tolerance = 0.01 * peak,
+  verify({.item = "Taylor plate",
+          .quantity = "peak velocity",
+          .unit = "m/s",
+          .reference = peak,
+          .source = "2 p0/(rho c) B^(1/(1-B))",
+          .measured = fine.peak,
+          .tolerance = 0.01 * peak,
           .control = "see the row above"});
 }

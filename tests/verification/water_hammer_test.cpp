@@ -3,8 +3,9 @@
 //
 // Half a standing wave of 2 m in a quarter of the pipe between ends that cannot move along x: a = 2 L f and p = rho a V cos kx. Korteweg's pipe is thin
 // and has no inertia. The compliance of a ring of finite thickness is (r_o^2 + r_i^2)/(r_o^2 - r_i^2) + nu in place of D / 2h (Lame; held axially
-// (1 + nu)((1 - 2 nu) r_i^2 + r_o^2)/(r_o^2 - r_i^2)): 2 to 3 % slower at 3 to 5 mm. That is the reference; radial inertia of the mercury takes
-// (k R)^2 / 16 = 0.15 % more at this wavelength.
+// (1 + nu)((1 - 2 nu) r_i^2 + r_o^2)/(r_o^2 - r_i^2)): 2 to 3 % slower at 3 to 5 mm. That is the reference. A wall whose
+// particles are all held along the axis also resists in shear, (1 - nu)/2 (k R)^2 = 0.9 % of its hoop stiffness at this wavelength, which the reference
+// includes; radial inertia of the mercury, which takes (k R)^2 / 16 = 0.15 % off the speed, it does not.
 #include "forward/mesh/section.hpp"
 #include "tests/verification/disc_section.hpp"
 #include "tests/verification/rows.hpp"
@@ -21,7 +22,8 @@ double korteweg(double h, bool held) { return speed / std::sqrt(1 + bulk * 2 * r
 
 double thick_walled(double h, bool held) {
   const double ri = radius * radius, ro = (radius + h) * (radius + h);
-  const double compliance = held ? (1 + poisson) * ((1 - 2 * poisson) * ri + ro) / (ro - ri) : (ro + ri) / (ro - ri) + poisson;
+  const double kr = M_PI / length * radius, shear = 1 + (1 - poisson) / 2 * kr * kr;
+  const double compliance = held ? (1 + poisson) * ((1 - 2 * poisson) * ri + ro) / (ro - ri) / shear : (ro + ri) / (ro - ri) + poisson;
   return speed / std::sqrt(1 + 2 * bulk * compliance / young);
 }
 
@@ -40,8 +42,10 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
   std::vector<bool> liquid(mesh.nodes.size(), false);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const NodeId n : mesh.elements[e]) {
-      if (mesh.region[e] == Region::mercury) liquid[std::size_t(n)] = true;
-      else if (held) mesh.fixed[std::size_t(n)] |= 1;
+      if (mesh.region[e] == Region::mercury)
+        liquid[std::size_t(n)] = true;
+      else if (held)
+        mesh.fixed[std::size_t(n)] |= 1;
     }
   const double a = thick_walled(h, held), k = M_PI / length, period = 2 * length / a;
   RunSetup s = linear_setup(2.5 * period, period / 100);
@@ -88,11 +92,25 @@ TEST(WaterHammer, RunsAtKortewegsSpeedWithJoukowskysPressure) {
     const double exact = thick_walled(c.h, c.held);
     const std::string pipe = fmt::format("{:.0f} mm, {}", 1e3 * c.h, c.held ? "held axially" : "free");
     const Hammer got = hammer(c.h, c.held, 20, steel());
-    verify({.item = "Water hammer", .quantity = "speed, " + pipe, .unit = "m/s", .reference = exact,
-            .source = fmt::format("Korteweg with Lame's wall; thin wall, tabulated, {:.0f} m/s ({:+.1f} %)", c.tabulated, 100 * (korteweg(c.h, c.held) / exact - 1)), .measured = got.speed,
-            .tolerance = 0.005 * exact, .control = "modulus of the pipe +3 %", .control_value = hammer(c.h, c.held, 20, LinearElastic::from_young(1.03 * young, poisson)).speed});
+    EXPECT_NEAR(got.speed, c.tabulated, 0.04 * c.tabulated);  // the thin wall's number is not far
+    verify({.item = "Water hammer",
+            .quantity = "speed, " + pipe,
+            .unit = "m/s",
+            .reference = exact,
+            .source =
+                fmt::format("Korteweg with Lame's wall; thin wall, tabulated, {:.0f} m/s ({:+.1f} %)", c.tabulated, 100 * (korteweg(c.h, c.held) / exact - 1)),
+            .measured = got.speed,
+            .tolerance = 0.005 * exact,
+            .control = "modulus of the pipe +3 %",
+            .control_value = hammer(c.h, c.held, 20, LinearElastic::from_young(1.03 * young, poisson)).speed});
     // A velocity of the mercury alone also stirs the pipe's own waves: some of it does not go into this mode.
-    verify({.item = "Water hammer", .quantity = "pressure over rho a V, " + pipe, .reference = 1, .source = "Joukowsky", .measured = got.pressure, .tolerance = 0.02, .control = "speed of sound in place of a",
+    verify({.item = "Water hammer",
+            .quantity = "pressure over rho a V, " + pipe,
+            .reference = 1,
+            .source = "Joukowsky",
+            .measured = got.pressure,
+            .tolerance = 0.02,
+            .control = "speed of sound in place of a",
             .control_value = got.pressure * got.speed / speed});
   }
 }
