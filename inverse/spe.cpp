@@ -17,6 +17,9 @@ namespace calomel {
 
 namespace {
 
+/// Runs nearer than this, in units of the bounds, tell the surrogates nothing new.
+constexpr double same_place = 1e-3;
+
 /// Points of the unit box <-> natural units.
 class Box {
  public:
@@ -239,6 +242,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
     ranked = ranked_proposals(out, box, options.transform);
     if (round == options.refinements) break;
     const auto asked = spread_out(ranked, wanted, options.separation, bounds);
+    const Clock learning;
     std::vector<double> costs(asked.size());
     std::mutex lock;
     std::size_t finished = 0;
@@ -248,23 +252,26 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
       const std::lock_guard guard(lock);
       if (progress) progress("true-model runs to learn from", ++finished, asked.size());
     });
+    out.model_s += learning.seconds();
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (!std::isfinite(costs[i]) || (options.transform == "log" && costs[i] <= 0)) continue;
-      const bool fresh = std::none_of(known.begin(), known.end(), [&](const auto& k) { return k.theta == asked[i].theta; });
-      if (fresh) known.push_back({costs[i], asked[i].theta}), add_run(data, box.unit(asked[i].theta), transformed(options.transform, costs[i])), ++out.runs_added;
+      const Proposal now{costs[i], asked[i].theta};
+      const bool fresh = std::none_of(known.begin(), known.end(), [&](const auto& k) { return distance(k, now, bounds) < same_place; });
+      if (fresh) known.push_back(now), add_run(data, box.unit(now.theta), transformed(options.transform, costs[i])), ++out.runs_added;
     }
   }
   out.warnings.insert(out.warnings.end(), out.fit_warnings.begin(), out.fit_warnings.end());
 
-  // 2. Half of the candidates at most are the best of earlier rounds, which cost no run; the others are this round's.
+  // 2. Half of the candidates are this round's; the best of earlier rounds, which cost no run, come next, then more of this round.
   std::stable_sort(known.begin(), known.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  std::vector<std::vector<double>> best;
-  for (std::size_t i = 0; i < std::min(known.size(), wanted / 2); ++i) best.push_back(known[i].theta);
-  auto all = proposals(out, box, options.transform, best);
-  all.insert(all.end(), ranked.begin(), ranked.end());
-  const auto candidates = spread_out(all, 3 * wanted, options.separation, bounds);
+  std::vector<std::vector<double>> earlier;
+  for (const auto& k : known) earlier.push_back(k.theta);
+  auto candidates = spread_out(ranked, 3 * wanted, options.separation, bounds);
+  const auto remembered = proposals(out, box, options.transform, earlier);
+  candidates.insert(candidates.begin() + std::ptrdiff_t(std::min(candidates.size(), (wanted + 1) / 2)), remembered.begin(), remembered.end());
+  candidates = spread_out(candidates, candidates.size(), 0, bounds);  // each once
   const double at_nominal = median_costs(out.surrogates, box.unit(out.nominal), options.transform)[0];
-  out.search_s = clock.seconds();
+  out.search_s = clock.seconds() - out.model_s;
   decide_by_true_model(out, problem, model, candidates, wanted, at_nominal, threads, progress);
   out.model_runs = model.runs();
   return out;
