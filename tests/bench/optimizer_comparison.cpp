@@ -144,7 +144,7 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
     for (const auto& c : curves[p]) low = std::min(low, c.best), high = std::max(high, c.mean[1]);
     const double margin = 0.04 * (high - low);
     low -= margin, high += margin;
-    const auto x = [&](std::size_t k) { return x0 + width * double(k) / (iterations - 1); };
+    const auto x = [&](std::size_t k) { return x0 + width * double(k + 1) / iterations; };
     const auto y = [&](double f) { return top + height * (1 - (std::clamp(f, low, high) - low) / (high - low)); };
     s += fmt::format("<text x=\"{}\" y=\"20\" font-weight=\"bold\">{}</text><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#999\"/>\n", x0,
                      targets[p].name, x0, top, width, height);
