@@ -67,10 +67,7 @@ ExitStatus Stages::simulate() {
                  {"energy_balance_error", nullptr},
                  {"pulse_energies", prediction.energies}});
   } else {
-    SolveOptions options;
-    options.precision = forward.solver.precision;
-    options.time_step_safety = forward.solver.time_step_safety;
-    options.heated_rear = forward.solver.rear_reference == "heated";
+    SolveOptions options = solve_options(forward.solver);
     options.booking = forward.solver.booking;
     options.threads = command_.threads;
     options.stop = &stop_requested();

@@ -13,14 +13,19 @@ function(calomel_library name)
 endfunction()
 
 # One test program a folder: calomel_test(unit_mesh SOURCES mesh_test.cpp LINKS calomel::mesh LABELS unit)
+# SETS_UP names a fixture that another test requires: that one runs after all of these.
 function(calomel_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "SETS_UP" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
   target_compile_options(test_${name} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
   target_compile_definitions(test_${name} PRIVATE CALOMEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(test_${name} PRIVATE ${ARG_LINKS} GTest::gtest GTest::gmock GTest::gtest_main)
   include(GoogleTest)
-  gtest_discover_tests(test_${name} PROPERTIES LABELS "${ARG_LABELS}" DISCOVERY_TIMEOUT 60)
+  set(properties LABELS "${ARG_LABELS}")
+  if(ARG_SETS_UP)
+    list(APPEND properties FIXTURES_SETUP ${ARG_SETS_UP})
+  endif()
+  gtest_discover_tests(test_${name} PROPERTIES ${properties} DISCOVERY_TIMEOUT 60)
 endfunction()
 
 # The folders of the house that stand.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "forward/mesh/make_mesh.hpp"
+#include "forward/sensor/channel.hpp"
 #include "forward/solver/kernel.hpp"
 
 namespace calomel {
@@ -38,10 +39,31 @@ Mesh mesh_of(const GeometryOptions& g) try { return make_mesh(g); } catch (const
   throw InputError(parts);
 }
 
-std::vector<ObservationRow> axial_rows(const std::vector<LocatedGauge>& gauges) {
+/// Calls f(mechanism) for every one that is enabled and not off.
+template <class F>
+void for_active(const ForwardCase& c, F&& f) {
+  for (const auto& m : c.mechanisms)
+    if (!m.off()) f(m);
+}
+
+std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& gauges, const ForwardCase& at) {
   std::vector<ObservationRow> rows;
-  for (const auto& g : gauges) rows.push_back({g.axial.nodes, g.axial.weights});
+  for (const auto& g : gauges) {
+    rows.push_back({g.axial.nodes, g.axial.weights});
+    for_active(at, [&](const EnabledMechanism& m) {
+      if (m.entry->gauge) m.entry->gauge(m.values, g, rows.back());
+    });
+  }
   return rows;
+}
+
+/// The load with what mechanisms change of it.
+LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh) {
+  LoadOptions load = at.load;
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (m.entry->load) m.entry->load(m.values, mesh, load);
+  });
+  return load;
 }
 
 double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
@@ -51,21 +73,12 @@ double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
 /// How many times the modelled part the whole target is.
 double symmetry_factor(const Mesh& mesh) { return mesh.half ? 2 : 1; }
 
-/// y(t) = gain x(t - delay) on the output grid: cubic Hermite through the samples, x = 0 before the start.
-void respond(const SensorOptions& s, double interval, std::span<double> y) {
-  if (s.delay != 0) {
-    const std::vector<double> x(y.begin(), y.end());
-    const auto n = std::ptrdiff_t(x.size());
-    const auto at = [&](std::ptrdiff_t i) { return i < 0 ? 0.0 : x[std::size_t(std::min(i, n - 1))]; };
-    for (std::ptrdiff_t k = 0; k < n; ++k) {
-      const double position = double(k) - s.delay / interval;
-      const auto i = std::ptrdiff_t(std::floor(position));
-      const double w = position - double(i);
-      const double m0 = 0.5 * (at(i + 1) - at(i - 1)), m1 = 0.5 * (at(i + 2) - at(i));
-      const double w2 = w * w, w3 = w2 * w;
-      y[std::size_t(k)] = (2 * w3 - 3 * w2 + 1) * at(i) + (w3 - 2 * w2 + w) * m0 + (3 * w2 - 2 * w3) * at(i + 1) + (w3 - w2) * m1;
-    }
-  }
+/// y(t) = gain x(t - delay) of the channel, after what mechanisms make of x.
+void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (m.entry->channel) m.entry->channel(m.values, s.name, interval, y);
+  });
+  if (s.delay != 0) shift(s.delay, interval, y);
   for (auto& v : y) v *= s.gain;
 }
 
@@ -79,7 +92,7 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
     : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))) {
   gauges_ = locate_gauges(*mesh_, case_.sensors);
-  heating_ = heating_shape(*mesh_, case_.load.profile);
+  heating_ = heating_shape(*mesh_, effective_load(case_, *mesh_).profile);
   solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
   shape_.unit = case_.sensor_unit;
   shape_.parameters = case_.parameters;
@@ -91,6 +104,7 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
     const bool gauge = p.key.rfind("sensor.", 0) == 0 && !p.key.ends_with(".gain") && !p.key.ends_with(".delay");
     regauge_ = regauge_ || gauge;
     reheat_ = reheat_ || p.key.rfind("load.profile", 0) == 0;
+    for (const auto& m : case_.mechanisms) reheat_ = reheat_ || (m.entry->load && p.key.rfind("mechanism." + m.name + '.', 0) == 0);
     resteel_ = resteel_ || p.key == "material.steel.young" || p.key == "material.steel.poisson";
   }
 }
@@ -106,16 +120,25 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
   s.energies = std::move(energies);
   s.end = at.time.end, s.output_interval = at.time.output_interval;
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (m.entry->setup) m.entry->setup(m.values, s);
+  });
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (!m.entry->liquid) return;
+    if (s.liquid_law) throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
+    s.liquid_law = m.entry->liquid(m.values, s);
+  });
   if (at.load.kind == "end_stress") {
     s.end_stress = at.end_stress;
     return s;
   }
+  const LoadOptions load = effective_load(at, mesh);
   // The heat is that of the case's own liquid; with the Gruneisen policy the pressure follows the sound speed.
   const bool own = &mesh == mesh_.get() && !reheat_;
-  const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, at.load.profile);
+  const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, load.profile);
   const HeatingShape& heating = own ? heating_ : other;
-  const auto peak_pressure = at.conditions.empty() ? at.load.peak_pressure : at.conditions[condition].peak_pressure;
-  const auto energy = at.conditions.empty() ? at.load.energy : at.conditions[condition].energy;
+  const auto peak_pressure = at.conditions.empty() ? load.peak_pressure : at.conditions[condition].peak_pressure;
+  const auto energy = at.conditions.empty() ? load.energy : at.conditions[condition].energy;
   const double nominal_speed = case_.mercury.sound_speed, gamma = gruneisen(case_.mercury, nominal_speed);
   double peak = peak_pressure ? *peak_pressure : *energy * gamma / (heating.integral * symmetry_factor(mesh));
   if (at.load.policy == "gruneisen") {
@@ -125,10 +148,11 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
                                       at.mercury.sound_speed));
     peak *= gruneisen(at.mercury, at.mercury.sound_speed) / gamma;
   }
-  s.pulse_length = at.load.pulse_length;
+  peak *= load.factor;
+  s.pulse_length = load.pulse_length;
   s.p0.resize(mesh.elements.size());
   for (std::size_t e = 0; e < s.p0.size(); ++e) s.p0[e] = peak * heating.element[e];
-  s.p0_at = [profile = at.load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
+  s.p0_at = [profile = load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
   return s;
 }
 
@@ -147,16 +171,14 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
     if (remesh_ || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
     if (remesh_ || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
     const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
-    const auto rows = axial_rows(own_gauges.empty() ? gauges_ : own_gauges);
+    const auto rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, at);
 
     std::vector<double> pulses(m * values);
     for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition)
       for (std::size_t first = 0; first < m; first += run_lanes) {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
         const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
-        SolveOptions options;
-        options.precision = at.solver.precision, options.time_step_safety = at.solver.time_step_safety;
-        options.heated_rear = at.solver.rear_reference == "heated";
+        SolveOptions options = solve_options(at.solver);
         options.threads = threads_;
         const SolveSummary summary = solver.solve(s, rows, options);
         expect(summary.times.size() == times, "the solver observes at every output time");
@@ -165,7 +187,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
             const auto from = summary.observations.begin() + std::ptrdiff_t((r * sensors + k) * times);
             double* to = pulses.data() + (first + r) * values + shape_.at(condition, k, 0);
             std::copy(from, from + std::ptrdiff_t(times), to);
-            respond(at.sensors[k], at.time.output_interval, {to, times});
+            respond(at, at.sensors[k], at.time.output_interval, {to, times});
           }
       }
 
@@ -195,7 +217,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
 
 BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) const {
   Simulation out;
-  const auto rows = axial_rows(gauges_);
+  const auto rows = observation_rows(gauges_, case_);
   const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
   out.strain.resize(shape_.values());
   for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
@@ -203,7 +225,7 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) con
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
-      respond(case_.sensors[k], case_.time.output_interval, {to, times});
+      respond(case_, case_.sensors[k], case_.time.output_interval, {to, times});
     }
     if (condition == 0) {
       out.summary = std::move(s);
@@ -220,7 +242,7 @@ ModelDescription BuiltInModel::describe() const {
   ModelDescription d;
   d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
-  const int per_output = solver_->steps_per_output(s, case_.solver.time_step_safety);
+  const int per_output = solver_->steps_per_output(s, solve_options(case_.solver));
   d.time_step = case_.time.output_interval / per_output;
   d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
   d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;

@@ -7,8 +7,6 @@
 #include <set>
 #include <sstream>
 
-#include "forward/mechanism/mechanism.hpp"
-
 namespace calomel {
 
 namespace {
@@ -70,6 +68,17 @@ NumberVisitor find_number(Self& self, const std::string& key) {
   };
   ForwardCase::visit_tables(self, look);
   for (auto& s : self.sensors) look("sensor." + s.name, s);
+  for (auto& m : self.mechanisms) {
+    const std::string path = "mechanism." + m.name + '.';
+    for (const auto& k : m.entry->keys) known.push_back(path + k.name);
+    if (key.rfind(path, 0) != 0) continue;
+    // A gauge's own value is made when it is first set; asked for only, the common one answers.
+    const std::string rest = key.substr(path.size());
+    const auto dot = rest.rfind('.');
+    const bool own = dot != std::string::npos;
+    if (own && (!m.entry->per_sensor || std::none_of(self.sensors.begin(), self.sensors.end(), [&](const auto& s) { return s.name == rest.substr(0, dot); }))) continue;
+    found.number = const_cast<MechanismValues&>(m.values).find(rest);
+  }
   if (!found.number && !found.optional)
     throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = "did you mean \"" + nearest_name(key, known) + "\"?"});
   return found;
@@ -148,7 +157,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
     c.conditions.push_back(condition);
   }
   file.accept("condition");
-  c.notes = read_mechanisms(file);
+  std::vector<std::string> sensor_names(names.begin(), names.end());
+  auto mechanism_tables = read_mechanisms(file, sensor_names);
+  c.mechanisms = std::move(mechanism_tables.enabled);
+  c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
   for (auto& p : c.parameters)
     file.locating([&] {
@@ -204,6 +216,9 @@ Json ForwardCase::echo() const {
   for (const auto& s : sensors) j["sensor"].push_back(calomel::echo(s));
   for (const auto& s : conditions) j["condition"].push_back(calomel::echo(s));
   for (const auto& p : parameters) j["parameter"][p.name] = calomel::echo(p);
+  for (const auto& m : mechanisms)
+    for (const auto* values : {&m.values.common(), &m.values.by_sensor()})
+      for (const auto& [name, value] : *values) j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
   return j;
 }
 

@@ -6,6 +6,7 @@
 #include "base/case_file.hpp"
 #include "forward/material/linear_elastic.hpp"
 #include "forward/material/riemer.hpp"
+#include "forward/mechanism/mechanism.hpp"
 #include "forward/mesh/geometry_options.hpp"
 #include "forward/parameter.hpp"
 #include "forward/sensor/sensor_options.hpp"
@@ -63,6 +64,7 @@ struct ForwardCase {
   std::vector<SensorOptions> sensors;
   std::vector<ConditionOptions> conditions;  ///< empty: one, as the load says
   std::vector<Parameter> parameters;         ///< declared order, nominal filled
+  std::vector<EnabledMechanism> mechanisms;  ///< part of the model
   std::vector<std::string> notes;            ///< e.g. mechanisms that are listed but not built yet
 
   /// Reads every forward table. Errors: InputError with the place.

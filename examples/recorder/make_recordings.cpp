@@ -71,7 +71,7 @@ std::vector<double> true_strains(const BuiltInModel& model, const std::vector<do
   const ExplicitSolver solver(model.mesh(), LinearElastic::from_young(c.steel.young, c.steel.poisson), default_threads());
   std::vector<ObservationRow> rows;
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
-  SolveOptions options{.precision = c.solver.precision, .time_step_safety = c.solver.time_step_safety, .heated_rear = c.solver.rear_reference == "heated"};
+  SolveOptions options = solve_options(c.solver);
   options.threads = default_threads();
   std::vector<double> strains;
   for (std::size_t first = 0; first < energies.size(); first += run_lanes) {

@@ -4,8 +4,8 @@
 
 namespace calomel {
 
-const Registry<LiquidLaw>& liquid_laws() {
-  static const Registry<LiquidLaw> laws = Registry<LiquidLaw>("law of the liquid")
+const Registry<RiemerFactory>& liquid_laws() {
+  static const Registry<RiemerFactory> laws = Registry<RiemerFactory>("law of the liquid")
       .add("riemer", "p = max(p0 - K e_v - eta rate, -tensile_cutoff), reversible",
            [](const MercuryOptions& o, double eta) { return Riemer{o.density * o.sound_speed * o.sound_speed, o.tensile_cutoff, eta}; })
       .add("linear", "p = p0 - K e_v - eta rate: no cavitation",

@@ -54,7 +54,7 @@ struct MercuryOptions {
 };
 
 /// Laws of the liquid by name: from the options to Riemer's parameters ("linear" is Riemer's law with no cutoff).
-using LiquidLaw = Riemer (*)(const MercuryOptions&, double viscosity);
-const Registry<LiquidLaw>& liquid_laws();
+using RiemerFactory = Riemer (*)(const MercuryOptions&, double viscosity);
+const Registry<RiemerFactory>& liquid_laws();
 
 }  // namespace calomel

@@ -1,10 +1,21 @@
 #pragma once
 /// Physics that may have been left out: named blocks of parameters whose `off` values give the base model exactly.
+///
+/// A mechanism is one pair of files that makes its MechanismEntry: the law in words, its keys, and the functions through which it
+/// changes a run. Where physics can be missing there is one such place each: the load, the numbers and the liquid law of the
+/// run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/case_file.hpp"
 #include "base/registry.hpp"
+#include "forward/sensor/gauge.hpp"
+#include "forward/solver/explicit_solver.hpp"
+#include "forward/solver/load.hpp"
 
 namespace calomel {
 
@@ -12,23 +23,75 @@ namespace calomel {
 struct MechanismKey {
   std::string name;
   std::string unit;
-  double off;               ///< infinite where the law says "none"
+  double off;               ///< infinite where the law says "none"; the default of a key that does not decide
   double low, high;         ///< default prior range
   bool log_uniform = false;
+  bool decides = true;      ///< the mechanism is off when every deciding key has its off value
+  double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
+  std::string doc;
 };
 
-/// What the registry knows of a mechanism before (and after) it is built.
+/// The values of an enabled mechanism's keys; a gauge's own where it has any.
+class MechanismValues {
+ public:
+  MechanismValues() = default;
+  explicit MechanismValues(const std::vector<MechanismKey>& keys) {
+    for (const auto& k : keys) common_[k.name] = k.off;
+  }
+  [[nodiscard]] double operator[](const std::string& key) const { return common_.at(key); }
+  [[nodiscard]] double of(const std::string& sensor, const std::string& key) const {
+    const auto own = by_sensor_.find(sensor + '.' + key);
+    return own == by_sensor_.end() ? common_.at(key) : own->second;
+  }
+  /// The number at "key" or "SENSOR.key"; null when there is no such key. A gauge's own is made when first named.
+  [[nodiscard]] double* find(const std::string& path);
+  [[nodiscard]] const std::map<std::string, double>& common() const { return common_; }
+  [[nodiscard]] const std::map<std::string, double>& by_sensor() const { return by_sensor_; }
+
+ private:
+  std::map<std::string, double> common_, by_sensor_;
+};
+
+/// What the registry knows of a mechanism. A function that is null changes nothing; all null: not built in this version.
 struct MechanismEntry {
-  std::string law;                 ///< one line
+  std::string law;  ///< one line
   std::vector<MechanismKey> keys;
-  bool built = false;              ///< whether this version can run it
+  bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
+
+  /// The source. Errors: InputError when the modelled part cannot show it.
+  void (*load)(const MechanismValues&, const Mesh&, LoadOptions&) = nullptr;
+  /// Numbers of the run: viscosity, damping, boundary.
+  void (*setup)(const MechanismValues&, RunSetup&) = nullptr;
+  /// A liquid law of its own, after `setup`.
+  std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
+  /// What a gauge reads of the displacements.
+  void (*gauge)(const MechanismValues&, const LocatedGauge&, ObservationRow&) = nullptr;
+  /// A gauge's history on the output times, in strain, before its gain and delay.
+  void (*channel)(const MechanismValues&, const std::string& sensor, double interval, std::span<double> history) = nullptr;
+
+  [[nodiscard]] bool built() const { return load || setup || liquid || gauge || channel; }
 };
 
 /// All thirteen names of physics.md section 3.
 const Registry<MechanismEntry>& mechanisms();
 
-/// Reads `[mechanism.*]`: unknown names and keys are errors, enabling one that is not built is an error.
-/// Returns a note for every listed mechanism that is not built ("not built yet, not offered").
-std::vector<std::string> read_mechanisms(CaseFile& file);
+/// A mechanism that is part of the case's model.
+struct EnabledMechanism {
+  std::string name;
+  const MechanismEntry* entry;
+  MechanismValues values;
+  /// Every deciding key has its off value.
+  [[nodiscard]] bool off() const;
+};
+
+/// What `[mechanism.*]` says.
+struct MechanismTables {
+  std::vector<EnabledMechanism> enabled;
+  std::vector<std::string> offered;  ///< listed, for the diagnosis
+  std::vector<std::string> notes;    ///< e.g. that a listed one is not built
+};
+
+/// Reads `[mechanism.*]`: unknown names, keys and gauges are errors, so is enabling one that is not built.
+MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors);
 
 }  // namespace calomel

@@ -3,14 +3,17 @@
 /// way in tension (physics.md section 1).
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "forward/material/linear_elastic.hpp"
 #include "forward/material/riemer.hpp"
 #include "forward/mesh/mesh.hpp"
+#include "forward/solver/liquid_law.hpp"
 #include "forward/solver/load.hpp"
 #include "forward/solver/reentrant_edges.hpp"
 
@@ -21,12 +24,20 @@ struct SolverOptions {
   std::string precision = "double";
   double time_step_safety = 0.95;
   std::string rear_reference = "heated";
+  std::string kinematics = "small";
+  std::string steel_element = "assumed_strain";
   bool booking = true;
+  double checkpoint = 120;
   template <class V>
   void visit(V& v) {
     v("precision", precision, {.doc = "arithmetic of the time loop", .choices = {"single", "double"}});
     v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used"});
     v("rear_reference", rear_reference, {.doc = "what lies behind a non-reflecting rear face: equally heated mercury, or none (zero)", .choices = {"heated", "zero"}});
+    v("kinematics", kinematics, {.doc = "strain of the elements: of small displacements, or Green's in the reference configuration", .choices = {"small", "finite"}});
+    v("steel_element", steel_element,
+      {.doc = "assumed strain, exact in bending, or the selectively reduced B-bar element that checks it (locks in thin walls; small strain only)",
+       .choices = {"assumed_strain", "b_bar"}});
+    v("checkpoint", checkpoint, {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which a run that was cut off goes on; 0 = none"});
     v("booking", booking, {.doc = "energy balance of every step in simulate (about a tenth slower)"});
   }
 };
@@ -44,6 +55,10 @@ struct RunSetup {
   Riemer liquid{};
   double hourglass = 0.02;                            ///< liquid hourglass coefficient [-]
   double quadratic_viscosity = 0;                     ///< b2 [-]
+  std::shared_ptr<const LiquidLaw> liquid_law;        ///< in place of Riemer's; null: Riemer's with the numbers of `liquid`
+  double steel_mass_damping = 0;                      ///< a of a M v in the steel [1/s]
+  double steel_stiffness_damping = 0;                 ///< b of b K v in the steel [s]
+  double rear_coefficient = 0;                        ///< r of (1 - r) p' = (1 + r) rho c v_n at the rear face: 0 lets waves out, 1 holds, -1 frees
   std::vector<double> p0;                             ///< per mesh element, at energy 1 [Pa]; empty: none
   std::function<double(const Vec3&)> p0_at;           ///< the same at a point, for the rear face
   double pulse_length = 0;                            ///< [s]
@@ -61,10 +76,22 @@ struct FieldSnapshot {
   std::vector<Vec3> velocity;              ///< per mesh node [m/s]
   std::vector<double> pressure;            ///< per mesh element, compression positive [Pa]
   std::vector<double> effective_stress;    ///< per mesh element, von Mises at the centre, 0 in the liquid [Pa]
+  std::vector<double> time_at_cutoff;      ///< per mesh element, time that the liquid has spent at its cutoff so far; booked runs only, else 0 [s]
+};
+
+/// Where a long run leaves what it needs to go on, and how often.
+struct Checkpoint {
+  std::filesystem::path path;   ///< empty: none
+  double every_seconds = 120;   ///< wall time
+  std::string identity;         ///< of everything that decides the run; a file of another identity is an error
+  std::function<void(std::int64_t fields)> before_saving;   ///< called with the number of snapshots handed out so far
+  std::function<void(std::int64_t step, std::int64_t fields)> on_resume;  ///< the run goes on from this step, this many snapshots done
 };
 
 struct SolveOptions {
   std::string precision = "double";
+  std::string kinematics = "small";        ///< or finite
+  std::string steel_element = "assumed_strain";  ///< or b_bar
   double time_step_safety = 0.95;
   bool heated_rear = true;
   bool booking = false;                    ///< one run only
@@ -73,8 +100,12 @@ struct SolveOptions {
   double field_interval = 0;               ///< 0 = no fields
   std::function<void(const FieldSnapshot&)> on_field;
   std::function<void(double share)> on_progress;
-  const std::atomic<bool>* stop = nullptr; ///< checked at every output; throws Interrupted
+  const std::atomic<bool>* stop = nullptr; ///< checked at every output; saves the checkpoint and throws Interrupted
+  Checkpoint checkpoint;
 };
+
+/// The options of a case as a run takes them.
+SolveOptions solve_options(const SolverOptions& options);
 
 struct SolveSummary {
   std::vector<double> times;               ///< of the observations [s]
@@ -87,12 +118,11 @@ struct SolveSummary {
   double hourglass_share = 0;              ///< greatest hourglass energy / energy put in
   double energy_in = 0;                    ///< by heat, end loads and the initial state [J]
   double dissipated = 0, radiated = 0;     ///< by viscosity; through the rear face [J]
+  double greatest_stress = 0;              ///< highest effective stress of any steel element's centre; booked runs only, else 0 [Pa]
+  Vec3 greatest_stress_at{};               ///< centre of that element [m]
+  std::int64_t resumed_from = 0;           ///< step of the checkpoint that the run went on from; 0: from the start
   std::string kernel;                      ///< instruction set
 };
-
-/// Greatest stable central-difference step, 2/omega (sqrt(1 + xi^2) - xi), of an element with eigenvalue omega^2
-/// [1/s^2] and stiffness-proportional damping beta [s] that lags half a step (xi = beta omega / 2) [s].
-double stable_time_step(double eigenvalue, double beta);
 
 /// A mesh made ready for runs. Building costs about a microsecond an element; runs may then share it from several threads.
 class ExplicitSolver {
@@ -103,10 +133,12 @@ class ExplicitSolver {
   ~ExplicitSolver();
   ExplicitSolver(ExplicitSolver&&) noexcept;
 
-  /// Stable step of a setup, before the safety factor [s]. Errors: NumericsError when nothing can move or it vanishes.
-  [[nodiscard]] double stable_step(const RunSetup& setup) const;
-  /// Steps that divide the output interval.
-  [[nodiscard]] int steps_per_output(const RunSetup& setup, double safety) const;
+  /// Bound of the stable step from the worst element, before the safety factor [s]. Errors: NumericsError when nothing can move or it vanishes.
+  [[nodiscard]] double element_step(const RunSetup& setup) const;
+  /// Stable step of the whole mesh (see stable_step.hpp), never below the bound from the elements [s].
+  [[nodiscard]] double stable_step(const RunSetup& setup, const SolveOptions& options = {}) const;
+  /// Steps that divide the output interval. Errors: NumericsError when there would be more than a million.
+  [[nodiscard]] int steps_per_output(const RunSetup& setup, const SolveOptions& options) const;
 
   /// Runs from the setup's initial state (rest unless given). `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
   [[nodiscard]] SolveSummary solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const;

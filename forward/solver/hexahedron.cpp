@@ -79,6 +79,47 @@ HourglassStiffness hourglass_stiffness(const HexGeometry& g, const LinearElastic
   return k;
 }
 
+ModeStiffness b_bar_stiffness(const Corners& x, const LinearElastic& steel) {
+  const HexGeometry mean = hex_geometry(x);
+  const double gauss = 1 / std::sqrt(3.0);
+  Eigen::Matrix<double, 6, 6> c = Eigen::Matrix<double, 6, 6>::Zero();  // xx yy zz xy yz zx, engineering shear
+  c.topLeftCorner<3, 3>().setConstant(steel.lambda);
+  for (int i = 0; i < 3; ++i) c(i, i) += 2 * steel.mu, c(i + 3, i + 3) = steel.mu;
+  ModeStiffness k = ModeStiffness::Zero();
+  for (int point = 0; point < 8; ++point) {
+    const double xi[3] = {point & 1 ? gauss : -gauss, point & 2 ? gauss : -gauss, point & 4 ? gauss : -gauss};
+    // Values of mode m at xi are products of its coordinates; f = sum_m f_m mode_m / 8.
+    Eigen::Matrix<double, 3, 7> slope;
+    for (int m = 1; m < 8; ++m)
+      for (int axis = 0; axis < 3; ++axis) {
+        double value = (m >> axis) & 1 ? 0.125 : 0;
+        for (int other = 0; other < 3; ++other)
+          if (other != axis && ((m >> other) & 1)) value *= xi[other];
+        slope(axis, m - 1) = value;
+      }
+    Eigen::Matrix3d j = Eigen::Matrix3d::Zero();
+    for (int m = 1; m < 8; ++m) {
+      Eigen::Vector3d amplitude = Eigen::Vector3d::Zero();
+      for (int corner = 0; corner < 8; ++corner) amplitude += mode_sign(m, corner) * x.col(corner);
+      j += amplitude * slope.col(m - 1).transpose();
+    }
+    const Eigen::Matrix<double, 3, 7> gradient = j.transpose().inverse() * slope;
+    Eigen::Matrix<double, 6, 21> b = Eigen::Matrix<double, 6, 21>::Zero();
+    for (int m = 0; m < 7; ++m) {
+      const Eigen::Vector3d d = gradient.col(m), dilatation = (mean.mode_gradient.col(m) - d) / 3;
+      for (int axis = 0; axis < 3; ++axis) {
+        b(axis, axis * 7 + m) += d(axis);
+        for (int row = 0; row < 3; ++row) b(row, axis * 7 + m) += dilatation(axis);
+      }
+      b(3, m) = d(1), b(3, 7 + m) = d(0);
+      b(4, 7 + m) = d(2), b(4, 14 + m) = d(1);
+      b(5, m) = d(2), b(5, 14 + m) = d(0);
+    }
+    k += j.determinant() * b.transpose() * c * b;
+  }
+  return k;
+}
+
 double steel_eigenvalue(const HexGeometry& g, const LinearElastic& steel, const HourglassStiffness& k, const std::array<std::uint8_t, 8>& fixed) {
   // Constant part: V B^T C B against (rho V / 8): 8 / rho times the greatest eigenvalue of C^1/2 (sum_I B_I B_I^T) C^1/2.
   Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();

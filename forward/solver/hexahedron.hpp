@@ -49,6 +49,14 @@ struct HourglassStiffness {
 };
 HourglassStiffness hourglass_stiffness(const HexGeometry& g, const LinearElastic& steel);
 
+/// Stiffness over the 21 mode values (component * 7 + mode - 1) [N/m].
+using ModeStiffness = Eigen::Matrix<double, 21, 21>;
+
+/// The selectively reduced trilinear element: 2 x 2 x 2 points for the deviator, the mean of the dilatation in each (B-bar,
+/// Hughes 1980, Int. J. Numer. Methods Eng. 15, 1413). It locks in bending where the fast element does not, and needs no
+/// hourglass control: the check on the fast one.
+ModeStiffness b_bar_stiffness(const Corners& x, const LinearElastic& steel);
+
 /// Greatest eigenvalue [1/s^2] times density [kg/m^3] of a steel element against its lumped mass (an upper bound where
 /// the element is no parallelepiped). `fixed` are the corners' fixed bits.
 double steel_eigenvalue(const HexGeometry& g, const LinearElastic& steel, const HourglassStiffness& k, const std::array<std::uint8_t, 8>& fixed);

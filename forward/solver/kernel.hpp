@@ -7,14 +7,25 @@
 #include <cstdint>
 
 #include "forward/solver/layout.hpp"
+#include "forward/solver/liquid_points.hpp"
 
 namespace calomel {
 
 inline constexpr int run_lanes = 8;
 
 /// Lane vectors of state per liquid element when energy is booked or a viscosity needs the rate: volumetric strain and viscous
-/// pressure of the last step and, with lanes as elements, the hourglass amplitudes.
-inline constexpr int element_state = 14, run_state = 2;
+/// pressure of the last step (with a law of its own: the whole pressure) and, with lanes as elements, the hourglass amplitudes
+/// and the time spent at the cutoff [s]. A booked steel element keeps the square of its greatest effective stress [Pa^2].
+inline constexpr int element_state = 15, run_state = 2, steel_state = 1;
+inline constexpr int state_time_at_cutoff = 14;
+
+/// How an element is written down.
+enum class Form : std::uint8_t {
+  parallelepiped,  ///< three gradients, no coupling of hourglass and linear modes
+  general,
+  dense,           ///< steel only: any stiffness of the modes 1..7, for elements that check the fast ones
+  finite           ///< finite strain: the terms of `general`, measured in the reference configuration
+};
 
 /// Energies and works of a step, summed over a block or a boundary [J].
 struct EnergyTerms {
@@ -25,28 +36,40 @@ struct EnergyTerms {
   double dissipated = 0;    ///< by viscosity, since the last step
   double heat = 0;          ///< put in by the pulse, since the last step
   double boundary_before = 0, boundary_after = 0;  ///< work on the surroundings by the half steps before and after this instant
+  double damped_after = 0;  ///< taken from the motion after this instant
   void add(const EnergyTerms& t) {
     kinetic += t.kinetic, liquid += t.liquid, hourglass += t.hourglass, steel += t.steel, dissipated += t.dissipated, heat += t.heat;
-    boundary_before += t.boundary_before, boundary_after += t.boundary_after;
+    boundary_before += t.boundary_before, boundary_after += t.boundary_after, damped_after += t.damped_after;
   }
 };
 
+/// A liquid law of its own, as the kernel calls it.
+struct LawHook {
+  void (*advance)(const void* law, const LiquidPoints& points) = nullptr;  ///< null: Riemer's law
+  const void* law = nullptr;
+  double* memory = nullptr;   ///< (2 + state size, points): strain and pressure one step earlier, then the law's state
+  std::size_t points = 0;     ///< of the block: elements x lanes, padding included
+};
+
 /// One block as the kernel sees it. Geometry per element: liquid parallelepiped b[9] V h; liquid b[21] V h X[12];
-/// steel parallelepiped b[9] V K[45] L[6]; steel b[21] V X[12] K[45] L[6]; with lanes as elements in groups [term][lane].
+/// steel parallelepiped b[9] V K[45] L[6]; steel b[21] V X[12] K[45] L[6]; dense steel V K[231], the upper triangle by rows over
+/// (component, mode); with lanes as elements in groups [term][lane].
 template <class R>
 struct BlockData {
-  bool liquid, parallelepiped;
+  bool liquid;
+  Form form;
   std::int32_t groups;                  ///< groups of lanes (elements), or elements (runs)
   const R* geometry;
   const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
   const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
-  R* state;                             ///< (groups, element_state, lanes) or (elements, run_state, lanes), null when not booked
+  R* state;                             ///< (groups, element_state or steel_state, lanes) or (elements, run_state, lanes), null when not booked
   std::int32_t first_node, interior;
   const NodeRange* ranges;
   std::int32_t range_count;
   const std::int32_t* shared;
   std::int32_t shared_count;
   std::size_t outbox;
+  LawHook law;
 };
 
 template <class R>
@@ -72,8 +95,9 @@ struct StepData {
   R dt, kick;              ///< kick = dt, half of it in the first step
   R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]
   R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
-  R impedance;             ///< rho c of the liquid, for the rear face
+  R rear_give, rear_push;  ///< rear face: give p' = push v_n; 1 - r and (1 + r) rho c
   R lambda, mu;            ///< of the steel
+  R steel_beta;            ///< stiffness-proportional damping of the steel [s]
   alignas(64) R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
   alignas(64) R load_before[run_lanes];  ///< the same one step earlier
   alignas(64) R end_stress[run_lanes];   ///< [Pa], tension positive
@@ -99,7 +123,9 @@ template <class R>
 const KernelTable<R>& kernels();
 
 /// Numbers of geometry terms per element.
-constexpr int geometry_terms(bool liquid, bool parallelepiped) {
+constexpr int geometry_terms(bool liquid, Form form) {
+  if (form == Form::dense) return 1 + 231;
+  const bool parallelepiped = form == Form::parallelepiped;
   const int gradients = parallelepiped ? 9 : 21, x = parallelepiped ? 0 : 12;
   return gradients + 1 + x + (liquid ? 1 : 45 + 6);
 }

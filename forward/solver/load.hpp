@@ -46,6 +46,7 @@ struct LoadOptions {
   ProfileOptions profile;
   std::string file;          // end_stress
   double stress_scale = 1;   // end_stress
+  double factor = 1;         ///< on the heating pressure; no key, mechanisms set it
   template <class V>
   void visit(V& v) {
     v("kind", kind, {.doc = "what sets the target in motion", .choices = {"initial_pressure", "end_stress"}});

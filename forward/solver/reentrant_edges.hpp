@@ -14,7 +14,7 @@ namespace calomel {
 /// stiffness of the elements that touch the edge by a fixed share, the same for every h, takes that term away (Egger,
 /// Ruede and Wohlmuth, Energy-corrected finite element methods for corner singularities, SIAM J. Numer. Anal. 52, 2014).
 /// The share belongs to the element and the angle; 0.18 was found with this element, square around the edge, nu = 0.29,
-/// from the first frequency of a free L-shaped frame alone (docs/verification.md).
+/// from the first frequency of a free L-shaped frame alone (docs/verification).
 inline constexpr double reentrant_softening = 0.18;
 
 /// Per mesh element: 1 for a steel element with an edge around which the steel fills 270 degrees to within 20. An edge that

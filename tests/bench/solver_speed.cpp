@@ -46,7 +46,7 @@ double read_bandwidth(int threads) {
 /// Bytes that one element-step must move at least: its geometry, connectivity, and about one node's rows read and written.
 double bytes_per_element(const Mesh& mesh, std::size_t real, bool runs) {
   double bytes = 0;
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e) bytes += double(geometry_terms(mesh.region[e] == Region::mercury, true)) * double(real) / (runs ? 8 : 1);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) bytes += double(geometry_terms(mesh.region[e] == Region::mercury, Form::parallelepiped)) * double(real) / (runs ? 8 : 1);
   const double nodes = double(mesh.nodes.size()) / double(mesh.elements.size());
   return bytes / double(mesh.elements.size()) + 16.0 / (runs ? 8 : 1) + nodes * double(real) * (runs ? 3 : 4) * 4;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "forward/built_in_model.hpp"
+#include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;
@@ -65,26 +66,89 @@ bool absent() { return !std::filesystem::exists(folder / "box_linear.csv"); }
 }  // namespace
 
 TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
-  if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
-  const Misfit coarse = misfit({"geometry.element_size=0.002"}), fine = misfit({"geometry.element_size=0.001"});
-  measured("mean_L2_2mm", coarse.mean), measured("worst_L2_2mm", coarse.worst);
-  measured("mean_L2_1mm", fine.mean), measured("worst_L2_1mm", fine.worst);
-  measured("order", std::log2(coarse.mean / fine.mean));
-  EXPECT_LT(fine.mean, 0.025);  // the design asks for 0.05
-  EXPECT_LT(fine.mean, 0.45 * coarse.mean);
+  if (absent()) {
+    rows_absent("no reference solutions");
+    GTEST_SKIP() << "the reference solutions are not here: " << folder;
+  }
+  const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}), fine = misfit({"geometry.element_size=0.0005"});
+  const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"}), slower = misfit({"geometry.element_size=0.0005", "material.mercury.sound_speed=1420"});
+  const double order = observed_order("box slice", {2, 1, 0.5}, {coarse.mean, middle.mean, fine.mean});
+  verify({.item = "Whole base model", .quantity = "linear box slice, 8 gauges over 0.5 ms, 1 mm, mean relative L2", .reference = 0, .source = "independent finite differences, own error 0.5 %",
+          .measured = middle.mean, .tolerance = 0.05, .order = std::log2(coarse.mean / middle.mean), .control = "tied", .control_value = tied.mean});
+  verify({.item = "Whole base model", .quantity = "the same, 0.5 mm", .reference = 0, .source = "the same", .measured = fine.mean, .tolerance = 0.02, .order = order,
+          .control = "sound speed -2 %", .control_value = slower.mean});
+  EXPECT_LT(middle.mean, 0.45 * coarse.mean);
 }
 
-TEST(BoxSlice, TiedWallsAndSofterMercuryAreFarOff) {
-  if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
-  const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"});
-  measured("tied_mean_L2_1mm", tied.mean);
-  EXPECT_GT(tied.mean, 0.10);
-  const Misfit slower = misfit({"geometry.element_size=0.001", "material.mercury.sound_speed=1420"});
-  measured("sound_speed_minus_2_percent", slower.mean);
-  EXPECT_GT(slower.mean, 0.05);
+namespace {
+
+const std::filesystem::path null_folder = shared_folder() / "checks" / "cases" / "null";
+
+/// Mean over the pulses of each gauge, from columns sensor, pulse, time, strain; samples in order.
+std::map<std::string, std::vector<double>> mean_record(const std::filesystem::path& path) {
+  std::map<std::string, std::map<double, std::pair<double, int>>> sums;
+  std::ifstream in(path);
+  std::string line, sensor, pulse, time, strain;
+  for (std::getline(in, line); std::getline(in, line);) {
+    std::stringstream s(line);
+    std::getline(s, sensor, ','), std::getline(s, pulse, ','), std::getline(s, time, ','), std::getline(s, strain);
+    auto& [sum, count] = sums[sensor][std::stod(time)];
+    sum += std::stod(strain), ++count;
+  }
+  std::map<std::string, std::vector<double>> mean;
+  for (const auto& [name, samples] : sums)
+    for (const auto& [t, value] : samples) mean[name].push_back(value.first / value.second);
+  return mean;
 }
 
-// test_verification --gtest_also_run_disabled_tests --gtest_filter=BoxSlice.DISABLED_*: the table of docs/verification.md.
+/// Relative L2 between the mean of eight energies and the mean record, averaged over the gauges; the worst gauge.
+Misfit null_misfit(const std::string& element_size, const std::map<std::string, double>& truth) {
+  CaseFile file(null_folder / "case.toml", std::vector<std::string>{"solver.precision=single", "geometry.element_size=" + element_size});
+  const BuiltInModel model(ForwardCase::read(file));
+  std::vector<double> theta;
+  for (const auto& p : model.forward_case().parameters) theta.push_back(truth.at(p.name));
+  const auto mean = model.evaluate(theta).mean;
+  const auto record = mean_record(null_folder / "recordings.csv");
+  const auto& shape = model.shape();
+  Misfit m;
+  for (std::size_t k = 0; k < shape.sensors.size(); ++k) {
+    const auto& r = record.at(shape.sensors[k]);
+    EXPECT_EQ(r.size(), shape.times.size());
+    double difference = 0, size = 0;
+    for (std::size_t i = 0; i < r.size(); ++i) difference += std::pow(mean[shape.at(0, k, i)] - r[i], 2), size += r[i] * r[i];
+    const double error = std::sqrt(difference / size);
+    m.mean += error / double(shape.sensors.size()), m.worst = std::max(m.worst, error);
+  }
+  return m;
+}
+
+const std::map<std::string, double> null_truth{{"density", 13501.5}, {"sound_speed", 1458.25}, {"tensile_cutoff", 188346}};
+
+}  // namespace
+
+// The record of another code, with small unknowns (the steel's modulus, gauge places and gains). At 1 mm that code itself is 16 % from its own 0.5 mm record:
+// as much is allowed here.
+TEST(BoxSlice, NullRecordIsMetAsCloselyAsItsOwnCodeWould) {
+  if (!std::filesystem::exists(null_folder / "recordings.csv")) {
+    rows_absent("no null record");
+    GTEST_SKIP() << "the null record is not here: " << null_folder;
+  }
+  const Misfit got = null_misfit("0.001", null_truth);
+  auto spoiled = null_truth;
+  spoiled["sound_speed"] *= 0.9;
+  verify({.item = "Null record", .quantity = "mean of 8 energies, 1 mm, 11 gauges over 0.47 ms, mean relative L2", .reference = 0, .source = "another code's record at 0.5 mm", .measured = got.mean,
+          .tolerance = 0.16, .control = "sound speed -10 %", .control_value = null_misfit("0.001", spoiled).mean});
+  measured("worst_gauge", got.worst);
+}
+
+TEST(BoxSlice, DISABLED_NullRecordTable) {
+  for (const char* size : {"0.002", "0.001", "0.0005"}) {
+    const Misfit m = null_misfit(size, null_truth);
+    std::cout << size << " m: mean " << m.mean << " worst " << m.worst << std::endl;
+  }
+}
+
+// test_verification --gtest_also_run_disabled_tests --gtest_filter=BoxSlice.DISABLED_*: tables of docs/verification.
 TEST(BoxSlice, DISABLED_ConvergenceTable) {
   if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
   const char* sizes = std::getenv("CALOMEL_ELEMENT_SIZES");

@@ -2,6 +2,7 @@
 // No closed solution: 1531.8 Hz is extrapolated from uncorrected runs with 5, 10 and 20 elements through the legs (1540.18,
 // 1535.77, 1533.69 Hz), whose differences fall by 2.12, the 2^1.09 that the exponent 0.544 of a 270 degree corner predicts
 // (Williams 1952).
+#include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;
@@ -53,9 +54,8 @@ double frequency(int through, double softening) {
 TEST(Corner, TheSofteningRestoresTheConvergenceThatAReentrantEdgeTakes) {
   for (const int through : {2, 3, 5}) {
     const double corrected = frequency(through, reentrant_softening) / limit - 1, plain = frequency(through, 0) / limit - 1;
-    measured("corrected_" + std::to_string(through), corrected);
-    measured("uncorrected_" + std::to_string(through), plain);
-    EXPECT_LT(std::abs(corrected), through == 5 ? 1e-3 : 4e-3);
+    verify({.item = "Inner corner", .quantity = fmt::format("L-shaped frame, {} elements through its legs", through), .unit = "Hz", .reference = limit, .source = "extrapolated, 5 to 20 elements",
+            .measured = limit * (1 + corrected), .tolerance = (through == 5 ? 1e-3 : 4e-3) * limit, .control = "without the correction", .control_value = limit * (1 + plain)});
     EXPECT_GT(plain, 2.5 * std::abs(corrected));  // control: without it the frame is too stiff
   }
 }
@@ -82,11 +82,12 @@ TEST(Corner, WetBendingWithoutACornerConvergesAtSecondOrder) {
     return fitted_frequency(out.times, row_of(out, 0), 3000, 9000);
   };
   const double coarse = wet(0.0025, true), middle = wet(0.00125, true), fine = wet(0.000625, true);
-  measured("wet_2.5mm", coarse), measured("wet_1.25mm", middle), measured("wet_0.625mm", fine);
   EXPECT_LT(std::abs(middle / fine - 1), 1e-3);
   EXPECT_GT((coarse - middle) / (middle - fine), 2.5);
   EXPECT_NEAR(fine, 6214, 0.04 * 6214);
   const double tied = wet(0.00125, false);  // control: half a layer of mercury hangs on the wall
-  measured("tied_1.25mm", tied);
   EXPECT_GT(std::abs(tied / fine - 1), 0.01);
+  const double order = std::log2((coarse - middle) / (middle - fine));
+  verify({.item = "Inner corner", .quantity = "wet wall without a corner, 1.25 mm", .unit = "Hz", .reference = fine, .source = "the same at 0.625 mm", .measured = middle, .tolerance = 1e-3 * fine,
+          .order = order, .control = "tied", .control_value = tied});
 }

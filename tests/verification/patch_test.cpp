@@ -1,5 +1,6 @@
 // Patch, rigid-body and hourglass tests (physics.md section 4), all on forces that the solver itself makes.
 #include "base/random.hpp"
+#include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;
@@ -46,11 +47,9 @@ TEST(Patch, LinearFieldsLeaveInnerNodesOfADistortedPatchAtRest) {
     const ExplicitSolver solver(mesh, steel());
     const RunSetup setup = linear_setup(0, 0);
     const double share = inner_share(mesh, accelerations(solver, setup, linear(mesh, gradient)));
-    measured(region == Region::steel ? "steel_inner_share" : "mercury_inner_share", share);
-    EXPECT_LT(share, 1e-10);
-    // Control: a quadratic field of the same size is felt inside.
     const auto bent = field(mesh, [](const Vec3& x) { return Vec3{0.1 * x[0] * x[0], 0, 0}; });
-    EXPECT_GT(inner_share(mesh, accelerations(solver, setup, bent)), 1e-2);
+    verify({.item = "Patch and modes", .quantity = std::string("net force within a distorted patch, ") + (region == Region::steel ? "steel" : "mercury"), .reference = 0,
+            .source = "linear field (Irons)", .measured = share, .tolerance = 1e-10, .control = "quadratic field", .control_value = inner_share(mesh, accelerations(solver, setup, bent))});
   }
 }
 
@@ -95,7 +94,9 @@ TEST(Patch, RigidMotionsLeaveNoForceAnywhere) {
     const RunSetup setup = linear_setup(0, 0);
     const Eigen::Matrix3d spin = gradient - gradient.transpose();
     const double scale = accelerations(solver, setup, linear(mesh, gradient + gradient.transpose())).cwiseAbs().maxCoeff();
-    EXPECT_LT(accelerations(solver, setup, linear(mesh, spin)).cwiseAbs().maxCoeff(), 1e-10 * scale);
+    verify({.item = "Patch and modes", .quantity = std::string("force of a rigid rotation, ") + (region == Region::steel ? "steel" : "mercury"), .reference = 0, .source = "exact",
+            .measured = accelerations(solver, setup, linear(mesh, spin)).cwiseAbs().maxCoeff() / scale, .tolerance = 1e-10, .control = "a stretch of a hundredth of it",
+            .control_value = accelerations(solver, setup, linear(mesh, 0.01 * (gradient + gradient.transpose()))).cwiseAbs().maxCoeff() / scale});
     const auto shift = field(mesh, [](const Vec3&) { return Vec3{1e-5, -2e-5, 3e-5}; });
     EXPECT_LT(accelerations(solver, setup, shift).cwiseAbs().maxCoeff(), 1e-10 * scale);
   }
@@ -147,6 +148,9 @@ TEST(SteelElement, HasSixZeroEnergyModesAndNoMore) {
       if (i < 6) EXPECT_LT(std::abs(values[i]), 1e-9 * values[23]) << i;
       else EXPECT_GT(values[i], 1e-3 * values[23]) << i;
     }
+    const auto soft = [&](double share) { return double((values.array().abs() < share * values[23]).count()); };
+    verify({.item = "Patch and modes", .quantity = std::string("modes without energy of a steel element, ") + (skewed ? "skewed" : "rectangular"), .reference = 6, .source = "rigid motions",
+            .measured = soft(1e-9), .tolerance = 0, .control = "one-point element: hourglass modes free", .control_value = 18});
   }
 }
 
@@ -214,8 +218,8 @@ TEST(SteelElement, StripUnderAnEndMomentDeflectsExactlyWithOneElementThroughItsT
     const Eigen::VectorXd u = k.ldlt().solve(f);
     const double theory = -moment * length * length / 2 / (young / (1 - poisson * poisson) * h * h * h / 12);
     const double error = u[3 * nearest(mesh, {length, 0, 0}) + 2] / theory - 1;
-    measured("strip_error_" + std::to_string(through), error);
-    EXPECT_LT(std::abs(error), 1e-8);
+    verify({.item = "Bending", .quantity = fmt::format("strip under an end moment, {} through it, relative error", through), .reference = 0, .source = "M L^2 / 2 E' I", .measured = error,
+            .tolerance = 1e-8, .control = "no plane-strain factor", .control_value = u[3 * nearest(mesh, {length, 0, 0}) + 2] / (theory / (1 - poisson * poisson)) - 1});
     // Control: Young's modulus without the plane-strain factor is far off.
     EXPECT_GT(std::abs(u[3 * nearest(mesh, {length, 0, 0}) + 2] / (theory / (1 - poisson * poisson)) - 1), 0.05);
   }

@@ -1,5 +1,6 @@
 #pragma once
 /// Small meshes made by hand, runs on them, and fits of what comes out.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/Dense>

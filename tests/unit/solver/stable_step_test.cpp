@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "base/random.hpp"
+#include "forward/solver/stable_step.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;

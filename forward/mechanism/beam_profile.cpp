@@ -1,0 +1,41 @@
+#include "forward/mechanism/beam_profile.hpp"
+
+#include <cmath>
+
+namespace calomel {
+
+namespace {
+
+constexpr double pulse_of_the_load = 0.7e-6;
+
+void change_source(const MechanismValues& v, const Mesh& mesh, LoadOptions& load) {
+  if (mesh.half && v["offset_y"] != 0)
+    throw InputError({.problem = "a half model is symmetric about y = 0 and cannot show a beam that is off to one side",
+                      .key = "mechanism.beam_profile.offset_y",
+                      .value = number_text(v["offset_y"]),
+                      .suggestion = "set geometry.half = false"});
+  auto& p = load.profile;
+  p.center[0] += v["offset_y"], p.center[1] += v["offset_z"];
+  p.widths[0] *= v["width_ratio_y"], p.widths[1] *= v["width_ratio_z"];
+  load.factor *= v["energy_ratio"];
+  if (v["pulse_length"] != pulse_of_the_load) load.pulse_length = v["pulse_length"];
+}
+
+MechanismKey ratio(const char* name, double low, double high, const char* doc) {
+  return {.name = name, .unit = "", .off = 1, .low = low, .high = high, .least = 0.01, .greatest = 100, .doc = doc};
+}
+
+}  // namespace
+
+MechanismEntry beam_profile() {
+  return {.law = "offset, width, strength and length of the pulse",
+          .keys = {{.name = "offset_y", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .doc = "of the axis, sideways; needs the full model"},
+                   {.name = "offset_z", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .doc = "of the axis, upwards"},
+                   ratio("width_ratio_y", 0.85, 1.15, "of the width along y to the one in [load]"),
+                   ratio("width_ratio_z", 0.85, 1.15, "of the width along z to the one in [load]"),
+                   ratio("energy_ratio", 0.97, 1.03, "of the heating pressure everywhere to the one that the widths and [load] give"),
+                   {.name = "pulse_length", .unit = "s", .off = pulse_of_the_load, .low = 0, .high = 2e-6, .least = 0, .greatest = 1e-3, .doc = "in place of the one in [load]"}},
+          .load = change_source};
+}
+
+}  // namespace calomel

@@ -1,0 +1,83 @@
+#include "forward/mechanism/mechanism.hpp"
+
+#include <algorithm>
+
+namespace calomel {
+
+double* MechanismValues::find(const std::string& path) {
+  const auto common = common_.find(path);
+  if (common != common_.end()) return &common->second;
+  const auto dot = path.rfind('.');
+  if (dot == std::string::npos) return nullptr;
+  const auto key = common_.find(path.substr(dot + 1));
+  return key == common_.end() ? nullptr : &by_sensor_.try_emplace(path, key->second).first->second;
+}
+
+bool EnabledMechanism::off() const {
+  return std::all_of(entry->keys.begin(), entry->keys.end(), [&](const MechanismKey& k) {
+    if (!k.decides) return true;
+    if (values[k.name] != k.off) return false;
+    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == k.off; });
+  });
+}
+
+namespace {
+
+/// One table of keys, as the case file's reader visits it.
+struct KeyTable {
+  const std::vector<MechanismKey>& keys;
+  std::string prefix;  ///< "SENSOR." for a gauge's own
+  MechanismValues& values;
+  bool* enabled;
+  template <class V>
+  void visit(V& v) {
+    if (enabled) v("enabled", *enabled, {.doc = "part of the base model"});
+    for (const auto& k : keys)
+      v(k.name.c_str(), *values.find(prefix + k.name), {.unit = k.unit, .range = between(k.least, k.greatest), .doc = k.doc});
+  }
+};
+
+const MechanismEntry& entry_of(const CaseFile& file, const std::string& name, const std::string& path) {
+  return *file.locating([&] {
+    try {
+      return &mechanisms().get(name, path);
+    } catch (const InputError& e) {
+      auto parts = e.parts();
+      parts.value.clear();
+      throw InputError(parts);
+    }
+  });
+}
+
+}  // namespace
+
+MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors) {
+  MechanismTables tables;
+  file.accept("mechanism");
+  for (const auto& name : file.names("mechanism")) {
+    const std::string path = "mechanism." + name;
+    const MechanismEntry& entry = entry_of(file, name, path);
+    std::vector<std::string> extra{"wall", "parameter"};
+    EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};
+    bool enabled = false;
+    for (const auto& table : file.names(path)) {
+      if (!entry.per_sensor || table == "parameter" || std::find(sensors.begin(), sensors.end(), table) == sensors.end()) continue;
+      extra.push_back(table);
+      KeyTable own{entry.keys, table + '.', mechanism.values, nullptr};
+      file.read(path + '.' + table, own);
+    }
+    KeyTable common{entry.keys, "", mechanism.values, &enabled};
+    file.read(path, common, extra);
+    if (enabled && !entry.built())
+      throw file.located(InputError({.problem = "this mechanism is not built yet in this version, so it cannot be enabled",
+                                     .key = path + ".enabled",
+                                     .value = "true",
+                                     .suggestion = "remove the line; a listed mechanism without it is accepted"}));
+    if (!entry.built()) tables.notes.push_back("mechanism." + name + ": not built yet, not offered");
+    else if (enabled) tables.enabled.push_back(std::move(mechanism));
+    else tables.offered.push_back(name);
+  }
+  return tables;
+}
+
+}  // namespace calomel

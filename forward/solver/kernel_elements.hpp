@@ -1,0 +1,287 @@
+// Forces of one group of elements from the modes of their corners' displacements. Included by kernel_impl.hpp.
+
+template <bool Affine, class V, class Geometry>
+CALOMEL_INLINE void gradients(const V (&u)[3][8], Geometry g, V (&grad)[3][3]) {
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) {
+      V s;
+      if constexpr (Affine) {
+        s = g(i * 3) * u[c][1] + g(i * 3 + 1) * u[c][2] + g(i * 3 + 2) * u[c][4];
+      } else {
+        s = g(i * 7) * u[c][1];
+        for (int m = 2; m < 8; ++m) s += g(i * 7 + m - 1) * u[c][m];
+      }
+      grad[c][i] = s;
+    }
+}
+
+/// Forces of F_m = sum_i T_ci b_im on modes 1..7.
+template <bool Affine, class V, class Geometry>
+CALOMEL_INLINE void spread(const V (&t)[3][3], Geometry g, V (&f)[3][8]) {
+  for (int c = 0; c < 3; ++c) {
+    if constexpr (Affine) {
+      for (int j = 0; j < 3; ++j) f[c][linear_mode(j)] = t[c][0] * g(j) + t[c][1] * g(3 + j) + t[c][2] * g(6 + j);
+      for (int a = 0; a < 4; ++a) f[c][hourglass_mode(a)] = V{};
+    } else {
+      for (int m = 1; m < 8; ++m) f[c][m] = t[c][0] * g(m - 1) + t[c][1] * g(6 + m) + t[c][2] * g(13 + m);
+    }
+  }
+}
+
+template <class V>
+using Scalar = std::remove_reference_t<decltype(V{}[0])>;
+
+/// The liquid's scalars, each a lane vector or a broadcast.
+template <class V>
+struct LiquidStep {
+  V bulk_modulus, minus_cutoff, hourglass, p0, p0_before;
+  V ratio, rate_factor, quadratic, cutoff, dt;  // booking: beta/dt, 1/dt
+  V pressure;                                   // of a law of its own
+};
+
+/// F - 1 from displacement gradients: the volume ratio less one, and the cofactor of F = 1 + grad.
+template <class V>
+CALOMEL_INLINE V volume_change(const V (&grad)[3][3], V (&cofactor)[3][3]) {
+  V f[3][3];
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) f[c][i] = c == i ? grad[c][i] + 1 : grad[c][i];
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) {
+      const int c1 = (c + 1) % 3, c2 = (c + 2) % 3, i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+      cofactor[c][i] = f[c1][i1] * f[c2][i2] - f[c1][i2] * f[c2][i1];
+    }
+  // det(1 + g) - 1 = tr g + second invariant of g + det g: no cancellation against 1 in single precision.
+  const V second = grad[0][0] * grad[1][1] - grad[0][1] * grad[1][0] + grad[1][1] * grad[2][2] - grad[1][2] * grad[2][1] + grad[2][2] * grad[0][0] - grad[2][0] * grad[0][2];
+  const V third = grad[0][0] * (grad[1][1] * grad[2][2] - grad[1][2] * grad[2][1]) - grad[0][1] * (grad[1][0] * grad[2][2] - grad[1][2] * grad[2][0]) +
+                  grad[0][2] * (grad[1][0] * grad[2][1] - grad[1][1] * grad[2][0]);
+  return grad[0][0] + grad[1][1] + grad[2][2] + second + third;
+}
+
+/// Volumetric strain of an element, by its form.
+template <Form F, class V>
+CALOMEL_INLINE V volumetric_strain(const V (&grad)[3][3]) {
+  if constexpr (F == Form::finite) {
+    V cofactor[3][3];
+    return volume_change(grad, cofactor);
+  } else {
+    return grad[0][0] + grad[1][1] + grad[2][2];
+  }
+}
+
+template <class V>
+struct Sums {
+  V liquid{}, hourglass{}, steel{}, dissipated{}, heat{}, kinetic{};
+};
+
+/// Energy of one hourglass amplitude w = q + beta dq/dt whose spring is h: 1/2 h q^2 is stored, h beta (dq/dt)^2 dissipated.
+/// `before` is q of the last step.
+template <class V>
+CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, Sums<V>& sums) {
+  const V q = (w + s.ratio * *before) / (V{} + 1 + s.ratio), change = q - *before;
+  sums.hourglass += h * q * q;
+  sums.dissipated += h * s.ratio * change * change;
+  *before = q;
+}
+
+/// Pressure of Riemer's law, with the quadratic viscosity and the energies when booked. `state`: strain and viscous pressure of
+/// the last step.
+template <bool Booking, class V>
+CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+  V p = s.p0 - s.bulk_modulus * w;
+  if constexpr (!Booking) {
+    return greater(p, s.minus_cutoff);
+  } else {
+    const V half = V{} + Scalar<V>(0.5);
+    const V before = state[0], viscous_before = state[1];
+    const V strain = (w + s.ratio * before) / (V{} + 1 + s.ratio);
+    const V change = strain - before, rate = change * s.rate_factor;
+    p += rate < 0 ? s.quadratic * rate * rate : V{};
+    p = greater(p, s.minus_cutoff);
+    const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
+    const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
+    const V viscous = p - elastic;
+    sums.dissipated -= (viscous + viscous_before) * change * volume * half;
+    sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * half;
+    const V stretch = strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
+    sums.liquid += volume * (stretch <= limit ? half * s.bulk_modulus * stretch * stretch : s.cutoff * (stretch - half * limit));
+    state[0] = strain, state[1] = viscous;
+    return p;
+  }
+}
+
+/// Work done on a liquid with a law of its own, stored and dissipated together.
+template <class V>
+CALOMEL_INLINE void book_law(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+  const V strain = (w + s.ratio * state[0]) / (V{} + 1 + s.ratio);
+  sums.dissipated -= (s.pressure + state[1]) * (strain - state[0]) * volume * (V{} + Scalar<V>(0.5));
+  state[0] = strain, state[1] = s.pressure;
+}
+
+/// `state`: strain and pressure of the last step, then, with Hourglass, the twelve hourglass amplitudes and the time at the cutoff.
+/// Given: the pressure is that of a law of its own.
+template <Form F, bool Booking, bool Hourglass, bool Given, class V, class Geometry>
+CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+  constexpr bool affine = F == Form::parallelepiped;
+  constexpr int terms = affine ? 9 : 21;
+  const V volume = g(terms), h = s.hourglass * g(terms + 1);
+  V grad[3][3], cofactor[3][3];
+  gradients<affine>(u, g, grad);
+  V w;  // e_v + (eta/K) de_v/dt
+  if constexpr (F == Form::finite)
+    w = volume_change(grad, cofactor);
+  else
+    w = grad[0][0] + grad[1][1] + grad[2][2];
+  V p;
+  if constexpr (Given) {
+    p = s.pressure;
+    if constexpr (Booking) book_law(w, volume, s, state, sums);
+  } else {
+    p = riemer_pressure<Booking>(w, volume, s, state, sums);
+  }
+  if constexpr (Hourglass) state[state_time_at_cutoff] += p <= s.minus_cutoff ? s.dt : V{};
+  const V pv = p * volume;
+  if constexpr (affine) {
+    for (int c = 0; c < 3; ++c) {
+      for (int j = 0; j < 3; ++j) f[c][linear_mode(j)] = pv * g(c * 3 + j);
+      for (int a = 0; a < 4; ++a) {
+        const V q = u[c][hourglass_mode(a)];
+        f[c][hourglass_mode(a)] = -h * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
+      }
+    }
+  } else {
+    V t[3][3], force[3][4];
+    for (int c = 0; c < 3; ++c) {
+      for (int a = 0; a < 4; ++a) {
+        const V q = u[c][hourglass_mode(a)] - (g(23 + a) * grad[c][0] + g(27 + a) * grad[c][1] + g(31 + a) * grad[c][2]);
+        force[c][a] = h * q;
+        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
+      }
+      for (int i = 0; i < 3; ++i) {
+        V s2;
+        if constexpr (F == Form::finite)
+          s2 = pv * cofactor[c][i];
+        else
+          s2 = i == c ? pv : V{};
+        for (int a = 0; a < 4; ++a) s2 += g(23 + i * 4 + a) * force[c][a];
+        t[c][i] = s2;
+      }
+    }
+    spread<false>(t, g, f);
+    for (int c = 0; c < 3; ++c)
+      for (int a = 0; a < 4; ++a) f[c][hourglass_mode(a)] -= force[c][a];
+  }
+}
+
+/// Square of the von Mises stress.
+template <class V>
+CALOMEL_INLINE V effective_squared(const V (&s)[3][3]) {
+  const V a = s[0][0] - s[1][1], b = s[1][1] - s[2][2], c = s[2][2] - s[0][0];
+  return (a * a + b * b + c * c) * (V{} + Scalar<V>(0.5)) + 3 * (s[0][1] * s[0][1] + s[1][2] * s[1][2] + s[2][0] * s[2][0]);
+}
+
+/// Rotation of F = 1 + grad by two steps of Newton and Schulz, X <- X (3 - X^T X) / 2: exact to the fourth power of the strain,
+/// for any rotation.
+template <class V>
+CALOMEL_INLINE void rotation_of(const V (&grad)[3][3], V (&r)[3][3]) {
+  const V half = V{} + Scalar<V>(0.5);
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) r[c][i] = c == i ? grad[c][i] + 1 : grad[c][i];
+  for (int step = 0; step < 2; ++step) {
+    V m[3][3], next[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) m[i][j] = (i == j ? V{} + 3 : V{}) - (r[0][i] * r[0][j] + r[1][i] * r[1][j] + r[2][i] * r[2][j]);
+    for (int c = 0; c < 3; ++c)
+      for (int j = 0; j < 3; ++j) next[c][j] = half * (r[c][0] * m[0][j] + r[c][1] * m[1][j] + r[c][2] * m[2][j]);
+    for (int c = 0; c < 3; ++c)
+      for (int j = 0; j < 3; ++j) r[c][j] = next[c][j];
+  }
+}
+
+/// a <- R a (or R^T a) for vectors held by component.
+template <bool Transposed, int N, class V>
+CALOMEL_INLINE void rotate(const V (&r)[3][3], V (&a)[3][N]) {
+  for (int k = 0; k < N; ++k) {
+    V x[3];
+    for (int c = 0; c < 3; ++c)
+      x[c] = Transposed ? r[0][c] * a[0][k] + r[1][c] * a[1][k] + r[2][c] * a[2][k] : r[c][0] * a[0][k] + r[c][1] * a[1][k] + r[c][2] * a[2][k];
+    for (int c = 0; c < 3; ++c) a[c][k] = x[c];
+  }
+}
+
+/// Minus volume times the first Piola-Kirchhoff stress, sigma (or F S of St. Venant and Kirchhoff with Green's strain).
+template <Form F, bool Booking, class V>
+CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums) {
+  V strain[3][3], stress[3][3];  // strain: twice the tensor
+  for (int c = 0; c < 3; ++c)
+    for (int i = c; i < 3; ++i) {
+      strain[c][i] = grad[c][i] + grad[i][c];
+      if constexpr (F == Form::finite) strain[c][i] += grad[0][c] * grad[0][i] + grad[1][c] * grad[1][i] + grad[2][c] * grad[2][i];
+      strain[i][c] = strain[c][i];
+    }
+  const V pressure = lambda * (V{} + Scalar<V>(0.5)) * (strain[0][0] + strain[1][1] + strain[2][2]);
+  for (int c = 0; c < 3; ++c)
+    for (int i = c; i < 3; ++i) {
+      stress[c][i] = stress[i][c] = i == c ? pressure + mu * strain[c][c] : mu * strain[c][i];
+      if constexpr (Booking) sums.steel -= minus_volume * stress[c][i] * (i == c ? (V{} + Scalar<V>(0.5)) * strain[c][c] : strain[c][i]);
+    }
+  if constexpr (Booking) state[0] = greater(state[0], effective_squared(stress));
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) {
+      V s = stress[c][i];
+      if constexpr (F == Form::finite) s += grad[c][0] * stress[0][i] + grad[c][1] * stress[1][i] + grad[c][2] * stress[2][i];
+      t[c][i] = minus_volume * s;
+    }
+}
+
+template <Form F, bool Booking, class V, class Geometry>
+CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, V lambda, V mu, V* state, Sums<V>& sums) {
+  constexpr bool affine = F == Form::parallelepiped;
+  constexpr int at_volume = affine ? 9 : 21, at_x = 22, at_bending = affine ? 10 : 34, at_last = at_bending + 45;
+  V grad[3][3], t[3][3], r[3][3];
+  gradients<affine>(u, g, grad);
+  steel_stress<F, Booking>(grad, -g(at_volume), lambda, mu, t, state, sums);
+  V q[3][4], force[3][4];
+  for (int c = 0; c < 3; ++c)
+    for (int a = 0; a < 4; ++a) {
+      q[c][a] = u[c][hourglass_mode(a)];
+      if constexpr (!affine) q[c][a] -= g(at_x + a) * grad[c][0] + g(at_x + 4 + a) * grad[c][1] + g(at_x + 8 + a) * grad[c][2];
+    }
+  if constexpr (F == Form::finite) rotation_of(grad, r), rotate<true>(r, q);
+  for (int i = 0; i < 9; ++i) {
+    V s{};
+    for (int j = 0; j < 9; ++j) {
+      const int low = i < j ? i : j, high = i < j ? j : i;
+      s += g(at_bending + low * 9 - low * (low - 1) / 2 + high - low) * q[j / 3][j % 3];
+    }
+    force[i / 3][i % 3] = s;
+  }
+  force[0][3] = g(at_last) * q[0][3] + g(at_last + 1) * q[1][3] + g(at_last + 2) * q[2][3];
+  force[1][3] = g(at_last + 1) * q[0][3] + g(at_last + 3) * q[1][3] + g(at_last + 4) * q[2][3];
+  force[2][3] = g(at_last + 2) * q[0][3] + g(at_last + 4) * q[1][3] + g(at_last + 5) * q[2][3];
+  if constexpr (Booking)
+    for (int c = 0; c < 3; ++c)
+      for (int a = 0; a < 4; ++a) sums.steel += force[c][a] * q[c][a];
+  if constexpr (F == Form::finite) rotate<false>(r, force);
+  if constexpr (!affine)
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < 3; ++i)
+        for (int a = 0; a < 4; ++a) t[c][i] += g(at_x + i * 4 + a) * force[c][a];
+  spread<affine>(t, g, f);
+  for (int c = 0; c < 3; ++c)
+    for (int a = 0; a < 4; ++a) f[c][hourglass_mode(a)] -= force[c][a];
+}
+
+/// f = -K u over the 21 mode values of an element.
+template <bool Booking, class V, class Geometry>
+CALOMEL_INLINE void dense_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, Sums<V>& sums) {
+  for (int i = 0; i < 21; ++i) {
+    V s{};
+    for (int j = 0; j < 21; ++j) {
+      const int low = i < j ? i : j, high = i < j ? j : i;
+      s += g(1 + low * 21 - low * (low - 1) / 2 + high - low) * u[j / 7][1 + j % 7];
+    }
+    f[i / 7][1 + i % 7] = -s;
+    if constexpr (Booking) sums.steel += s * u[i / 7][1 + i % 7];
+  }
+}

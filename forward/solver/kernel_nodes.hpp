@@ -1,0 +1,134 @@
+// Advancing nodes: those of a block, those that blocks share, and those with a rule. Included by kernel_impl.hpp.
+
+/// v+ = v- + kick f / m, u += dt v+; fixed directions stay.
+template <class R, bool Runs, bool Booking>
+CALOMEL_INLINE void advance(R* u, R* v, const R* f, R inverse_mass, std::uint8_t fixed, const StepData<R>& s, double& kinetic) {
+  typename Row<R, Runs>::Lane force[3], velocity[3], place[3];
+  read_row<R, Runs>(f, force), read_row<R, Runs>(v, velocity), read_row<R, Runs>(u, place);
+  const R a = s.kick * inverse_mass;
+  for (int c = 0; c < 3; ++c) {
+    if (fixed & (1 << c)) continue;
+    const auto before = velocity[c];
+    velocity[c] += a * force[c];
+    place[c] += s.dt * velocity[c];
+    if constexpr (Booking && !Runs) kinetic += 0.5 * double(before) * double(velocity[c]) / double(inverse_mass);
+  }
+  write_row<R, Runs>(v, velocity), write_row<R, Runs>(u, place);
+}
+
+template <class R, bool Runs, bool Booking>
+CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s, const R* force, double& kinetic) {
+  constexpr int width = Row<R, Runs>::width;
+  for (int r = 0; r < b.range_count; ++r) {
+    const auto& range = b.ranges[r];
+    if (!Runs && !Booking && range.fixed == 0) {  // the common case, whole rows at once
+      using V4 = Vec<R, 4>;
+      for (std::int32_t n = range.begin; n < range.end; ++n) {
+        const V4 v = load<V4>(s.v + std::size_t(n) * 4) + s.kick * s.inverse_mass[n] * load<V4>(force + std::size_t(n - b.first_node) * 4);
+        store<V4>(s.v + std::size_t(n) * 4, v);
+        store<V4>(s.u + std::size_t(n) * 4, load<V4>(s.u + std::size_t(n) * 4) + s.dt * v);
+      }
+      continue;
+    }
+    for (std::int32_t n = range.begin; n < range.end; ++n)
+      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n],
+                                range.fixed, s, kinetic);
+  }
+}
+
+/// Sum of a shared node's forces in block order.
+template <class R, bool Runs>
+CALOMEL_INLINE void sum_outbox(const Layout& layout, std::int32_t node, const R* outbox, typename Row<R, Runs>::Lane (&force)[3]) {
+  const std::size_t k = std::size_t(node - layout.first_shared);
+  for (auto& f : force) f = typename Row<R, Runs>::Lane{};
+  for (std::size_t i = layout.outbox_begin[k]; i < layout.outbox_begin[k + 1]; ++i) {
+    typename Row<R, Runs>::Lane part[3];
+    read_row<R, Runs>(outbox + layout.outbox_rows[i] * Row<R, Runs>::width, part);
+    for (int c = 0; c < 3; ++c) force[c] += part[c];
+  }
+}
+
+template <class R, bool Runs, bool Booking>
+void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  constexpr int width = Row<R, Runs>::width;
+  double kinetic = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::int32_t n = layout.plain[i];
+    typename Row<R, Runs>::Lane force[3];
+    sum_outbox<R, Runs>(layout, n, s.outbox, force);
+    alignas(64) R row[width];
+    write_row<R, Runs>(row, force);
+    advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, row, s.inverse_mass[n], layout.fixed[std::size_t(n)], s, kinetic);
+  }
+  if (Booking && !Runs) energy->kinetic += kinetic;
+}
+
+template <class R, bool Runs, bool Booking>
+void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  using L = typename Row<R, Runs>::Lane;
+  constexpr int width = Row<R, Runs>::width;
+  L share, stress;
+  if constexpr (Runs)
+    share = load<L>(s.load), stress = load<L>(s.end_stress);
+  else
+    share = s.load[0], stress = s.end_stress[0];
+  for (std::size_t i = begin; i < end; ++i) {
+    const SpecialData<R>& r = rules[i];
+    L force[3], v[3], before[3];
+    sum_outbox<R, Runs>(layout, r.node, s.outbox, force);
+    read_row<R, Runs>(s.v + std::size_t(r.node) * width, before);
+    for (int c = 0; c < 3; ++c) {
+      force[c] += stress * r.load_area[c];
+      v[c] = r.fixed_node & (1 << c) ? L{} : before[c] + s.kick / r.mass_node * force[c];
+    }
+    if constexpr (Booking && !Runs)
+      for (int c = 0; c < 3; ++c) {
+        energy->boundary_before -= 0.5 * double(s.dt) * double(stress) * double(r.load_area[c]) * double(before[c]);
+        energy->boundary_after -= 0.5 * double(s.dt) * double(stress) * double(r.load_area[c]) * double(v[c]);
+      }
+    if (r.rear_area > 0) {
+      // p = p0 + p', give p' = push v_n at mid-step, not below the cutoff; solved implicitly, so the face never limits the step.
+      const R* n = r.rear_normal;
+      const L vn_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
+      const L vn_free = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+      const L p0 = share * r.rear_p0;
+      const R a = s.kick * r.rear_area / r.mass_node, push = R(0.5) * s.rear_push;
+      const L p_wave = p0 + push / (s.rear_give + push * a) * (vn_free - a * p0 + vn_before);
+      const L p_least = L{} - s.cutoff;
+      const L p = p_wave > p_least ? p_wave : p_least;
+      const L vn_after = vn_free - a * p;
+      for (int c = 0; c < 3; ++c) v[c] += (vn_after - vn_free) * n[c];
+      if constexpr (Booking && !Runs) {
+        energy->boundary_before += 0.5 * double(s.dt) * double(p) * double(r.rear_area) * double(vn_before);
+        energy->boundary_after += 0.5 * double(s.dt) * double(p) * double(r.rear_area) * double(vn_after);
+      }
+    }
+    L u[3];
+    if (r.partner >= 0) {
+      L steel_force[3], steel[3], steel_before[3];
+      sum_outbox<R, Runs>(layout, r.partner, s.outbox, steel_force);
+      read_row<R, Runs>(s.v + std::size_t(r.partner) * width, steel_before);
+      for (int c = 0; c < 3; ++c) steel[c] = r.fixed_partner & (1 << c) ? L{} : steel_before[c] + s.kick / r.mass_partner * steel_force[c];
+      // Common normal momentum: a_n = (F_s + F_f).n / (m_s + m_f).
+      const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
+      for (int k = 0; k < r.normals; ++k) {
+        const R* n = r.normal[k];
+        const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
+        const L common = share_node * vn + share_partner * sn;
+        for (int c = 0; c < 3; ++c) v[c] += (common - vn) * n[c], steel[c] += (common - sn) * n[c];
+      }
+      read_row<R, Runs>(s.u + std::size_t(r.partner) * width, u);
+      for (int c = 0; c < 3; ++c) u[c] += s.dt * steel[c];
+      write_row<R, Runs>(s.u + std::size_t(r.partner) * width, u);
+      write_row<R, Runs>(s.v + std::size_t(r.partner) * width, steel);
+      if constexpr (Booking && !Runs)
+        for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_partner) * double(steel_before[c]) * double(steel[c]);
+    }
+    read_row<R, Runs>(s.u + std::size_t(r.node) * width, u);
+    for (int c = 0; c < 3; ++c) u[c] += s.dt * v[c];
+    write_row<R, Runs>(s.u + std::size_t(r.node) * width, u);
+    write_row<R, Runs>(s.v + std::size_t(r.node) * width, v);
+    if constexpr (Booking && !Runs)
+      for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_node) * double(before[c]) * double(v[c]);
+  }
+}

@@ -1,0 +1,26 @@
+#pragma once
+/// The seam for a liquid that is not Riemer's: with state, with numbers that vary in space, or with another formula. The
+/// solver hands it the volumetric strain of many points at once and takes the pressure; everything else (gradients, hourglass
+/// control, slip, nodes) stays as it is, and a run without such a law never comes here.
+#include <span>
+#include <string>
+
+#include "forward/mesh/mesh.hpp"
+#include "forward/solver/liquid_points.hpp"
+
+namespace calomel {
+
+class LiquidLaw {
+ public:
+  virtual ~LiquidLaw() = default;
+  /// State variables of a point.
+  [[nodiscard]] virtual std::size_t state_size() const { return 0; }
+  /// State before the first step. `centres`: of the points [m]; `state`: variable k of point i at state[k * stride + i], 0 on entry.
+  virtual void initialise(std::span<const Vec3> centres, double* state, std::size_t stride) const { (void)centres, (void)state, (void)stride; }
+  /// Pressure of every point now. Called from several threads on different points. Must not raise the stiffness -dp/de_v
+  /// above the bulk modulus of the run's Riemer parameters, from which the time step follows; the regularising viscosity is
+  /// the law's own to add. Errors: NumericsError with the reason.
+  virtual void advance(const LiquidPoints& points) const = 0;
+};
+
+}  // namespace calomel

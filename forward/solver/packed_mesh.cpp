@@ -1,0 +1,86 @@
+#include "forward/solver/packed_mesh.hpp"
+
+#include "base/errors.hpp"
+#include "base/parallel.hpp"
+
+namespace calomel {
+
+Corners corners_of(const Mesh& mesh, std::size_t e) {
+  Corners x;
+  for (int k = 0; k < 8; ++k) x.col(k) = Eigen::Map<const Eigen::Vector3d>(mesh.nodes[std::size_t(mesh.elements[e][std::size_t(k)])].data());
+  return x;
+}
+
+namespace {
+
+Form form_of(const Block& block, ElementKind kind) {
+  if (kind == ElementKind::finite) return Form::finite;
+  if (kind == ElementKind::b_bar && !block.liquid) return Form::dense;
+  return block.parallelepiped ? Form::parallelepiped : Form::general;
+}
+
+/// The terms of one element in the order of `BlockData`, each handed to `put`.
+template <class Put>
+void write_terms(const Corners& corners, const LinearElastic& steel, Form form, bool liquid, double share, Put&& put) {
+  const HexGeometry g = hex_geometry(corners);
+  if (form == Form::dense) {
+    const ModeStiffness k = b_bar_stiffness(corners, steel);
+    put(share * g.volume);
+    for (int i = 0; i < 21; ++i)
+      for (int j = i; j < 21; ++j) put(share * k(i, j));
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (form == Form::parallelepiped)
+      for (const int m : linear_modes) put(g.mode_gradient(i, m - 1));
+    else
+      for (int m = 1; m < 8; ++m) put(g.mode_gradient(i, m - 1));
+  }
+  put(share * g.volume);  // the force's volume; masses are kept apart
+  if (liquid) put(liquid_hourglass(g));
+  if (form != Form::parallelepiped)
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 4; ++a) put(g.hourglass(i, a));
+  if (liquid) return;
+  const HourglassStiffness k = hourglass_stiffness(g, steel);
+  for (int i = 0; i < 9; ++i)
+    for (int j = i; j < 9; ++j) put(share * k.bending(i, j));
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) put(share * k.last(i, j));
+}
+
+}  // namespace
+
+template <class R>
+PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads)
+    : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048)) {
+  const std::size_t group_size = lanes(), blocks = layout.blocks.size();
+  form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), elements.resize(blocks);
+  parallel_for(blocks, threads, [&](std::size_t b) {
+    const Block& block = layout.blocks[b];
+    form[b] = form_of(block, kind);
+    const std::size_t terms = std::size_t(geometry_terms(block.liquid, form[b]));
+    const std::size_t groups = (block.elements.size() + group_size - 1) / group_size;
+    geometry[b] = AlignedArray<R>(groups * group_size * terms);
+    connectivity[b].resize(groups * group_size * 8);
+    elements[b].assign(groups * group_size, -1);
+    for (std::size_t slot = 0; slot < groups * group_size; ++slot) {
+      const std::size_t group = slot / group_size, lane = slot % group_size;
+      const bool padding = slot >= block.elements.size();
+      const std::size_t source = padding ? group * group_size : slot;
+      for (std::size_t k = 0; k < 8; ++k) connectivity[b][(group * 8 + k) * group_size + lane] = block.connectivity[source * 8 + k];
+      if (padding) continue;  // zero geometry: no force
+      const auto element = std::size_t(block.elements[slot]);
+      elements[b][slot] = block.elements[slot];
+      std::size_t term = 0;
+      write_terms(corners_of(mesh, element), steel, form[b], block.liquid, double(facts.stiffness[element]),
+                  [&](double value) { geometry[b][(group * terms + term++) * group_size + lane] = R(value); });
+      expect(term == terms, "every geometry term of an element is packed");
+    }
+  });
+}
+
+template struct PackedMesh<float>;
+template struct PackedMesh<double>;
+
+}  // namespace calomel

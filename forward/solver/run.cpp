@@ -1,0 +1,352 @@
+#include "forward/solver/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <istream>
+#include <ostream>
+
+#include "base/errors.hpp"
+#include "base/parallel.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double unlimited = 1e30;  // a cutoff that is never reached, finite in single precision
+constexpr std::size_t chunk = 512;
+
+Vec3 centre_of(const Mesh& mesh, std::size_t e) {
+  Vec3 x{};
+  for (const NodeId n : mesh.elements[e])
+    for (std::size_t c = 0; c < 3; ++c) x[c] += mesh.nodes[std::size_t(n)][c] / 8;
+  return x;
+}
+
+template <class T>
+void put(std::ostream& out, const T* data, std::size_t count) {
+  out.write(reinterpret_cast<const char*>(data), std::streamsize(count * sizeof(T)));
+}
+template <class T>
+void get(std::istream& in, T* data, std::size_t count) {
+  in.read(reinterpret_cast<char*>(data), std::streamsize(count * sizeof(T)));
+}
+
+}  // namespace
+
+template <class R>
+Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step)
+    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), booking_(options.booking),
+      stateful_(options.booking || setup.quadratic_viscosity > 0) {
+  const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
+  make_masses(volumes);
+  u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
+  start_from(setup.initial_displacement, u_);
+  start_from(setup.initial_velocity, v_);
+  make_blocks();
+  make_rules(options.heated_rear);
+  plain_chunks_ = (packed.layout.plain.size() + chunk - 1) / chunk, rule_chunks_ = (rules_.size() + chunk - 1) / chunk;
+  energies_.resize(blocks_.size() + plain_chunks_ + rule_chunks_);
+
+  const double k = setup.liquid.bulk_modulus, h = mesh.liquid_element_size, r = setup.rear_coefficient;
+  base_.u = u_.data(), base_.v = v_.data(), base_.inverse_mass = inverse_mass_.data(), base_.outbox = outbox_.data();
+  base_.dt = R(dt_), base_.kick = R(dt_);
+  base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited)), base_.hourglass = R(setup.hourglass * k);
+  base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
+  base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
+  base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
+  base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
+}
+
+template <class R>
+void Run<R>::make_masses(const NodalVolumes& volumes) {
+  const Layout& layout = packed_.layout;
+  mass_.resize(std::size_t(layout.nodes));
+  inverse_mass_ = AlignedArray<R>(mass_.size());
+  const bool damped = setup_.steel_mass_damping != 0;
+  if (damped) motion_factor_.resize(mass_.size());
+  for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
+    const auto s = std::size_t(layout.to_solver[n]);
+    const double steel = setup_.steel_density * volumes.steel[n];
+    mass_[s] = steel + setup_.liquid_density * volumes.liquid[n];
+    inverse_mass_[s] = R(1 / mass_[s]);
+    if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel / mass_[s]);
+  }
+}
+
+template <class R>
+void Run<R>::make_blocks() {
+  const std::size_t count = packed_.layout.blocks.size(), lanes = packed_.lanes();
+  p0_.resize(count), state_.resize(count), memory_.resize(count), blocks_.resize(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const Block& block = packed_.layout.blocks[b];
+    const auto& elements = packed_.elements[b];
+    const std::size_t slots = elements.size();
+    if (block.liquid) {
+      p0_[b] = AlignedArray<R>(slots);
+      for (std::size_t i = 0; i < slots; ++i)
+        if (elements[i] >= 0 && !setup_.p0.empty()) p0_[b][i] = R(setup_.p0[std::size_t(elements[i])]);
+    }
+    if (stateful_ && block.liquid) state_[b] = AlignedArray<R>(packed_.runs ? slots * run_state * run_lanes : slots * element_state);
+    if (stateful_ && !block.liquid && !packed_.runs) state_[b] = AlignedArray<R>(slots * steel_state);
+    blocks_[b] = {block.liquid, packed_.form[b], std::int32_t(slots / lanes), packed_.geometry[b].data(), packed_.connectivity[b].data(), p0_[b].data(),
+                  state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
+                  std::int32_t(block.shared.size()), block.outbox, {}};
+    if (block.liquid && setup_.liquid_law) make_law(b);
+    scratch_rows_ = std::max(scratch_rows_, std::size_t(block.interior) + block.shared.size());
+  }
+}
+
+template <class R>
+void Run<R>::make_law(std::size_t b) {
+  const LiquidLaw& law = *setup_.liquid_law;
+  const auto& elements = packed_.elements[b];
+  const std::size_t copies = packed_.runs ? run_lanes : 1, points = elements.size() * copies;
+  std::vector<Vec3> centres;
+  for (const std::int32_t e : elements)  // padding repeats the block's first element
+    centres.insert(centres.end(), copies, centre_of(mesh_, std::size_t(e >= 0 ? e : elements[0])));
+  memory_[b] = AlignedArray<double>(points * (2 + law.state_size()));
+  law.initialise(centres, memory_[b].data() + 2 * points, points);
+  blocks_[b].law = {[](const void* of, const LiquidPoints& p) { static_cast<const LiquidLaw*>(of)->advance(p); }, &law, memory_[b].data(), points};
+}
+
+template <class R>
+void Run<R>::make_rules(bool heated_rear) {
+  const Layout& layout = packed_.layout;
+  for (const auto& s : layout.special) {
+    SpecialData<R> r{};
+    r.node = s.node, r.partner = s.partner, r.normals = s.normals;
+    r.fixed_node = layout.fixed[std::size_t(s.node)];
+    r.mass_node = R(mass_[std::size_t(s.node)]);
+    if (s.partner >= 0) r.fixed_partner = layout.fixed[std::size_t(s.partner)], r.mass_partner = R(mass_[std::size_t(s.partner)]);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t c = 0; c < 3; ++c) r.normal[k][c] = R(s.normal[k][c]);
+    if (s.rear >= 0) {
+      const BoundaryNode& n = layout.rear[std::size_t(s.rear)];
+      const double area = std::sqrt(n.area[0] * n.area[0] + n.area[1] * n.area[1] + n.area[2] * n.area[2]);
+      r.rear_area = R(area);
+      for (std::size_t c = 0; c < 3; ++c) r.rear_normal[c] = R(n.area[c] / area);
+      if (heated_rear && setup_.p0_at) r.rear_p0 = R(setup_.p0_at(mesh_.nodes[std::size_t(n.node)]));
+    }
+    if (s.loaded >= 0)
+      for (std::size_t c = 0; c < 3; ++c) r.load_area[c] = R(layout.loaded[std::size_t(s.loaded)].area[c]);
+    rules_.push_back(r);
+  }
+}
+
+template <class R>
+void Run<R>::start_from(const std::vector<Vec3>& field, AlignedArray<R>& to) {
+  const std::size_t stride = packed_.stride();
+  for (std::size_t n = 0; n < field.size(); ++n)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!(mesh_.fixed[n] & (1 << c)))
+        for (std::size_t l = 0; l < stride; ++l) to[std::size_t(packed_.layout.to_solver[n]) * packed_.width() + c * stride + l] = R(field[n][c]);
+}
+
+template <class R>
+double Run<R>::ramp(double time) const {
+  return setup_.pulse_length > 0 ? std::clamp(time / setup_.pulse_length, 0.0, 1.0) : 1.0;
+}
+
+template <class R>
+StepData<R> Run<R>::step(std::int64_t n, R* scratch) const {
+  StepData<R> s = base_;
+  s.scratch = scratch;
+  for (std::size_t l = 0; l < run_lanes; ++l) {
+    const double energy = setup_.energies[std::min(l, setup_.energies.size() - 1)];
+    s.load[l] = R(ramp(double(n) * dt_) * energy);
+    s.load_before[l] = n > 0 ? R(ramp(double(n - 1) * dt_) * energy) : R(0);
+    s.end_stress[l] = R(setup_.end_stress.at(double(n) * dt_) * energy);
+  }
+  s.kick = n == 0 ? R(dt_ / 2) : R(dt_);
+  return s;
+}
+
+template <class R>
+void Run<R>::advance_block(std::size_t b, const StepData<R>& s) {
+  if (packed_.runs) return kernel_.run_block(blocks_[b], s, stateful_);
+  energies_[b] = {};
+  kernel_.element_block(blocks_[b], s, stateful_, &energies_[b]);
+}
+
+template <class R>
+void Run<R>::advance_chunk(std::size_t c, const StepData<R>& s) {
+  EnergyTerms& energy = energies_[blocks_.size() + c];
+  energy = {};
+  if (c < plain_chunks_) {
+    const std::size_t begin = c * chunk, end = std::min(packed_.layout.plain.size(), begin + chunk);
+    packed_.runs ? kernel_.run_plain(packed_.layout, begin, end, s) : kernel_.element_plain(packed_.layout, begin, end, s, stateful_, &energy);
+  } else {
+    const std::size_t begin = (c - plain_chunks_) * chunk, end = std::min(rules_.size(), begin + chunk);
+    packed_.runs ? kernel_.run_special(packed_.layout, rules_.data(), begin, end, s)
+                 : kernel_.element_special(packed_.layout, rules_.data(), begin, end, s, stateful_, &energy);
+  }
+}
+
+template <class R>
+void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
+  const std::size_t begin = mass_.size() * part / parts, end = mass_.size() * (part + 1) / parts, width = packed_.width();
+  double lost = 0;
+  for (std::size_t n = begin; n < end; ++n) {
+    const double f = motion_factor_[n];
+    R* v = v_.data() + n * width;
+    if (booking_)
+      for (std::size_t k = 0; k < 3; ++k) lost += 0.5 * mass_[n] * (1 - f * f) * double(v[k]) * double(v[k]);
+    for (std::size_t k = 0; k < width; ++k) v[k] *= R(f);
+  }
+  damped_.resize(parts);
+  damped_[part] = lost;
+}
+
+template <class R>
+EnergyTerms Run<R>::energies() const {
+  EnergyTerms sum;
+  for (const auto& e : energies_) sum.add(e);
+  for (const double d : damped_) sum.damped_after += d;
+  return sum;
+}
+
+template <class R>
+double Run<R>::observe(const ObservationRow& row, std::size_t lane) const {
+  double value = 0;
+  for (std::size_t i = 0; i < row.nodes.size(); ++i) {
+    const R* at = u_.data() + std::size_t(packed_.layout.to_solver[std::size_t(row.nodes[i])]) * packed_.width() + lane;
+    for (std::size_t c = 0; c < 3; ++c) value += row.weights[i][c] * double(at[c * packed_.stride()]);
+  }
+  return value;
+}
+
+template <class R>
+FieldSnapshot Run<R>::snapshot(std::int64_t n) const {
+  FieldSnapshot f;
+  f.time = double(n) * dt_;
+  const std::size_t nodes = mesh_.nodes.size(), width = packed_.width(), stride = packed_.stride();
+  f.displacement.resize(nodes), f.velocity.resize(nodes);
+  for (std::size_t i = 0; i < nodes; ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t at = std::size_t(packed_.layout.to_solver[i]) * width + c * stride;
+      f.displacement[i][c] = double(u_[at]), f.velocity[i][c] = double(v_[at]);
+    }
+  fill_elements(f, ramp(f.time) * setup_.energies[0]);
+  return f;
+}
+
+template <class R>
+void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
+  const std::size_t count = mesh_.elements.size(), lanes = packed_.lanes(), copies = packed_.runs ? run_lanes : 1;
+  f.pressure.resize(count), f.effective_stress.resize(count), f.time_at_cutoff.assign(count, 0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
+      if (packed_.elements[b][slot] < 0) continue;
+      const auto e = std::size_t(packed_.elements[b][slot]);
+      const HexGeometry g = hex_geometry(corners_of(mesh_, e));
+      Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
+      double rate = 0;
+      for (int k = 0; k < 8; ++k) {
+        const auto n = std::size_t(mesh_.elements[e][std::size_t(k)]);
+        grad += Eigen::Map<const Eigen::Vector3d>(f.displacement[n].data()) * g.gradient.col(k).transpose();
+        rate += Eigen::Map<const Eigen::Vector3d>(f.velocity[n].data()).dot(g.gradient.col(k));
+      }
+      if (blocks_[b].liquid) {
+        f.pressure[e] = blocks_[b].law.advance ? memory_[b][blocks_[b].law.points + slot * copies]
+                                               : setup_.liquid.pressure(setup_.p0.empty() ? 0 : setup_.p0[e] * share, grad.trace(), rate);
+        if (stateful_ && !packed_.runs)
+          f.time_at_cutoff[e] = double(state_[b][(slot / lanes * element_state + state_time_at_cutoff) * lanes + slot % lanes]);
+      } else {
+        const Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
+        const Eigen::Matrix3d stress = setup_.steel.lambda * strain.trace() * Eigen::Matrix3d::Identity() + 2 * setup_.steel.mu * strain;
+        f.pressure[e] = -stress.trace() / 3;
+        f.effective_stress[e] = std::sqrt(1.5) * (stress - stress.trace() / 3 * Eigen::Matrix3d::Identity()).norm();
+      }
+    }
+}
+
+template <class R>
+void Run<R>::check_finite(std::int64_t n) const {
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    if (std::isfinite(u_[i]) && std::abs(u_[i]) <= R(1)) continue;
+    const auto solver_node = std::int32_t(i / packed_.width());
+    std::size_t node = 0;
+    while (packed_.layout.to_solver[node] != solver_node) ++node;
+    const auto& x = mesh_.nodes[node];
+    std::size_t element = 0;
+    for (std::size_t e = 0; e < mesh_.elements.size() && element == 0; ++e)
+      for (const NodeId m : mesh_.elements[e])
+        if (std::size_t(m) == node) element = e;
+    throw NumericsError(fmt::format("the displacements leave all bounds at step {} ({:.4g} s), node {} at ({:.4g}, {:.4g}, {:.4g}) m of {} element {}; step {:.3g} s, K {:.4g} Pa, density {:.5g} kg/m^3",
+                                    n, double(n) * dt_, node, x[0], x[1], x[2], mesh_.region[element] == Region::mercury ? "mercury" : "steel", element, dt_,
+                                    setup_.liquid.bulk_modulus, setup_.liquid_density));
+  }
+}
+
+template <class R>
+std::pair<double, std::int32_t> Run<R>::greatest_stress() const {
+  std::pair<double, std::int32_t> greatest{0, -1};
+  if (!stateful_ || packed_.runs) return greatest;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    if (blocks_[b].liquid) continue;
+    for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot)
+      if (packed_.elements[b][slot] >= 0 && double(state_[b][slot]) > greatest.first) greatest = {double(state_[b][slot]), packed_.elements[b][slot]};
+  }
+  return {std::sqrt(greatest.first), greatest.second};
+}
+
+template <class R>
+void Run<R>::save(std::ostream& out) const {
+  put(out, u_.data(), u_.size()), put(out, v_.data(), v_.size());
+  for (const auto& s : state_) put(out, s.data(), s.size());
+  for (const auto& m : memory_) put(out, m.data(), m.size());
+}
+
+template <class R>
+void Run<R>::restore(std::istream& in) {
+  get(in, u_.data(), u_.size()), get(in, v_.data(), v_.size());
+  for (auto& s : state_) get(in, s.data(), s.size());
+  for (auto& m : memory_) get(in, m.data(), m.size());
+}
+
+template <class R>
+void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads) const {
+  // One step of kick 1 from rest in a linear liquid without loads takes x to v = -M^-1 K x; damping C = beta K enters by the
+  // velocity 2 x / dt, which is taken off again.
+  AlignedArray<R> u(x.size());
+  std::copy_n(x.data(), x.size(), u.data());
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = R(2 / dt_) * x[i];
+  StepData<R> s = base_;
+  s.u = u.data(), s.v = result.data();
+  s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited), s.rear_give = 1, s.rear_push = 0;
+  parallel_for(blocks_.size(), threads, [&](std::size_t b) {
+    AlignedArray<R> scratch(scratch_size());
+    StepData<R> own = s;
+    own.scratch = scratch.data();
+    BlockData<R> block = blocks_[b];
+    block.law = {};
+    EnergyTerms unused;
+    packed_.runs ? kernel_.run_block(block, own, false) : kernel_.element_block(block, own, false, &unused);
+  });
+  EnergyTerms unused;
+  const Layout& layout = packed_.layout;
+  packed_.runs ? kernel_.run_plain(layout, 0, layout.plain.size(), s) : kernel_.element_plain(layout, 0, layout.plain.size(), s, false, &unused);
+  packed_.runs ? kernel_.run_special(layout, rules_.data(), 0, rules_.size(), s)
+               : kernel_.element_special(layout, rules_.data(), 0, rules_.size(), s, false, &unused);
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = R(2 / dt_) * x[i] - result[i];
+}
+
+template <class R>
+std::vector<double> Run<R>::dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const {
+  const std::size_t stride = packed_.stride(), width = packed_.width();
+  std::vector<double> sum(stride, 0);
+  for (std::size_t n = 0; n < mass_.size(); ++n)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t l = 0; l < stride; ++l) {
+        const std::size_t i = n * width + k * stride + l;
+        sum[l] += mass_[n] * double(a[i]) * double(b[i]);
+      }
+  return sum;
+}
+
+template class Run<float>;
+template class Run<double>;
+
+}  // namespace calomel

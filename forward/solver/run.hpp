@@ -1,0 +1,90 @@
+#pragma once
+/// The arrays of one run (or of a group that fills the lanes) and the phases of its step. A step is: every block; then the
+/// shared nodes and those with a rule; then, where the steel's motion is damped, every node. The phases may be spread over
+/// threads in any way; the result does not depend on it.
+#include <filesystem>
+#include <iosfwd>
+#include <vector>
+
+#include "forward/solver/explicit_solver.hpp"
+#include "forward/solver/packed_mesh.hpp"
+
+namespace calomel {
+
+/// Volume of steel and of liquid that each mesh node carries, an eighth of each element [m^3].
+struct NodalVolumes {
+  std::vector<double> steel, liquid;
+};
+
+template <class R>
+class Run {
+ public:
+  /// All arguments but `options` outlive the run.
+  Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step);
+
+  [[nodiscard]] std::size_t block_count() const { return blocks_.size(); }
+  [[nodiscard]] std::size_t chunk_count() const { return plain_chunks_ + rule_chunks_; }
+  [[nodiscard]] std::size_t scratch_size() const { return scratch_rows_ * 2 * packed_.width() + 64; }
+  [[nodiscard]] bool damps_motion() const { return !motion_factor_.empty(); }
+
+  /// The numbers of step n; `scratch` is the calling thread's.
+  [[nodiscard]] StepData<R> step(std::int64_t n, R* scratch) const;
+  void advance_block(std::size_t block, const StepData<R>& step);
+  void advance_chunk(std::size_t chunk, const StepData<R>& step);
+  /// Mass-proportional damping of the steel on the nodes [begin, end).
+  void damp_motion(std::size_t part, std::size_t parts);
+  /// Energies of the step just done, summed in a fixed order.
+  [[nodiscard]] EnergyTerms energies() const;
+
+  /// sum_k weights_k . u(nodes_k) of a lane.
+  [[nodiscard]] double observe(const ObservationRow& row, std::size_t lane) const;
+  /// The whole target at step n; the pressure of a liquid law of its own is that of the step before.
+  [[nodiscard]] FieldSnapshot snapshot(std::int64_t n) const;
+  /// Errors: NumericsError naming step, node and element where a displacement is not finite or beyond a metre.
+  void check_finite(std::int64_t n) const;
+  /// Greatest effective stress [Pa] that any steel element has seen, and that mesh element; booked runs only.
+  [[nodiscard]] std::pair<double, std::int32_t> greatest_stress() const;
+
+  /// Everything that a step changes, as bytes.
+  void save(std::ostream& out) const;
+  void restore(std::istream& in);
+
+  /// For the estimate of the stable step: (K + C / dt) x against the mass, and its inner product. Rows as u.
+  void apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads) const;
+  [[nodiscard]] std::vector<double> dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const;  ///< (lanes), with the mass
+  [[nodiscard]] std::size_t row_count() const { return mass_.size(); }
+  [[nodiscard]] const PackedMesh<R>& packed() const { return packed_; }
+
+ private:
+  void make_masses(const NodalVolumes& volumes);
+  void make_blocks();
+  void make_rules(bool heated_rear);
+  void make_law(std::size_t block);
+  void start_from(const std::vector<Vec3>& field, AlignedArray<R>& to);
+  [[nodiscard]] double ramp(double time) const;
+  void fill_elements(FieldSnapshot& fields, double share) const;
+
+  const PackedMesh<R>& packed_;
+  const Mesh& mesh_;
+  const RunSetup& setup_;
+  const KernelTable<R>& kernel_;
+  double dt_;
+  bool booking_;   ///< energies are wanted
+  bool stateful_;  ///< the blocks keep state
+  StepData<R> base_{};
+  std::vector<double> mass_;         ///< by solver node [kg]
+  std::vector<double> motion_factor_;  ///< by solver node; empty: no damping of the motion
+  AlignedArray<R> inverse_mass_, u_, v_, outbox_;
+  std::vector<AlignedArray<R>> p0_, state_;
+  std::vector<AlignedArray<double>> memory_;  ///< of a liquid law of its own
+  std::vector<BlockData<R>> blocks_;
+  std::vector<SpecialData<R>> rules_;
+  std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0;
+  std::vector<EnergyTerms> energies_;
+  std::vector<double> damped_;  ///< energy taken by damp_motion, by part of the nodes [J]
+};
+
+extern template class Run<float>;
+extern template class Run<double>;
+
+}  // namespace calomel

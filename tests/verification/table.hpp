@@ -1,0 +1,20 @@
+#pragma once
+/// The pages of docs/verification that are generated: table.md and the pictures.
+#include "tests/verification/row_file.hpp"
+
+namespace calomel::testing {
+
+/// The table in Markdown, a heading for each item.
+std::string table_page(const Record& record);
+
+/// Writes table.md and PICTURE.svg for each picture. Errors: InputError when an item has no row.
+void write_pages(const Record& record, const std::filesystem::path& folder);
+
+/// What distinguishes the committed table from the record: a row too many or too few, or a value that moved by more than a
+/// tenth of its tolerance. Rows may be missing from the record as far as tests could not run.
+std::vector<std::string> compare(const Record& record, const std::filesystem::path& page);
+
+/// A line plot as SVG. Axes are logarithmic for the picture "convergence".
+std::string picture(const std::string& name, const std::vector<Curve>& curves);
+
+}  // namespace calomel::testing
