@@ -18,7 +18,7 @@ struct LassoFit {
 };
 
 /// Coordinate descent with covariance updates on a growing set of columns (Friedman, Hastie and Tibshirani 2010, J. Stat. Softw. 33(1)),
-/// finished by Newton steps on the support that stop where a coefficient changes its sign (Lee et al. 2007), until the duality gap
+/// finished by Newton steps on the support that stop where a coefficient changes its sign (Lee et al. 2006), until the duality gap
 /// (Kim et al. 2007, IEEE J. Sel. Top. Signal Process. 1, 606) is `gap` times the objective.
 class Lasso {
  public:
