@@ -10,8 +10,7 @@
 
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "forward/campaign/design.hpp"
-#include "forward/surrogate/training.hpp"
+#include "inverse/spe/unit_box.hpp"
 
 namespace calomel {
 
@@ -19,25 +18,6 @@ namespace {
 
 /// Runs nearer than this, in units of the bounds, tell the surrogates nothing new.
 constexpr double same_place = 1e-3;
-
-/// Points of the unit box <-> natural units.
-class Box {
- public:
-  explicit Box(const Bounds& bounds) : low_(bounds.low), width_(bounds.high - bounds.low) {}
-  [[nodiscard]] std::vector<double> theta(const Eigen::VectorXd& unit) const {
-    const Eigen::VectorXd x = low_ + width_.cwiseProduct(unit);
-    return {x.begin(), x.end()};
-  }
-  [[nodiscard]] Eigen::MatrixXd units(const Eigen::MatrixXd& thetas) const {
-    return ((thetas.colwise() - low_).array().colwise() / width_.array()).cwiseMax(0.0).cwiseMin(1.0).matrix();
-  }
-  [[nodiscard]] Eigen::VectorXd unit(const std::vector<double>& theta) const {
-    return units(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())));
-  }
-
- private:
-  Eigen::VectorXd low_, width_;
-};
 
 /// A model that keeps what it has computed: candidates of one round may stand again in the next.
 class RememberingModel final : public ForwardModel {
@@ -102,44 +82,12 @@ std::vector<double> median_costs(const std::vector<SparsePolynomial>& surrogates
 
 void expect_one_surrogate(const std::vector<SparsePolynomial>& surrogates, const SpeOptions& options) {
   if (std::any_of(surrogates.begin(), surrogates.end(), [](const auto& s) { return s.ok(); })) return;
-  throw InputError({.problem = "every coefficient of every surrogate vanishes (" + surrogates[0].failure + ")",
-                    .key = "spe.lambdas",
-                    .range = options.lambda_scale == "absolute" ? fmt::format("well below {:.3g} for this misfit", surrogates[0].lambda_max) : "smaller multiples",
-                    .suggestion = "the published values belong to a misfit of another size: take spe.lambda_scale = \"cross_validation\""});
+  throw InputError(
+      {.problem = "every coefficient of every surrogate vanishes (" + surrogates[0].failure + ")",
+       .key = "spe.lambdas",
+       .range = options.lambda_scale == "absolute" ? fmt::format("well below {:.3g} for this misfit", surrogates[0].lambda_max) : "smaller multiples",
+       .suggestion = "the published values belong to a misfit of another size: take spe.lambda_scale = \"cross_validation\""});
 }
-
-}  // namespace
-
-ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
-                            std::size_t* excluded) {
-  const auto split = split_runs(archive, options.validation_fraction, seed);
-  if (excluded) *excluded = split.excluded;
-  const auto& chebyshev = designs().get("chebyshev");
-  const bool drawn_by_it = designs().get(archive.design).measure == chebyshev.measure;
-  std::vector<std::size_t> used = split.train;
-  used.insert(used.end(), split.test.begin(), split.test.end());
-  ScatteredData data;
-  data.units.resize(archive.theta.rows(), Eigen::Index(used.size()));
-  data.values.resize(data.units.cols()), data.weights = Eigen::VectorXd::Ones(data.units.cols());
-  const Box box(bounds_of(problem.shape));
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    (i < split.train.size() ? data.train : data.validation).push_back(i);
-    const auto at = Eigen::Index(i), run = Eigen::Index(used[i]);
-    data.units.col(at) = box.units(archive.theta.col(run));
-    const Eigen::VectorXd history = archive.mean.col(run).cast<double>();
-    const double cost = objective.cost(objective.value(score(problem, {history.data(), std::size_t(history.size())})));
-    if (options.transform == "log" && !(cost > 0))
-      throw InputError({.problem = fmt::format("the misfit \"{}\" is not positive at every run and has no logarithm", objective.name),
-                        .key = "spe.transform",
-                        .value = "\"log\"",
-                        .suggestion = "take spe.transform = \"none\""});
-    data.values[at] = transformed(options.transform, cost);
-    if (!drawn_by_it) data.weights[at] = std::sqrt(chebyshev.density(data.units.col(at)) / design_density(archive.design, data.units.col(at)));
-  }
-  return data;
-}
-
-namespace {
 
 /// Fits the surrogates to `data` and warns of those that were left out.
 void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
@@ -158,7 +106,8 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
 }
 
 /// Many searches of each surrogate, side by side; each has its own random stream. Fills optima and modes.
-void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
+void search_round(SpeSummary& out, const UnitBox& box, Eigen::Index d, const SpeOptions& options, std::uint64_t seed, int threads,
+                  const CalibrationProgress& progress) {
   std::vector<std::vector<Optimum>> found(out.surrogates.size());
   std::mutex lock;
   std::size_t finished = 0;
@@ -176,7 +125,8 @@ void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOpti
   out.optima.clear(), out.modes.clear();
   std::vector<const Optimum*> all;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (out.surrogates[i].ok()) out.evaluations += std::size_t(options.trials) * (1 + std::size_t(options.iterations) * dgs_evaluations(options.dgs, std::size_t(d)));
+    if (out.surrogates[i].ok())
+      out.evaluations += std::size_t(options.trials) * (1 + std::size_t(options.iterations) * dgs_evaluations(options.dgs, std::size_t(d)));
     for (const auto& o : found[i]) {
       all.push_back(&o);
       out.optima.push_back({i, box.theta(o.x), out.objective.cost(restored(options.transform, o.f)), o.trials});
@@ -191,14 +141,14 @@ void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOpti
 }
 
 /// Points as proposals with what the surrogates say of them.
-std::vector<Proposal> proposals(const SpeSummary& s, const Box& box, const std::string& transform, const std::vector<std::vector<double>>& thetas) {
+std::vector<Proposal> proposals(const SpeSummary& s, const UnitBox& box, const std::string& transform, const std::vector<std::vector<double>>& thetas) {
   std::vector<Proposal> out;
   for (const auto& theta : thetas) out.push_back({median_costs(s.surrogates, box.unit(theta), transform)[0], theta});
   return out;
 }
 
 /// The modes, densest first, then the optima, best first.
-std::vector<Proposal> ranked_proposals(const SpeSummary& s, const Box& box, const std::string& transform) {
+std::vector<Proposal> ranked_proposals(const SpeSummary& s, const UnitBox& box, const std::string& transform) {
   std::vector<std::vector<double>> modes, optima;
   for (const auto& m : s.modes) modes.push_back(m.theta);
   for (const auto& o : s.optima) optima.push_back(o.theta);
@@ -226,7 +176,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   SpeSummary out{begin_calibration(problem, options.objective, "spe.objective")};
   const Clock clock;
   const Bounds bounds = bounds_of(problem.shape);
-  const Box box(bounds);
+  const UnitBox box(bounds);
   const RememberingModel model(true_model);
   const std::size_t wanted = std::size_t(options.candidates);
   auto data = discrepancies(problem, archive, out.objective, options, seed, &out.runs_excluded);

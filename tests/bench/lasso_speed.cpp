@@ -22,7 +22,8 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 int main(int argc, char** argv) {
   const auto raw = std::filesystem::temp_directory_path() / fmt::format("lasso_{}.raw", std::filesystem::hash_value(std::filesystem::current_path()));
-  for (const auto& space : {PolynomialSpace{"total_degree", 10}, PolynomialSpace{"total_degree", 14}, PolynomialSpace{"total_degree", 18}, PolynomialSpace{"tensor_product", 11}}) {
+  for (const auto& space :
+       {PolynomialSpace{"total_degree", 10}, PolynomialSpace{"total_degree", 14}, PolynomialSpace{"total_degree", 18}, PolynomialSpace{"tensor_product", 11}}) {
     const auto units = chebyshev_points(3, 480, 1);
     const Eigen::MatrixXd A = basis_matrix(space.degrees(3), units);
     Eigen::VectorXd b(480);
@@ -33,8 +34,8 @@ int main(int argc, char** argv) {
     const double began = now();
     const auto fits = lasso.path(lambdas);
     const double seconds = now() - began;
-    fmt::print("{} ({} x {})  five lambdas from 0.1 to 0.001 lambda_max\n  here          {:8.3f} s  optimum at the last {:.12g}, gap {:.1e}, {} terms\n", space.name(), A.rows(), A.cols(),
-               seconds, fits.back().objective, fits.back().gap, fits.back().nonzero);
+    fmt::print("{} ({} x {})  five lambdas from 0.1 to 0.001 lambda_max\n  here          {:8.3f} s  optimum at the last {:.12g}, gap {:.1e}, {} terms\n",
+               space.name(), A.rows(), A.cols(), seconds, fits.back().objective, fits.back().gap, fits.back().nonzero);
     std::fflush(stdout);
     if (argc < 2) continue;
     {

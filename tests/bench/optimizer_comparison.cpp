@@ -44,7 +44,8 @@ BatchFunction pointwise(std::function<double(const Eigen::VectorXd&)> f) {
 std::vector<Target> stand_ins() {
   const auto valley = [](const Eigen::VectorXd& x) {
     const double along = x[0] - x[1], across = (x[0] + 0.3) * (x[1] + 0.3) - 0.6;
-    return 1 + 40 * across * across + 2 * std::pow(along * along - 0.1, 2) + 0.3 * along + 1.5 * std::pow(x[2] - 0.35, 2) + 0.1 * std::cos(25 * x[0]) * std::cos(21 * x[1] + 3 * x[2]);
+    return 1 + 40 * across * across + 2 * std::pow(along * along - 0.1, 2) + 0.3 * along + 1.5 * std::pow(x[2] - 0.35, 2) +
+           0.1 * std::cos(25 * x[0]) * std::cos(21 * x[1] + 3 * x[2]);
   };
   const auto bowl = [](const Eigen::VectorXd& x) {
     double f = 1;
@@ -136,7 +137,8 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
   constexpr double width = 430, height = 300, left = 60, top = 34, gap = 70;
   const std::vector<std::string> colours{"#2563a8", "#c2571a", "#3a8a4d", "#8a3a86"};
   std::string s = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\"><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\"><rect width=\"100%\" height=\"100%\" "
+      "fill=\"#fff\"/>\n",
       left + double(targets.size()) * (width + gap), height + 110);
   for (std::size_t p = 0; p < targets.size(); ++p) {
     const double x0 = left + double(p) * (width + gap);
@@ -146,12 +148,14 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
     low -= margin, high += margin;
     const auto x = [&](std::size_t k) { return x0 + width * double(k + 1) / iterations; };
     const auto y = [&](double f) { return top + height * (1 - (std::clamp(f, low, high) - low) / (high - low)); };
-    s += fmt::format("<text x=\"{}\" y=\"20\" font-weight=\"bold\">{}</text><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#999\"/>\n", x0,
-                     targets[p].name, x0, top, width, height);
+    s += fmt::format(
+        "<text x=\"{}\" y=\"20\" font-weight=\"bold\">{}</text><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#999\"/>\n", x0,
+        targets[p].name, x0, top, width, height);
     for (int i = 0; i <= 4; ++i) {
       const double f = low + (high - low) * i / 4;
       s += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{:.3g}</text>", x0 - 6, y(f) + 4, f);
-      s += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x0 + width * i / 4, top + height + 17, step * iterations * std::size_t(i) / 4);
+      s += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x0 + width * i / 4, top + height + 17,
+                       step * iterations * std::size_t(i) / 4);
     }
     s += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">evaluations</text>\n", x0 + width / 2, top + height + 35);
     for (std::size_t m = 0; m < curves[p].size(); ++m) {
@@ -161,8 +165,8 @@ std::string picture(const std::vector<Target>& targets, const std::vector<std::v
         line += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k])), band += fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k] + 3 * c.sd[k]));
         back = fmt::format("{:.1f},{:.1f} ", x(k), y(c.mean[k] - 3 * c.sd[k])) + back;
       }
-      s += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"0.12\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"/>\n", band, back,
-                       colours[m], line, colours[m]);
+      s += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"0.12\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"/>\n",
+                       band, back, colours[m], line, colours[m]);
       s += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", x0 + 100.0 * double(m), top + height + 58, colours[m], c.name);
     }
   }
@@ -185,8 +189,8 @@ int compare(const std::vector<Target>& targets, const std::filesystem::path& out
         csv += fmt::format("{},{},{},{:.9g},{:.9g}\n", target.name, name, step * (k + 1), c.mean[k], c.sd[k]);
       }
       methods.push_back({{"name", name}, {"evaluations", evaluations}, {"mean", c.mean}, {"sd", c.sd}, {"best", c.best}, {"worst", c.worst}});
-      fmt::print("{:20} {:16} after 520: {:10.5g}   after {}: mean {:10.5g}  sd {:9.3g}  best {:10.5g}  worst {:10.5g}\n", target.name, name, c.mean[19], step * iterations,
-                 c.mean.back(), c.sd.back(), c.best, c.worst);
+      fmt::print("{:20} {:16} after 520: {:10.5g}   after {}: mean {:10.5g}  sd {:9.3g}  best {:10.5g}  worst {:10.5g}\n", target.name, name, c.mean[19],
+                 step * iterations, c.mean.back(), c.sd.back(), c.best, c.worst);
       curves.back().push_back(c);
     }
     json["targets"].push_back({{"name", target.name}, {"methods", methods}});
@@ -207,25 +211,26 @@ double median_best(const OptimizerEntry& entry, const BatchFunction& f, const Bo
 
 int table() {
   using Function = std::function<double(const Eigen::VectorXd&)>;  // of the distance from the optimum
-  const std::vector<std::pair<std::string, Function>> functions{
-      {"sphere", [](const Eigen::VectorXd& z) { return z.squaredNorm(); }},
-      {"Rosenbrock",
-       [](const Eigen::VectorXd& z) {
-         double f = 0;
-         for (Eigen::Index k = 0; k + 1 < z.size(); ++k) f += 100 * std::pow(z[k + 1] + 1 - (z[k] + 1) * (z[k] + 1), 2) + z[k] * z[k];
-         return f;
-       }},
-      {"Rastrigin",
-       [](const Eigen::VectorXd& z) {
-         double f = 0;
-         for (const double v : z) f += v * v + 10 * (1 - std::cos(2 * M_PI * v));
-         return f;
-       }},
-      {"Ackley", [](const Eigen::VectorXd& z) {
-         double c = 0;
-         for (const double v : z) c += std::cos(2 * M_PI * v) / double(z.size());
-         return 20 * (1 - std::exp(-0.2 * std::sqrt(z.squaredNorm() / double(z.size())))) + std::exp(1.0) - std::exp(c);
-       }}};
+  const std::vector<std::pair<std::string, Function>> functions{{"sphere", [](const Eigen::VectorXd& z) { return z.squaredNorm(); }},
+                                                                {"Rosenbrock",
+                                                                 [](const Eigen::VectorXd& z) {
+                                                                   double f = 0;
+                                                                   for (Eigen::Index k = 0; k + 1 < z.size(); ++k)
+                                                                     f += 100 * std::pow(z[k + 1] + 1 - (z[k] + 1) * (z[k] + 1), 2) + z[k] * z[k];
+                                                                   return f;
+                                                                 }},
+                                                                {"Rastrigin",
+                                                                 [](const Eigen::VectorXd& z) {
+                                                                   double f = 0;
+                                                                   for (const double v : z) f += v * v + 10 * (1 - std::cos(2 * M_PI * v));
+                                                                   return f;
+                                                                 }},
+                                                                {"Ackley", [](const Eigen::VectorXd& z) {
+                                                                   double c = 0;
+                                                                   for (const double v : z) c += std::cos(2 * M_PI * v) / double(z.size());
+                                                                   return 20 * (1 - std::exp(-0.2 * std::sqrt(z.squaredNorm() / double(z.size())))) +
+                                                                          std::exp(1.0) - std::exp(c);
+                                                                 }}};
   const std::vector<std::pair<std::string, OptimizerEntry>> peers{
       {"pagmo de", [](int g, unsigned seed) { return pagmo::algorithm{pagmo::de(unsigned(g), 0.5, 0.9, 7u, 0, 0, seed)}; }},
       {"pagmo gwo", [](int g, unsigned seed) { return pagmo::algorithm{pagmo::gwo(unsigned(g), seed)}; }}};

@@ -101,7 +101,7 @@ TEST(Spe, RecoversTheTruth) {
   o.objective = "rrmse";
   const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
   ASSERT_EQ(s.status, CalibrationStatus::done);
-  EXPECT_LT(away(s.theta), 0.05);  // candidates are told apart at 0.03 of the box
+  EXPECT_LT(away(s.theta), 0.05);   // candidates are told apart at 0.03 of the box
   EXPECT_GT(away(s.nominal), 0.2);  // the negative control
   EXPECT_LT(*s.best.objective_model, 0.3 * *s.at_nominal.objective_model);
   EXPECT_EQ(s.surrogates.size(), 9u);
@@ -262,8 +262,8 @@ TEST(Spe, ArtefactsHoldTheContract) {
   const auto s = run_spe(c.problem, c.archive, c.model, small(), 1, 2, [](const std::string&, std::size_t done, std::size_t total) { EXPECT_LE(done, total); });
   write_spe(s, c.problem, {.stage = "spe", .seed = 1}, dir);
   const Json j = read_json(dir / "spe.json");
-  for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae", "surrogates",
-                          "modes", "optima", "lambda_choices", "train_rrmse", "validation_rrmse", "warnings", "provenance"})
+  for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae",
+                          "surrogates", "modes", "optima", "lambda_choices", "train_rrmse", "validation_rrmse", "warnings", "provenance"})
     EXPECT_TRUE(j.contains(key)) << key;
   EXPECT_EQ(j["product"], "tuned");
   EXPECT_EQ(j["objective"]["sense"], "minimise");
