@@ -66,7 +66,7 @@ std::string catalogue(const std::string& heading, const Registry<Entry>& registr
 /// Tables whose names are kept for stages to come: nothing reads their keys yet.
 std::string reserved_tables() {
   std::vector<std::string> reserved;
-  for (const char* name : {"model", "output", "map", "sampler", "sensitivity", "diagnosis", "report"})
+  for (const char* name : {"model", "output", "sampler", "sensitivity", "diagnosis", "report"})
     if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
   return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
 }
@@ -78,8 +78,8 @@ std::string case_reference() {
   s += table<CaseName>("[case]", "case", "The whole table may be left out.");
   s += table<GeometryOptions>(
       "[geometry]", "geometry",
-      "The target: a box, a jet-flow target or a round bar. Required. `x` runs along the beam from the outer front face, `z` up from the "
-      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. `kind = \"mesh\"` is not built yet. "
+      "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). Required. `x` runs along the beam from the outer front face, `z` up from the "
+      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
       "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
   s += table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
@@ -97,12 +97,13 @@ std::string case_reference() {
   s += table<Parameter>(
       "[parameter.NAME]", "parameter.NAME",
       "The numbers to infer, in declared order. NAME stands for `material.mercury.NAME` unless `key` names another number of the case, such as\n"
-      "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. The calibration of this version uses the bounds; priors are read and "
-      "checked.");
+      "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. ENC uses the bounds alone, MAP the "
+      "priors, too.");
   s += table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
+  s += table<MapOptions>("[map]", "map", "Maximum a posteriori, see [theory/map.md](theory/map.md) and [theory/likelihood.md](theory/likelihood.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");
   s += mechanism_page();

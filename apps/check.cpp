@@ -6,13 +6,14 @@
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "forward/mesh/write_mesh.hpp"
 #include "forward/repeatability.hpp"
 
 namespace calomel {
 
 /// Reads every table, builds the mesh, places the sensors and holds the recordings against them; prints the resolved case
 /// as JSON to stdout, what was found and the cost to stderr. Runs nothing and writes nothing, but with --floor the ensemble
-/// mean on jittered meshes, whose scatter goes to floor.json.
+/// mean on jittered meshes, whose scatter goes to floor.json, and with --write-mesh the mesh.
 ExitStatus Stages::check() {
   const auto& shape = model().shape();
   const auto d = model().describe();
@@ -34,8 +35,24 @@ ExitStatus Stages::check() {
   const double runs = double(study_.campaign.runs) * study_.campaign.pulses * conditions;
   say(fmt::format("cost: one run about {}; the campaign of {} ensemble means over {} parameters about {} on {} threads", duration_text(d.estimated_seconds),
                   study_.campaign.runs, shape.parameters.size(), duration_text(runs * d.estimated_seconds / command_.threads), command_.threads));
+  if (!command_.write_mesh.empty()) {
+    calomel::write_mesh(model().mesh(), command_.write_mesh);
+    say("mesh written to " + command_.write_mesh.string());
+  }
   if (command_.floor) measure_floor();
   return ExitStatus::done;
+}
+
+Provenance Stages::floor_provenance() const {
+  Json options = study_.model_options();
+  options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
+  return {.stage = "floor", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
+}
+
+void Stages::need_floor() {
+  if (!due(floor_provenance(), {"floor.json"}, Asked::upstream)) return;
+  say("no repeatability floor in " + command_.out.string() + ": measuring it first");
+  measure_floor();
 }
 
 void Stages::measure_floor() {
@@ -45,7 +62,7 @@ void Stages::measure_floor() {
       model().forward_case(), model().ensemble(), options, command_.seed, command_.threads,
       [&](std::size_t done, std::size_t total) { display.update(done, total); }, &stop_requested());
   Json json = floor_json(floor);
-  json["provenance"] = Provenance{.stage = "floor", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()}.json();
+  json["provenance"] = floor_provenance().json();
   write_json(command_.out / "floor.json", json);
   say(fmt::format(
       "repeatability floor of the ensemble mean over {} jitters of mesh, viscosity and energies: {:.2f} % of the signal (mean over sensors), {:.2f} % at worst",

@@ -54,6 +54,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::floor:
       verb.add_flag("--floor", command.floor, "measure the repeatability floor (8 ensemble means) and write floor.json");
       return;
+    case Extra::write_mesh:
+      verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
+      return;
     case Extra::unit:
       verb.add_option("--unit", command.unit, "unit of the values (default: strain)")->type_name("strain|microstrain");
       return;
@@ -63,7 +66,7 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
 }  // namespace
 
 std::vector<Extra> extras_of(const std::string& verb) {
-  if (verb == "check") return {Extra::floor};
+  if (verb == "check") return {Extra::floor, Extra::write_mesh};
   if (verb == "calibrate") return {Extra::method};
   if (verb == "simulate") return {Extra::fields, Extra::mean};
   if (verb == "report") return {Extra::csv};

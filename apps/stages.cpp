@@ -8,6 +8,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
 #include "forward/campaign/archive.hpp"
+#include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/spe.hpp"
@@ -85,12 +86,17 @@ Provenance Stages::train_provenance() const {
 }
 
 Provenance Stages::calibration_provenance(const std::string& method) const {
-  const bool spe = method == "spe";  // learns from the campaign itself, the others from the trained surrogate
-  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";
-  return {.stage = method,
-          .options = {{method, spe ? echo(study_.spe) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
-          .seed = command_.seed,
-          .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
+  const bool spe = method == "spe", map = method == "map";
+  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";  // SPE learns from the campaign itself
+  Provenance p{.stage = method,
+               .options = {{method, spe ? echo(study_.spe) : map ? echo(study_.map) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+               .seed = command_.seed,
+               .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
+  if (map) {
+    for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
+    if (study_.map.likelihood.floor > 0) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
+  }
+  return p;
 }
 
 bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
@@ -153,10 +159,9 @@ ExitStatus Stages::train(Asked asked) {
 }
 
 ExitStatus Stages::calibrate(const std::string& method) {
-  if (method != "enc" && method != "spe")
-    throw InputError({.problem = "not built in this version", .key = "--method", .value = method, .range = "enc, spe", .suggestion = "take --method enc"});
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
   const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
+  if (method == "map" && study_.map.likelihood.floor > 0) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");
@@ -180,10 +185,31 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
       return summary;
     }
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
     const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
     write_enc(summary, against, provenance, command_.out);
     return summary;
   });
+}
+
+MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
+  const auto& shape = model().shape();
+  MapModels models{.true_model = model(), .surrogate = &surrogate};
+  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
+  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
+  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
+  models.mesh_relative = study_.map.mesh_error.value_or(100 * element);  // first order: 0.1 at 1 mm
+  models.positions.resize(Eigen::Index(shape.sensors.size()), 3);
+  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
+    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
+  const auto recordings = [&] {
+    std::vector<std::string> said;
+    return study_.matched_recordings(shape.sensors, said);
+  }();
+  auto summary = run_map(problem(), recordings, *study_.recordings, models, study_.map, command_.seed, command_.threads, progress);
+  write_map(summary, problem(), provenance, command_.out);
+  if (summary.best.objective_model) say("map: " + summary.identification.sentence);
+  return summary;
 }
 
 }  // namespace calomel

@@ -12,6 +12,7 @@
 #include "forward/built_in_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
+#include "inverse/map.hpp"
 #include "inverse/problem.hpp"
 
 namespace calomel {
@@ -45,6 +46,11 @@ class Stages {
 
  private:
   void measure_floor();
+  [[nodiscard]] Provenance floor_provenance() const;
+  /// Makes floor.json first, saying so, where there is none of this model.
+  void need_floor();
+  /// The MAP from the surrogate and floor.json; writes its artefacts.
+  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
   enum class Asked { by_user, upstream };
   [[nodiscard]] Provenance campaign_provenance() const;
   [[nodiscard]] Provenance train_provenance() const;

@@ -21,12 +21,13 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
       throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
                                            .key = later,
                                            .suggestion = "leave the table out to run the built-in model"}));
-  for (const char* later : {"map", "sampler", "sensitivity", "diagnosis"})
+  for (const char* later : {"sampler", "sensitivity", "diagnosis"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
   study.file.read("surrogate", study.surrogate);
   study.file.read("enc", study.enc);
   study.file.read("spe", study.spe);
+  study.file.read("map", study.map);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -40,6 +41,7 @@ Json StudyCase::echo() const {
   all["surrogate"] = calomel::echo(surrogate);
   all["enc"] = calomel::echo(enc);
   all["spe"] = calomel::echo(spe);
+  all["map"] = calomel::echo(map);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

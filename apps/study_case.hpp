@@ -13,6 +13,7 @@
 #include "forward/forward_case.hpp"
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/map.hpp"
 #include "inverse/recordings.hpp"
 #include "inverse/spe/options.hpp"
 
@@ -27,7 +28,7 @@ struct StudyOptions {
   void visit(V& v) {
     v("stages", stages,
       {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
-    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "spe"}, .least_size = 1});
+    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "spe", "map"}, .least_size = 1});
   }
 };
 
@@ -38,6 +39,7 @@ struct StudyCase {
   SurrogateOptions surrogate;
   EncOptions enc;
   SpeOptions spe;
+  MapOptions map;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

@@ -35,8 +35,16 @@ std::vector<LocatedGauge> locate_gauges(const Mesh& mesh, const std::vector<Sens
 
 Mesh mesh_of(const GeometryOptions& g) try { return make_mesh(g); } catch (const InputError& e) {
   auto parts = e.parts();
-  if (parts.key.rfind("geometry", 0) != 0) parts.key = parts.key.empty() ? "geometry" : "geometry." + parts.key;
+  if (parts.file.empty() && parts.key.rfind("geometry", 0) != 0) parts.key = parts.key.empty() ? "geometry" : "geometry." + parts.key;
   throw InputError(parts);
+}
+
+/// The load must find its place on a mesh from outside.
+void expect_something_moves(const ForwardCase& c, const Mesh& mesh) {
+  if (c.load.kind == "end_stress" && mesh.loaded.empty())
+    throw InputError({.problem = "the mesh has no loaded faces for the end_stress", .key = "geometry.sets.loaded", .suggestion = "name the set of those faces"});
+  if (c.load.kind != "end_stress" && mesh.quality.mercury_volume == 0)
+    throw InputError({.problem = "the mesh holds no mercury to heat", .key = "load.kind", .suggestion = "name its sets with geometry.sets.mercury, or use kind = \"end_stress\""});
 }
 
 /// Calls f(mechanism) for every one that is enabled and not off.
@@ -71,7 +79,7 @@ double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
 }
 
 /// How many times the modelled part the whole target is.
-double symmetry_factor(const Mesh& mesh) { return mesh.half ? 2 : 1; }
+double symmetry_factor(const Mesh& mesh) { return double(1 << mesh.mirrors.size()); }
 
 /// y(t) = gain x(t - delay) of the channel, after what mechanisms make of x.
 void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
@@ -91,6 +99,7 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
 
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
     : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))) {
+  expect_something_moves(case_, *mesh_);
   gauges_ = locate_gauges(*mesh_, case_.sensors);
   heating_ = heating_shape(*mesh_, effective_load(case_, *mesh_).profile);
   solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
@@ -248,6 +257,7 @@ ModelDescription BuiltInModel::describe() const {
   d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;
   d.estimated_bytes = double(d.elements) * (case_.solver.precision == "single" ? 300 : 550);
   d.notes = case_.notes;
+  d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());
   if (mesh_->plane_strain) {
     const auto [low, high] = std::minmax_element(mesh_->nodes.begin(), mesh_->nodes.end(), [](const Vec3& a, const Vec3& b) { return a[1] < b[1]; });
     d.slice_thickness = (*high)[1] - (*low)[1];

@@ -110,6 +110,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
     if (!file.has(required))
       throw file.located(InputError({.problem = fmt::format("the table [{}] is missing", required), .suggestion = "see docs/case_reference.md or examples/"}));
   file.read("geometry", c.geometry);
+  c.geometry.folder = file.path().parent_path();
   NoKeys none;
   const std::vector<std::string> materials{"steel", "mercury"};
   file.read("material", none, materials);
@@ -119,9 +120,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   file.read("time", c.time);
   file.read("solver", c.solver);
   if (c.load.kind == "end_stress") {
-    if (c.geometry.kind != "bar")
-      throw file.located(InputError(
-          {.problem = "an end_stress acts on the end of a bar", .key = "load.kind", .suggestion = "set geometry.kind = \"bar\", or use initial_pressure"}));
+    if (c.geometry.kind != "bar" && c.geometry.kind != "mesh")
+      throw file.located(InputError({.problem = "an end_stress acts on the end of a bar, or on the faces of geometry.sets.loaded",
+                                     .key = "load.kind",
+                                     .suggestion = "set geometry.kind = \"bar\" or \"mesh\", or use initial_pressure"}));
     file.locating([&] { c.end_stress = read_history(file.resolve(c.load.file)); });
     for (auto& v : c.end_stress.value) v *= c.load.stress_scale;
   } else if (c.geometry.kind == "bar") {

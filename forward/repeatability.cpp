@@ -1,5 +1,6 @@
 #include "forward/repeatability.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -93,6 +94,25 @@ Json floor_json(const RepeatabilityFloor& floor) {
                               {"signal", std::vector<double>(floor.signal.begin() + first, floor.signal.begin() + last)}});
     }
   return j;
+}
+
+Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape) {
+  const auto ends = floor.at("window_end_s").get<std::vector<double>>();
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(Eigen::Index(shape.values()));
+  for (std::size_t c = 0; c < shape.conditions.size(); ++c)
+    for (std::size_t s = 0; s < shape.sensors.size(); ++s) {
+      const auto& rows = floor.at("sensors");
+      const auto row = std::find_if(rows.begin(), rows.end(), [&](const Json& r) { return r.at("condition") == shape.conditions[c] && r.at("name") == shape.sensors[s]; });
+      if (row == rows.end())
+        throw InputError({.problem = "the repeatability floor lacks the sensor", .value = shape.sensors[s], .suggestion = "measure it anew: calomel check --floor"});
+      const auto sd = row->at("sd").get<std::vector<double>>();
+      for (std::size_t t = 0; t < shape.times.size(); ++t) {
+        std::size_t w = 0;
+        while (w + 1 < ends.size() && shape.times[t] >= ends[w] - 1e-12) ++w;
+        variance[Eigen::Index(shape.at(c, s, t))] = sd.at(w) * sd.at(w);
+      }
+    }
+  return variance;
 }
 
 }  // namespace calomel

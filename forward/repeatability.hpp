@@ -46,4 +46,8 @@ struct RepeatabilityFloor {
 /// The floor as JSON, for floor.json.
 Json floor_json(const RepeatabilityFloor& floor);
 
+/// Variance of the ensemble mean at every value of a model of this shape, (values), from floor.json: constant over each window.
+/// Errors: InputError when its gauges or conditions are not the model's.
+Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape);
+
 }  // namespace calomel

@@ -31,7 +31,7 @@ std::string enumeration(const std::vector<std::string>& words) {
   return s;
 }
 
-std::string outcome(const Calibration& c, const ReportInput& input) {
+std::string outcome(const CalibrationArtefacts& c, const ReportInput& input) {
   const auto accuracy = number_at(c.summary, "accuracy"), nominal_accuracy = number_at(c.summary, "nominal_accuracy");
   const auto mae = number_at(c.summary, "mae"), nominal_mae = number_at(c.summary, "nominal_mae");
   if (!mae) return fmt::format("<p>{}.json holds no scores, so nothing can be said of how well the calibration fits.</p>\n", c.method);

@@ -30,7 +30,7 @@ const Json& part_at(const Json& json, const std::string& key) {
   return found == json.end() ? nothing : *found;
 }
 
-const Calibration* Study::calibration(const std::string& method) const {
+const CalibrationArtefacts* Study::calibration(const std::string& method) const {
   for (const auto& c : calibrations)
     if (c.method == method) return &c;
   return nullptr;

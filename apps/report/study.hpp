@@ -18,7 +18,7 @@ struct Histories {
   std::vector<double> record_mean, band_low, band_high;  ///< over `record_time`
 };
 
-struct Calibration {
+struct CalibrationArtefacts {
   std::string method;  ///< "enc", "spe", "map"
   std::string label;   ///< "ENC", ...
   Json summary;        ///< METHOD.json
@@ -37,12 +37,12 @@ struct CampaignRuns {
 };
 
 struct Study {
-  std::vector<Calibration> calibrations;
+  std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
   std::optional<CampaignRuns> runs;
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
 
-  [[nodiscard]] const Calibration* calibration(const std::string& method) const;
+  [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
 };
 
 /// Errors: InputError naming a file that is there but cannot be read.

@@ -189,14 +189,14 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
     return row;
   };
   for (const auto& name : names)
-    t.rows.push_back(row_of(name, [&](const Calibration& c) -> const Json& {
+    t.rows.push_back(row_of(name, [&](const CalibrationArtefacts& c) -> const Json& {
       static const Json nothing;
       for (const auto& s : list_at(c.summary, "sensors"))
         if (text_at(s, "name") == name) return s;
       return nothing;
     }));
   if (!t.rows.empty()) {
-    t.footer = row_of("Average", [](const Calibration& c) -> const Json& { return c.summary; });
+    t.footer = row_of("Average", [](const CalibrationArtefacts& c) -> const Json& { return c.summary; });
     t.note = mae ? "Bold: the calibrated simulation is as near to the mean record as the nominal one, or nearer."
                  : "Bold: the calibrated simulation is inside the band as often as the nominal one, or more often.";
   }

@@ -1,6 +1,6 @@
 #include "forward/mechanism/beam_profile.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace calomel {
 
@@ -9,7 +9,8 @@ namespace {
 constexpr double pulse_of_the_load = 0.7e-6;
 
 void change_source(const MechanismValues& v, const Mesh& mesh, LoadOptions& load) {
-  if (mesh.half && v["offset_y"] != 0)
+  const bool half = std::any_of(mesh.mirrors.begin(), mesh.mirrors.end(), [](const MirrorPlane& m) { return m.axis == 1; });
+  if (half && v["offset_y"] != 0)
     throw InputError({.problem = "a half model is symmetric about y = 0 and cannot show a beam that is off to one side",
                       .key = "mechanism.beam_profile.offset_y",
                       .value = number_text(v["offset_y"]),

@@ -171,8 +171,7 @@ Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {
   mesh.elements = std::move(grid.elements);
   mesh.region = std::move(grid.region);
   mesh.plane_strain = options.plane_strain;
-  mesh.half = options.half;
-  mesh.quarter = options.quarter;
+  mesh.mirrors = options.mirrors;
   mesh.quality.least_wall_elements = options.least_wall_elements;
 
   // Boundary and wetted faces, while steel and mercury are still connected.
@@ -191,7 +190,8 @@ Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {
         continue;
       }
       const Face face{.nodes = face_nodes(mesh.elements, f), .element = element_of(f)};
-      const auto kind = options.boundary(hexahedron::centre(mesh, face), hexahedron::area_vector(mesh, face).normalized());
+      const auto kind = options.boundary_of_nodes ? options.boundary_of_nodes(face.nodes)
+                                                  : options.boundary(hexahedron::centre(mesh, face), hexahedron::area_vector(mesh, face).normalized());
       expect(!liquid || (kind != BoundaryKind::outer && kind != BoundaryKind::loaded), "mercury is enclosed by steel, symmetry planes and the rear end");
       boundary.push_back({f, kind});
     }
@@ -203,8 +203,8 @@ Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {
   mesh.fixed.assign(mesh.nodes.size(), 0);
   for (const auto& [f, kind] : boundary) {
     const Face face{.nodes = face_nodes(mesh.elements, f), .element = element_of(f)};
-    if (kind == BoundaryKind::symmetry_y || kind == BoundaryKind::symmetry_z)
-      for (const NodeId n : face.nodes) mesh.fixed[std::size_t(n)] |= kind == BoundaryKind::symmetry_y ? 2 : 4;
+    if (kind == BoundaryKind::symmetry_x || kind == BoundaryKind::symmetry_y || kind == BoundaryKind::symmetry_z)
+      for (const NodeId n : face.nodes) mesh.fixed[std::size_t(n)] |= kind == BoundaryKind::symmetry_x ? 1 : kind == BoundaryKind::symmetry_y ? 2 : 4;
     else if (kind == BoundaryKind::outer)
       mesh.outer.push_back(face);
     else if (kind == BoundaryKind::loaded)
@@ -216,7 +216,7 @@ Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {
   for (const auto& [steel, mercury] : pairs) mesh.slip.push_back({.steel = steel, .mercury = mercury, .count = 0, .normals = {}});
   update_slip_normals(mesh);
   mesh.quality = measure_quality(mesh);
-  expect(mesh.quality.least_scaled_jacobian > 0, "every element of a parametric target has positive Jacobians");
+  expect(mesh.quality.least_scaled_jacobian > 0, "every element has positive Jacobians");
   mesh.liquid_element_size = median_liquid_edge(mesh);
   return mesh;
 }

@@ -15,14 +15,17 @@ struct BareGrid {
 };
 
 /// What a boundary face is.
-enum class BoundaryKind { outer, symmetry_y, symmetry_z, rear, loaded, free_end };
+enum class BoundaryKind { outer, symmetry_x, symmetry_y, symmetry_z, rear, loaded, free_end };
 
 struct AssemblyOptions {
   bool slip = true;  ///< separate nodes on wetted faces
-  bool plane_strain = false, half = false, quarter = false;
+  bool plane_strain = false;
+  std::vector<MirrorPlane> mirrors;
   int least_wall_elements = 0;  ///< as the generator knows it
   /// Kind of the boundary face with this centre [m] and outward unit normal.
   std::function<BoundaryKind(const hexahedron::Point& centre, const hexahedron::Point& normal)> boundary;
+  /// Where set, in place of `boundary`: kind of the boundary face with these nodes of the bare grid.
+  std::function<BoundaryKind(const std::array<NodeId, 4>& nodes)> boundary_of_nodes;
 };
 
 /// Elements sorted by region (steel first) and along a Morton walk, nodes numbered by first touch; wetted nodes split

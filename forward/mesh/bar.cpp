@@ -81,7 +81,7 @@ Mesh make_bar(const GeometryOptions& options) {
   x.add(length, int(n.along), Region::steel);
 
   AssemblyOptions assembly;
-  assembly.quarter = g.quarter;
+  if (g.quarter) assembly.mirrors = {{.axis = 1}, {.axis = 2}};
   assembly.boundary = [&](const hexahedron::Point& centre, const hexahedron::Point& normal) {
     if (normal.x() < -0.5) return BoundaryKind::loaded;
     if (normal.x() > 0.5) return BoundaryKind::free_end;

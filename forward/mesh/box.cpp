@@ -42,7 +42,7 @@ Mesh make_box(const GeometryOptions& options) {
   AssemblyOptions assembly;
   assembly.slip = g.wetted == "slip";
   assembly.plane_strain = g.plane_strain;
-  assembly.half = g.half && !g.plane_strain;
+  if (g.half && !g.plane_strain) assembly.mirrors = {{.axis = 1}};
   assembly.least_wall_elements =
       std::min({g.divisions(g.wall_thickness("front"), true), g.divisions(g.wall_thickness("bottom"), true), g.divisions(g.wall_thickness("top"), true)});
   if (rear_wall) assembly.least_wall_elements = std::min(assembly.least_wall_elements, g.divisions(g.wall_thickness("rear"), true));
@@ -58,6 +58,7 @@ Mesh make_box(const GeometryOptions& options) {
 
 Mesh make_mesh(const GeometryOptions& options) {
   options.validate();
+  if (options.kind == "mesh") return make_outside_mesh(options);
   if (options.kind == "bar") return make_bar(options);
   if (options.kind == "jet_flow") return make_jet_flow(options);
   return make_box(options);

@@ -6,25 +6,13 @@
 
 #include "base/artefact.hpp"
 #include "base/errors.hpp"
-#include "forward/mesh/hexahedron.hpp"
+#include "forward/mesh/file_order.hpp"
+#include "forward/mesh/topology.hpp"
 
 namespace calomel {
 namespace {
 
-/// Exodus corners run round the bottom and then round the top (Schoof and Yarberry, SAND92-2137).
-constexpr std::array<std::size_t, 8> exodus_corner{0, 1, 3, 2, 4, 5, 7, 6};
-/// Exodus side of our faces -x, +x, -y, +y, -z, +z.
-constexpr std::array<int, 6> exodus_side{4, 2, 1, 3, 5, 6};
-
-int side_of_face(const Mesh& mesh, const Face& face) {
-  const auto& e = mesh.elements[std::size_t(face.element)];
-  for (std::size_t f = 0; f < 6; ++f)
-    if (std::all_of(hexahedron::faces[f].begin(), hexahedron::faces[f].end(),
-                    [&](int c) { return std::find(face.nodes.begin(), face.nodes.end(), e[std::size_t(c)]) != face.nodes.end(); }))
-      return exodus_side[f];
-  expect(false, "a face belongs to its element");
-  return 0;
-}
+int side_of_face(const Mesh& mesh, const Face& face) { return file_order::exodus_side[std::size_t(side_of(face_id(mesh.elements, face)))]; }
 
 }  // namespace
 
@@ -88,7 +76,7 @@ void ExodusFieldWriter::write_mesh() {
     std::vector<int> connectivity;
     connectivity.reserve(8 * block.size());
     for (const auto e : block)
-      for (const auto c : exodus_corner) connectivity.push_back(mesh_.elements[std::size_t(e)][c] + 1);
+      for (const auto c : file_order::corner) connectivity.push_back(mesh_.elements[std::size_t(e)][c] + 1);
     check(ex_put_conn(id_, EX_ELEM_BLOCK, b + 1, connectivity.data(), nullptr, nullptr), "elements");
   }
 }

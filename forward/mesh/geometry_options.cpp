@@ -157,13 +157,28 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   return plan;
 }
 
+void GeometryOptions::validate_mesh_file() const {
+  if (file.empty())
+    throw InputError({.problem = "the key is missing and has no default for kind = \"mesh\"", .key = "file", .suggestion = "add file = \"target.exo\" or \"target.inp\""});
+  const std::string does = "mesh";
+  refuse(length.has_value(), "length", does), refuse(width.has_value(), "width", does), refuse(height.has_value(), "height", does);
+  refuse(wall.has_value(), "wall", does), refuse(radius.has_value(), "radius", does), refuse(nose_radius.has_value(), "nose_radius", does);
+  refuse(window.has_value(), "window", does), refuse(element_size.has_value(), "element_size", does), refuse(wall_elements != 0, "wall_elements", does);
+  for (const char* w : {"front", "rear", "side", "top", "bottom"}) refuse(named_wall(walls, w).has_value(), std::string("walls.") + w, does);
+  const auto say_with_sets = [](const char* key, const char* set) {
+    throw InputError({.problem = "kind = \"mesh\" has no such key", .key = key, .suggestion = fmt::format("name the faces of the file with sets.{}", set)});
+  };
+  if (plane_strain) say_with_sets("plane_strain", "symmetry_y");
+  if (half) say_with_sets("half", "symmetry_y");
+  if (rear != "non_reflecting") say_with_sets("rear", "rear");
+}
+
 void GeometryOptions::validate() const {
-  if (kind == "mesh")
-    throw InputError(
-        {.problem = "not built yet in this version: mesh files cannot be read", .key = "kind", .value = "\"mesh\"", .range = "box, jet_flow, bar"});
+  if (kind == "mesh") return validate_mesh_file();
   const bool bar = kind == "bar", box = kind == "box", jet_flow = kind == "jet_flow";
-  if (!bar && !box && !jet_flow) throw InputError({.problem = "not a known shape", .key = "kind", .value = '"' + kind + '"', .range = "box, jet_flow, bar"});
-  refuse(!file.empty(), "file", kind);
+  if (!bar && !box && !jet_flow) throw InputError({.problem = "not a known shape", .key = "kind", .value = '"' + kind + '"', .range = "box, jet_flow, bar, mesh"});
+  refuse(!file.empty(), "file", kind), refuse(scale != 1, "scale", kind), refuse(merge_distance != 0, "merge_distance", kind);
+  for (const auto& [key, names] : sets.by_key()) refuse(!names->empty(), "sets." + key, kind);
   if (!bar) refuse(radius.has_value(), "radius", kind);
   if (!jet_flow) refuse(nose_radius.has_value(), "nose_radius", kind), refuse(window.has_value(), "window", kind);
   if (jet_flow && walls.front)

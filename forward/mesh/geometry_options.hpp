@@ -1,5 +1,6 @@
 #pragma once
 /// The parametric targets of a case file, `[geometry]`.
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -36,6 +37,27 @@ struct JetOptions {
   }
 };
 
+/// Names of the sets of a mesh file (kind = "mesh"); case does not matter. An empty list stands for the default.
+struct SetOptions {
+  std::vector<std::string> steel, mercury, symmetry_x, symmetry_y, symmetry_z, rear, loaded, outer;
+  template <class V>
+  void visit(V& v) {
+    v("steel", steel, {.doc = "mesh: element sets, blocks or materials of steel (default: those whose name contains \"steel\")"});
+    v("mercury", mercury, {.doc = "mesh: those of mercury (default: those whose name contains \"mercury\")"});
+    v("symmetry_x", symmetry_x, {.doc = "mesh: node or side sets of a symmetry plane normal to x (default: a set of this name, if any; so for the keys below)"});
+    v("symmetry_y", symmetry_y, {.doc = "mesh: normal to y; sets on both sides of one layer of elements make plane strain"});
+    v("symmetry_z", symmetry_z, {.doc = "mesh: normal to z"});
+    v("rear", rear, {.doc = "mesh: node or side sets of the non-reflecting mercury faces"});
+    v("loaded", loaded, {.doc = "mesh: node or side sets of the faces on which an end_stress acts"});
+    v("outer", outer, {.doc = "mesh: node or side sets of the surface on which gauges may sit (default: all free steel faces)"});
+  }
+  /// The lists by their keys.
+  [[nodiscard]] std::vector<std::pair<std::string, const std::vector<std::string>*>> by_key() const {
+    return {{"steel", &steel}, {"mercury", &mercury}, {"symmetry_x", &symmetry_x}, {"symmetry_y", &symmetry_y},
+            {"symmetry_z", &symmetry_z}, {"rear", &rear}, {"loaded", &loaded}, {"outer", &outer}};
+  }
+};
+
 /// Outer dimensions, walls and mesh of a target. x runs along the beam and is 0 at the outer front face, z is 0 at the
 /// outer bottom face, y is 0 in the middle.
 struct GeometryOptions {
@@ -55,7 +77,11 @@ struct GeometryOptions {
   int wall_elements = 0;
   std::string wetted = "slip";  ///< | tied
   std::string file;             ///< kind = "mesh"
+  double scale = 1, merge_distance = 0;
+  SetOptions sets;
   double max_elements = 2e8;
+
+  std::filesystem::path folder;  ///< where a relative `file` starts; no key
 
   template <class V>
   void visit(V& v) {
@@ -77,13 +103,19 @@ struct GeometryOptions {
       {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly (jet_flow: 0.003, bar: radius/4)"});
     v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
     v("wetted", wetted, {.doc = "steel and mercury slip along each other, or share nodes", .choices = {"slip", "tied"}});
-    v("file", file, {.doc = "mesh file of kind = \"mesh\""});
+    v("file", file, {.doc = "mesh: Exodus II file (.exo, .e, .g), or Abaqus input (.inp)"});
+    v("scale", scale, {.range = above(0), .doc = "mesh: factor on the coordinates, 0.001 for a file in millimetres"});
+    v("merge_distance", merge_distance, {.unit = "m", .range = at_least(0), .doc = "mesh: nodes nearer than this become one; 0 = none do"});
+    v.table("sets", sets, "mesh: what the sets of the file mean");
     v("max_elements", max_elements, {.range = between(1, 3e8), .doc = "refuse a mesh of more elements than this"});
   }
 
   /// Errors: InputError on the key that is missing, does not belong to the kind, leaves no mercury, or asks for more
   /// than `max_elements`. Nothing is allocated.
   void validate() const;
+  void validate_mesh_file() const;
+
+  [[nodiscard]] std::filesystem::path mesh_file() const { return folder / file; }
 
   /// Thickness [m] of "front", "rear", "side", "top" or "bottom". Errors: InputError when neither `walls` nor `wall` gives it.
   [[nodiscard]] double wall_thickness(const std::string& name) const;

@@ -179,7 +179,7 @@ Mesh make_jet_flow(const GeometryOptions& options) {
 
   AssemblyOptions assembly;
   assembly.slip = g.wetted == "slip";
-  assembly.half = g.half;
+  if (g.half) assembly.mirrors = {{.axis = 1}};
   assembly.least_wall_elements = std::min(int(plan.wall), g.divisions(g.wall_thickness("side"), true));
   if (plan.plate > 0) assembly.least_wall_elements = std::min(assembly.least_wall_elements, int(plan.plate));
   if (g.rear == "wall") assembly.least_wall_elements = std::min(assembly.least_wall_elements, g.divisions(g.wall_thickness("rear"), true));

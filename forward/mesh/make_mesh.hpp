@@ -1,5 +1,5 @@
 #pragma once
-/// The parametric targets, meshed with hexahedra.
+/// Targets as hexahedra: parametric, or from a mesh file.
 #include "forward/mesh/geometry_options.hpp"
 #include "forward/mesh/mesh.hpp"
 
@@ -15,5 +15,9 @@ namespace calomel {
 [[nodiscard]] Mesh make_bar(const GeometryOptions& options);
 /// Target with a rounded nose and plates that lead a jet along the window: a section in x and z, extruded along y.
 [[nodiscard]] Mesh make_jet_flow(const GeometryOptions& options);
+
+/// Target from a mesh file: its sets give materials, symmetry planes and boundary faces; wetted faces, where steel and
+/// mercury share nodes, are split as wetted = "slip" asks. Errors: InputError for all that a file can be wrong in.
+[[nodiscard]] Mesh make_outside_mesh(const GeometryOptions& options);
 
 }  // namespace calomel

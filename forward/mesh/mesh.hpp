@@ -37,6 +37,13 @@ struct MeshQuality {
   int least_wall_elements = 0;                  ///< fewest elements through any steel wall (0 = no walls)
 };
 
+/// A plane of symmetry, x[axis] = at [m], beyond which the target goes on as a mirror image that is not meshed.
+struct MirrorPlane {
+  int axis = 1;
+  double at = 0;
+  bool above = true;  ///< the meshed part lies at greater coordinates
+};
+
 struct Mesh {
   std::vector<Vec3> nodes;                      ///< reference coordinates [m]
   std::vector<std::array<NodeId, 8>> elements;  ///< corner i + 2j + 4k at (xi, eta, zeta) = (+-1): bit set means +1; right-handed
@@ -48,10 +55,10 @@ struct Mesh {
   std::vector<Face> rear;                       ///< mercury faces of a non-reflecting rear end
   std::vector<Face> loaded;                     ///< faces on which an end_stress acts (bar: x = 0)
   bool plane_strain = false;                    ///< one element across y, both y faces symmetric
-  bool half = false;                            ///< y >= 0 only; gauges are mirrored into it
-  bool quarter = false;                         ///< y >= 0 and z >= 0 only (bar); gauges are mirrored into it
+  std::vector<MirrorPlane> mirrors;             ///< at most one an axis; gauges beyond are mirrored into the meshed part
   double liquid_element_size = 0;               ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
   MeshQuality quality;
+  std::vector<std::string> notes;               ///< what the reader of a mesh file has to tell
 };
 
 }  // namespace calomel

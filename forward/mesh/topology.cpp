@@ -14,7 +14,16 @@ std::array<NodeId, 4> face_nodes(std::span<const std::array<NodeId, 8>> elements
   return {e[std::size_t(f[0])], e[std::size_t(f[1])], e[std::size_t(f[2])], e[std::size_t(f[3])]};
 }
 
-std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes) {
+FaceId face_id(std::span<const std::array<NodeId, 8>> elements, const Face& face) {
+  for (FaceId f = 6 * face.element; f < 6 * face.element + 6; ++f) {
+    const auto nodes = face_nodes(elements, f);
+    if (std::is_permutation(nodes.begin(), nodes.end(), face.nodes.begin())) return f;
+  }
+  expect(false, "a face belongs to its element");
+  return no_face;
+}
+
+std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes, const std::function<void(FaceId, FaceId)>& crowded) {
   expect(elements.size() < std::size_t(1) << 28, "face numbers fit into 32 bits");
   const auto n = FaceId(6 * elements.size());
   const auto sorted = [&](FaceId f) {
@@ -43,7 +52,9 @@ std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elemen
       for (auto j = i + 1; j < begin[node + 1]; ++j) {
         const FaceId g = bucket[std::size_t(j)];
         if (sorted(g) != own) continue;
-        expect(match[std::size_t(f)] == no_face && match[std::size_t(g)] == no_face, "a face belongs to at most two elements");
+        const bool alone = match[std::size_t(f)] == no_face && match[std::size_t(g)] == no_face;
+        expect(alone || crowded, "a face belongs to at most two elements");
+        if (!alone) crowded(f, g);
         match[std::size_t(f)] = g, match[std::size_t(g)] = f;
       }
     }

@@ -2,6 +2,7 @@
 /// Which faces of a hexahedral mesh meet.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,9 +19,14 @@ inline int side_of(FaceId f) { return f % 6; }
 /// Nodes of a face, counter-clockwise seen from outside its element.
 std::array<NodeId, 4> face_nodes(std::span<const std::array<NodeId, 8>> elements, FaceId face);
 
+/// Number of a face of `elements`. Errors: contract failure when the element does not have it.
+FaceId face_id(std::span<const std::array<NodeId, 8>> elements, const Face& face);
+
 /// For every face (6 per element) the face of the other element that has the same four nodes, or no_face.
-/// Time and memory are linear in the number of elements. Errors: contract failure when three elements share a face.
-std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes);
+/// Time and memory are linear in the number of elements. Where three elements share a face, `crowded` is called with two
+/// of their faces. Errors: contract failure where it is not given.
+std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes,
+                                   const std::function<void(FaceId, FaceId)>& crowded = {});
 
 /// The elements of `mesh` with every mercury node of a slip pair replaced by its steel partner, so that steel and
 /// mercury are connected.

@@ -36,6 +36,9 @@ class RowBuilder {
 struct Mirrored {
   Point position;
   Point sign{1, 1, 1};
+  Point shift{0, 0, 0};
+  /// The place in the whole model whose image this is.
+  [[nodiscard]] Point back(const Point& image) const { return (image - shift).cwiseProduct(sign); }
 };
 
 Mirrored mirror(const Mesh& mesh, const Point& p) {
@@ -44,8 +47,9 @@ Mirrored mirror(const Mesh& mesh, const Point& p) {
     m.position.y() = 0;
     return m;
   }
-  if ((mesh.half || mesh.quarter) && p.y() < 0) m.position.y() = -p.y(), m.sign.y() = -1;
-  if (mesh.quarter && p.z() < 0) m.position.z() = -p.z(), m.sign.z() = -1;
+  for (const auto& plane : mesh.mirrors)
+    if (const int k = plane.axis; (p[k] < plane.at) == plane.above && p[k] != plane.at)
+      m.position[k] = 2 * plane.at - p[k], m.sign[k] = -1, m.shift[k] = 2 * plane.at;
   return m;
 }
 
@@ -68,7 +72,7 @@ struct Site {
       const Point wanted = at.position + (k == 0 ? -0.5 : 0.5) * l * d;
       image[k] = mirror(mesh, wanted);
       end[k] = tree.nearest(image[k].position, d.cwiseProduct(image[k].sign));
-      place[k] = end[k].position.cwiseProduct(image[k].sign);
+      place[k] = image[k].back(end[k].position);
       if (mesh.plane_strain) place[k].y() = wanted.y();  // nothing varies along y
     }
     const Point chord = place[1] - place[0];
@@ -163,7 +167,7 @@ LocatedGauge GaugeLocator::locate(const SensorOptions& sensor) const {
   const Site site{mesh_, tree_, sensor, tree_.nearest(image.position, wanted)};
   const SurfacePoint& at = site.at;
   if (at.distance > sensor.max_distance) {
-    const Point there = at.position.cwiseProduct(image.sign);
+    const Point there = image.back(at.position);
     throw InputError({.problem = fmt::format("sensor \"{}\" lies {:.4g} m from the outer surface", sensor.name, at.distance),
                       .key = "position",
                       .value = text(sensor.position),

@@ -1,13 +1,7 @@
 // Malformed input through the program as a user meets it: exit status 2, the place, the key, the value, and what to do.
-#include <gmock/gmock.h>
-#include <sys/wait.h>
+#include "tests/regression/program.hpp"
 
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
+using namespace calomel::testing;
 
 namespace {
 
@@ -71,11 +65,6 @@ std::string good_records() {
   return s;
 }
 
-struct Outcome {
-  int status;
-  std::string said;
-};
-
 struct Edit {
   std::string name;                ///< of the test
   std::string old, now;            ///< the line's change; empty `old`: in the recordings instead
@@ -98,21 +87,6 @@ std::filesystem::path write_case(const Edit& e) {
   std::ofstream(dir / "case.toml") << text;
   std::ofstream(dir / "recordings.csv") << (e.records.empty() ? good_records() : e.records);
   return dir;
-}
-
-Outcome run(const std::filesystem::path& dir, const std::string& words) {
-  const std::string command = "cd '" + dir.string() + "' && '" CALOMEL_PROGRAM "' " + words + " 2>&1 >/dev/null";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  Outcome out{-1, ""};
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.said.append(buffer.data(), n);
-  out.status = WEXITSTATUS(::pclose(pipe));
-  return out;
-}
-
-std::string with(std::string text, const std::string& old, const std::string& now) {
-  text.replace(text.find(old), old.size(), now);
-  return text;
 }
 
 std::vector<Edit> edits() {

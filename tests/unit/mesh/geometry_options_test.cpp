@@ -69,6 +69,14 @@ TEST(GeometryOptions, MissingAndForeignKeysAreNamed) {
   EXPECT_EQ(key, "geometry.wall_elements");
   message_of("[geometry]\nlength = 1\n", &key);
   EXPECT_EQ(key, "geometry");
-  EXPECT_THAT(message_of("[geometry]\nkind = 'mesh'\nfile = 'target.exo'\n", &key), HasSubstr("not built yet in this version"));
-  EXPECT_EQ(key, "geometry.kind");
+  EXPECT_EQ(message_of("[geometry]\nkind = 'mesh'\nfile = 'target.exo'\n"), "");
+  message_of("[geometry]\nkind = 'mesh'\n", &key);
+  EXPECT_EQ(key, "geometry.file");
+  message_of("[geometry]\nkind = 'mesh'\nfile = 'target.exo'\nwall = 0.004\n", &key);
+  EXPECT_EQ(key, "geometry.wall");
+  EXPECT_THAT(message_of("[geometry]\nkind = 'mesh'\nfile = 'target.exo'\nhalf = true\n", &key), HasSubstr("sets.symmetry_y"));
+  message_of(box + "element_size = 0.001\nwall = 0.004\nscale = 0.001\n", &key);
+  EXPECT_EQ(key, "geometry.scale");
+  message_of(box + "element_size = 0.001\nwall = 0.004\nsets = {steel = ['a']}\n", &key);
+  EXPECT_EQ(key, "geometry.sets.steel");
 }

@@ -1,0 +1,105 @@
+#include "inverse/identify.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace calomel {
+
+namespace {
+
+constexpr double quantile95 = 1.959964;
+constexpr double pinned_share = 0.25;  ///< of the prior sd: below it a direction is the data's own
+
+std::string powers(const std::vector<std::string>& names, const Eigen::VectorXd& exponents) {
+  std::string s;
+  for (Eigen::Index k = 0; k < exponents.size(); ++k)
+    if (std::abs(exponents[k]) >= 0.05) s += fmt::format("{}{}^{:.2f}", s.empty() ? "" : " ", names[std::size_t(k)], exponents[k]);
+  return s;
+}
+
+std::string share(double sd) { return sd < 0.3 ? fmt::format("{:.2g} %", 100 * sd) : fmt::format("a factor of {:.2g}", std::exp(sd)); }
+
+Combination combination(const char* name, double value, double relative_sd) {
+  return {name, value, value * std::exp(-quantile95 * relative_sd), value * std::exp(quantile95 * relative_sd), relative_sd};
+}
+
+}  // namespace
+
+Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data,
+                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd, double widening) {
+  Identification out;
+  int rho = -1, c = -1;
+  const auto positive = [&](std::size_t k) { return theta[k] > 0; };
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto& key = parameters[k].key;
+    const std::string word = key.substr(key.rfind('.') == std::string::npos ? 0 : key.rfind('.') + 1);
+    const auto is = [&](const char* liquid) { return key == std::string("material.mercury.") + liquid || (key.empty() && parameters[k].name == liquid); };
+    if (!positive(k) || !(is("density") || is("sound_speed") || is("tensile_cutoff"))) continue;
+    if (is("density")) rho = int(out.parameters.size());
+    if (is("sound_speed")) c = int(out.parameters.size());
+    out.parameters.push_back(k);
+  }
+  if (out.parameters.size() < 2) {
+    out.parameters.clear(), rho = c = -1;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (positive(k)) out.parameters.push_back(k);
+  }
+  const auto n = Eigen::Index(out.parameters.size());
+  if (n == 0) {
+    out.sentence = "no parameter is positive, so that products of powers have no meaning here";
+    return out;
+  }
+  // Everything by the logarithms; what the others may do is part of the covariance, not of the data's own curvature.
+  Eigen::VectorXd value(n), before(n);
+  std::vector<std::string> names;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const std::size_t p = out.parameters[std::size_t(k)];
+    value[k] = theta[p], before[k] = prior_sd[Eigen::Index(p)] / theta[p];
+    names.push_back(parameters[p].name);
+  }
+  const auto chosen = [&](const Eigen::MatrixXd& m) {
+    Eigen::MatrixXd s(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j) s(i, j) = m(Eigen::Index(out.parameters[std::size_t(i)]), Eigen::Index(out.parameters[std::size_t(j)]));
+    return s;
+  };
+  const Eigen::MatrixXd hessian = value.asDiagonal() * chosen(data) * value.asDiagonal();
+  const Eigen::MatrixXd spread = value.cwiseInverse().asDiagonal() * chosen(covariance) * value.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+  for (Eigen::Index k = n; k-- > 0;) {
+    Direction d;
+    d.exponents = eigen.eigenvectors().col(k);
+    Eigen::Index largest = 0;
+    d.exponents.cwiseAbs().maxCoeff(&largest);
+    if (d.exponents[largest] < 0) d.exponents = -d.exponents;
+    d.value = std::exp((d.exponents.array() * value.array().log()).sum());
+    d.data_sd = eigen.eigenvalues()[k] > 1e-12 ? std::sqrt(widening / eigen.eigenvalues()[k]) : std::numeric_limits<double>::infinity();
+    d.sd = std::sqrt(std::max(0.0, d.exponents.dot(spread * d.exponents)));
+    d.prior_sd = std::sqrt((d.exponents.array() * before.array()).square().sum());
+    d.text = powers(names, d.exponents);
+    out.directions.push_back(std::move(d));
+  }
+  if (rho >= 0 && c >= 0) {
+    const auto sd_of = [&](double a, double b) {
+      Eigen::VectorXd v = Eigen::VectorXd::Zero(n);
+      v[rho] = a, v[c] = b;
+      return std::sqrt(std::max(0.0, v.dot(spread * v)));
+    };
+    out.combinations.push_back(combination("impedance rho c", value[rho] * value[c], sd_of(1, 1)));
+    out.combinations.push_back(combination("stiffness rho c^2", value[rho] * value[c] * value[c], sd_of(1, 2)));
+  }
+  std::string pinned, open;
+  for (const auto& d : out.directions) {
+    std::string& list = d.data_sd < pinned_share * d.prior_sd ? pinned : open;
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", d.text, std::isfinite(d.data_sd) ? "sd " + share(d.data_sd) : "they say nothing of it");
+  }
+  out.sentence = pinned.empty() ? "the data pin no combination much better than was known before; least of all " + out.directions.back().text
+                                : "the data pin " + pinned + (open.empty() ? " and leave no combination free" : " and leave free " + open);
+  return out;
+}
+
+}  // namespace calomel

@@ -1,0 +1,40 @@
+#pragma once
+/// What data pin and what they leave free: principal directions of the curvature in the logarithms of the parameters.
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "forward/parameter.hpp"
+
+namespace calomel {
+
+/// A direction of the Hessian in the logarithms of the positive parameters.
+struct Direction {
+  Eigen::VectorXd exponents;  ///< unit vector over the positive parameters
+  double value = 0;           ///< of the product of powers
+  double sd = 0;              ///< of its logarithm, posterior, widened
+  double data_sd = 0;         ///< by the data alone; infinity where they say nothing
+  double prior_sd = 0;        ///< before the data
+  std::string text;           ///< "density^0.71 sound_speed^0.70"
+};
+
+/// A product of powers and its 95 % interval.
+struct Combination {
+  std::string name;
+  double value = 0, low = 0, high = 0;
+  double relative_sd = 0;  ///< of the logarithm
+};
+
+struct Identification {
+  std::vector<std::size_t> parameters;     ///< the positive ones: density, sound speed and cutoff of the liquid where they are among them, else all
+  std::vector<Direction> directions;       ///< best determined first
+  std::vector<Combination> combinations;   ///< impedance and stiffness where density and sound speed are parameters
+  std::string sentence;
+};
+
+/// data, prior: Gauss-Newton curvatures of -log likelihood and -log prior by the parameters (n, n), in their own units; covariance: of the posterior, the
+/// same units; prior_sd: (n). `widening`: factor in the covariance over the inverse curvature.
+Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data, const Eigen::MatrixXd& covariance,
+                        const Eigen::VectorXd& prior_sd, double widening);
+
+}  // namespace calomel

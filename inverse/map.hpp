@@ -1,0 +1,99 @@
+#pragma once
+/// Maximum a posteriori by least squares: Gauss-Newton on whitened residuals from many starts on the surrogate, then secants of
+/// the true model, its covariance, what the data pin and leave free, Laplace evidence, and whether the fit is adequate.
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "inverse/calibration.hpp"
+#include "inverse/identify.hpp"
+#include "inverse/likelihood/likelihood.hpp"
+#include "inverse/prior.hpp"
+
+namespace calomel {
+
+/// `[map]` of a case file.
+struct MapOptions {
+  std::string product = "tuned";
+  int starts = 8;
+  int design = 512;
+  int candidates = 4;
+  double separation = 0.03;
+  bool polish = true;
+  int polish_runs = 40;
+  double secant = 1;
+  bool widen = true;
+  std::optional<double> mesh_error;
+  LikelihoodOptions likelihood;
+  DiscrepancyOptions discrepancy;
+
+  template <class V>
+  void visit(V& v) {
+    v("product", product,
+      {.doc = "tuned: the case's own priors, no discrepancy, not a material property; physical: handbook priors and a discrepancy",
+       .choices = {"tuned", "physical"}});
+    v("starts", starts, {.range = between(1, 1000), .doc = "least-squares searches on the surrogate, from the best points of a design"});
+    v("design", design, {.range = between(1, 100000), .doc = "points of the design on which starts are chosen"});
+    v("candidates", candidates, {.range = between(1, 50), .doc = "best distinct optima that are run in the true model"});
+    v("separation", separation,
+      {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
+    v("polish", polish, {.doc = "improve the best candidate on the true model itself"});
+    v("polish_runs", polish_runs, {.range = at_least(0), .doc = "at most so many runs of the true model for that"});
+    v("secant", secant, {.range = between(0.3, 3), .doc = "half width of the true model's secants, which is rough: in posterior standard deviations, and at least in units of 1.5 % of density, 3 % of sound speed, 35 % of the cutoff"});
+    v("widen", widen, {.doc = "multiply the covariance by chi-squared over its expectation where the fit is not adequate"});
+    v("mesh_error", mesh_error,
+      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.1 per millimetre of element size"});
+    v.table("likelihood", likelihood, "covariance of data and model");
+    v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
+  }
+};
+
+struct MapSummary : Calibration {
+  Eigen::MatrixXd covariance;              ///< (n, n), in the parameters' own units, widened where the fit is not adequate
+  double widening = 1;                     ///< factor in it for a misfit
+  double curvature_seen = 1;               ///< see seen_curvature; the covariance is divided by it where it is below 1
+  double roughness = 0;                    ///< sd of the difference of log posteriors by surrogate and true model over the candidates; their spread, weighed at this
+                                           ///< temperature, is part of the covariance
+  double log_likelihood = 0, log_prior = 0;
+  double log_evidence_laplace = 0;
+  double chi2 = 0;                         ///< whitened; its expectation is `values` less the parameters
+  std::size_t values = 0;                  ///< compared, after decimation
+  double effective_data = 0;               ///< ErrorDistribution::effective_data
+  double effective_chi2 = 0;               ///< expectation effective_data
+  double p_value = 0, effective_p_value = 0;  ///< share of replicated data that would fit worse
+  bool adequate = false;
+  std::string adequacy;                    ///< in a sentence
+  Identification identification;           ///< which combination the data pin and which they leave free
+  double discrepancy_scale = 0;            ///< s of the physical product
+  std::vector<std::pair<double, double>> discrepancy_weights;  ///< (s, posterior weight)
+  double scale_spread = 0;                 ///< what the spread over the scales adds to the covariance, over its trace
+  std::vector<std::pair<std::string, double>> shares;          ///< of the covariance's trace, by source
+  double energy_sd = 0, split_half = 1;    ///< of the replicates
+  std::vector<double> noise_time;          ///< correlation time of each observation's noise [s]
+  double gradient = 0;                     ///< largest slope of the log posterior on the surrogate at its optimum, times the parameter's sd; NaN without
+  int polish_steps = 0;
+};
+
+/// What a calibration knows of its models beside their predictions.
+struct MapModels {
+  const ForwardModel& true_model;
+  const ForwardModel* surrogate = nullptr;  ///< null: the search is on the true model
+  /// Variance of (model - surrogate) at a point, (values); needed with a surrogate.
+  std::function<Eigen::VectorXd(std::span<const double>)> surrogate_variance;
+  Eigen::VectorXd floor_variance;  ///< measured; empty: the energy scatter of the ensemble stands for it
+  MeshError mesh;                  ///< from pairs of runs
+  double mesh_relative = 0;        ///< without pairs: error of the mesh over the local amplitude that is taken for granted
+  Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
+};
+
+/// Errors: InputError for a product that the priors do not allow; NumericsError when no point can be evaluated.
+[[nodiscard]] MapSummary run_map(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const MapModels& models,
+                                 const MapOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress = {});
+
+/// The contents of map.json.
+Json map_json(const MapSummary& summary, const Problem& problem, const Provenance& provenance);
+/// Writes map.nc, then map.json; see write_calibration.
+void write_map(const MapSummary& summary, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir);
+
+}  // namespace calomel

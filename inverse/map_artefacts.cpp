@@ -1,0 +1,82 @@
+#include <cmath>
+
+#include "inverse/map.hpp"
+
+namespace calomel {
+
+namespace {
+
+Json matrix_json(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json pairs_json(const std::vector<std::pair<double, double>>& pairs) {
+  Json all = Json::array();
+  for (const auto& [scale, weight] : pairs) all.push_back({{"scale", scale}, {"weight", number(weight)}});
+  return all;
+}
+
+Json directions_json(const Identification& id, const ModelShape& shape) {
+  Json all = Json::array();
+  for (const auto& d : id.directions) {
+    Json exponents = Json::object();
+    for (std::size_t k = 0; k < id.parameters.size(); ++k) exponents[shape.parameters[id.parameters[k]].name] = d.exponents[Eigen::Index(k)];
+    all.push_back({{"product", d.text},
+                   {"exponents", exponents},
+                   {"value", number(d.value)},
+                   {"low", number(d.value * std::exp(-1.959964 * d.sd))},
+                   {"high", number(d.value * std::exp(1.959964 * d.sd))},
+                   {"log_sd", number(d.sd)},
+                   {"log_sd_of_data", number(d.data_sd)},
+                   {"log_sd_of_prior", number(d.prior_sd)}});
+  }
+  return all;
+}
+
+}  // namespace
+
+Json map_json(const MapSummary& s, const Problem& problem, const Provenance& provenance) {
+  const auto& shape = problem.shape;
+  Json own;
+  if (s.product == "physical")
+    own["meaning"] =
+        "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
+        "picture of it.";
+  own["parameters"] = Json::array();
+  for (const auto& p : shape.parameters) own["parameters"].push_back(p.name);
+  own["covariance"] = matrix_json(s.covariance);
+  Json sd = Json::object();
+  for (Eigen::Index k = 0; k < s.covariance.rows(); ++k) sd[shape.parameters[std::size_t(k)].name] = number(std::sqrt(s.covariance(k, k)));
+  own["sd"] = sd;
+  own["widening"] = s.widening, own["curvature_seen"] = number(s.curvature_seen), own["roughness"] = number(s.roughness);
+  own["log_likelihood"] = number(s.log_likelihood), own["log_prior"] = number(s.log_prior);
+  own["log_evidence_laplace"] = number(s.log_evidence_laplace);
+  own["chi2"] = number(s.chi2), own["values"] = s.values;
+  own["effective_data"] = number(s.effective_data), own["effective_chi2"] = number(s.effective_chi2);
+  own["p_value"] = number(s.p_value), own["effective_p_value"] = number(s.effective_p_value);
+  own["adequate"] = s.adequate, own["adequacy"] = s.adequacy;
+  own["identified"] = s.identification.sentence;
+  own["directions"] = directions_json(s.identification, shape);
+  own["combinations"] = Json::array();
+  for (const auto& c : s.identification.combinations)
+    own["combinations"].push_back(
+        {{"name", c.name}, {"value", number(c.value)}, {"low", number(c.low)}, {"high", number(c.high)}, {"relative_sd", number(c.relative_sd)}});
+  if (s.product == "physical") own["discrepancy"] = {{"scale", s.discrepancy_scale}, {"weights", pairs_json(s.discrepancy_weights)}};
+  own["covariance_shares"] = Json::object();
+  for (const auto& [source, share] : s.shares) own["covariance_shares"][source] = number(share);
+  own["replicates"] = {{"energy_sd", number(s.energy_sd)}, {"split_half", number(s.split_half)}, {"noise_time_s", numbers(s.noise_time)}};
+  own["surrogate_slope"] = number(s.gradient), own["polish_steps"] = s.polish_steps;
+  return calibration_json(s, problem, own, provenance);
+}
+
+void write_map(const MapSummary& s, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir) {
+  write_calibration("map", s, problem, map_json(s, problem, provenance), provenance, out_dir);
+}
+
+}  // namespace calomel
