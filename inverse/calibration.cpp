@@ -15,15 +15,14 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Largest distance over the parameters, in units of their bounds.
+}  // namespace
+
 double distance(const Proposal& a, const Proposal& b, const Bounds& bounds) {
   double d = 0;
   for (std::size_t k = 0; k < a.theta.size(); ++k)
     d = std::max(d, std::abs(a.theta[k] - b.theta[k]) / (bounds.high[Eigen::Index(k)] - bounds.low[Eigen::Index(k)]));
   return d;
 }
-
-}  // namespace
 
 Bounds bounds_of(const ModelShape& shape) {
   const auto n = Eigen::Index(shape.parameters.size());
@@ -102,7 +101,7 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
   }
   out.at_nominal.objective_surrogate = std::isfinite(cost_at_nominal) ? out.objective.cost(cost_at_nominal) : nan;
   out.model_runs = tried.size() + 1;
-  out.model_s = clock.seconds();
+  out.model_s += clock.seconds();
 
   // 2. The best by the true model wins.
   std::vector<std::size_t> order(tried.size());

@@ -66,8 +66,9 @@ class Clock {
 /// The box of the parameters' bounds.
 Bounds bounds_of(const ModelShape& shape);
 
-/// Proposals in their order, at most n of them, each at least `separation` from those before it and never equal to one: the largest
-/// distance over the parameters in units of their bounds.
+/// Largest difference over the parameters, in units of their bounds.
+double distance(const Proposal& a, const Proposal& b, const Bounds& bounds);
+/// Proposals in their order, at most n of them, each at least `separation` from those before it and never equal to one.
 std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t n, double separation, const Bounds& bounds);
 /// The same in order of cost.
 std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds);

@@ -1,9 +1,8 @@
-#include "inverse/calibration.hpp"
-
 #include <cmath>
 #include <limits>
 
 #include "base/netcdf_file.hpp"
+#include "inverse/calibration.hpp"
 
 namespace calomel {
 

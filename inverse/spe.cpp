@@ -10,31 +10,14 @@
 
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "forward/campaign/design.hpp"
-#include "forward/surrogate/training.hpp"
+#include "inverse/spe/unit_box.hpp"
 
 namespace calomel {
 
 namespace {
 
-/// Points of the unit box <-> natural units.
-class Box {
- public:
-  explicit Box(const Bounds& bounds) : low_(bounds.low), width_(bounds.high - bounds.low) {}
-  [[nodiscard]] std::vector<double> theta(const Eigen::VectorXd& unit) const {
-    const Eigen::VectorXd x = low_ + width_.cwiseProduct(unit);
-    return {x.begin(), x.end()};
-  }
-  [[nodiscard]] Eigen::MatrixXd units(const Eigen::MatrixXd& thetas) const {
-    return ((thetas.colwise() - low_).array().colwise() / width_.array()).cwiseMax(0.0).cwiseMin(1.0).matrix();
-  }
-  [[nodiscard]] Eigen::VectorXd unit(const std::vector<double>& theta) const {
-    return units(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())));
-  }
-
- private:
-  Eigen::VectorXd low_, width_;
-};
+/// Runs nearer than this, in units of the bounds, tell the surrogates nothing new.
+constexpr double same_place = 1e-3;
 
 /// A model that keeps what it has computed: candidates of one round may stand again in the next.
 class RememberingModel final : public ForwardModel {
@@ -99,44 +82,12 @@ std::vector<double> median_costs(const std::vector<SparsePolynomial>& surrogates
 
 void expect_one_surrogate(const std::vector<SparsePolynomial>& surrogates, const SpeOptions& options) {
   if (std::any_of(surrogates.begin(), surrogates.end(), [](const auto& s) { return s.ok(); })) return;
-  throw InputError({.problem = "every coefficient of every surrogate vanishes (" + surrogates[0].failure + ")",
-                    .key = "spe.lambdas",
-                    .range = options.lambda_scale == "absolute" ? fmt::format("well below {:.3g} for this misfit", surrogates[0].lambda_max) : "smaller multiples",
-                    .suggestion = "the published values belong to a misfit of another size: take spe.lambda_scale = \"cross_validation\""});
+  throw InputError(
+      {.problem = "every coefficient of every surrogate vanishes (" + surrogates[0].failure + ")",
+       .key = "spe.lambdas",
+       .range = options.lambda_scale == "absolute" ? fmt::format("well below {:.3g} for this misfit", surrogates[0].lambda_max) : "smaller multiples",
+       .suggestion = "the published values belong to a misfit of another size: take spe.lambda_scale = \"cross_validation\""});
 }
-
-}  // namespace
-
-ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
-                            std::size_t* excluded) {
-  const auto split = split_runs(archive, options.validation_fraction, seed);
-  if (excluded) *excluded = split.excluded;
-  const auto& chebyshev = designs().get("chebyshev");
-  const bool drawn_by_it = designs().get(archive.design).measure == chebyshev.measure;
-  std::vector<std::size_t> used = split.train;
-  used.insert(used.end(), split.test.begin(), split.test.end());
-  ScatteredData data;
-  data.units.resize(archive.theta.rows(), Eigen::Index(used.size()));
-  data.values.resize(data.units.cols()), data.weights = Eigen::VectorXd::Ones(data.units.cols());
-  const Box box(bounds_of(problem.shape));
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    (i < split.train.size() ? data.train : data.validation).push_back(i);
-    const auto at = Eigen::Index(i), run = Eigen::Index(used[i]);
-    data.units.col(at) = box.units(archive.theta.col(run));
-    const Eigen::VectorXd history = archive.mean.col(run).cast<double>();
-    const double cost = objective.cost(objective.value(score(problem, {history.data(), std::size_t(history.size())})));
-    if (options.transform == "log" && !(cost > 0))
-      throw InputError({.problem = fmt::format("the misfit \"{}\" is not positive at every run and has no logarithm", objective.name),
-                        .key = "spe.transform",
-                        .value = "\"log\"",
-                        .suggestion = "take spe.transform = \"none\""});
-    data.values[at] = transformed(options.transform, cost);
-    if (!drawn_by_it) data.weights[at] = std::sqrt(chebyshev.density(data.units.col(at)) / design_density(archive.design, data.units.col(at)));
-  }
-  return data;
-}
-
-namespace {
 
 /// Fits the surrogates to `data` and warns of those that were left out.
 void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
@@ -155,7 +106,8 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
 }
 
 /// Many searches of each surrogate, side by side; each has its own random stream. Fills optima and modes.
-void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
+void search_round(SpeSummary& out, const UnitBox& box, Eigen::Index d, const SpeOptions& options, std::uint64_t seed, int threads,
+                  const CalibrationProgress& progress) {
   std::vector<std::vector<Optimum>> found(out.surrogates.size());
   std::mutex lock;
   std::size_t finished = 0;
@@ -173,7 +125,8 @@ void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOpti
   out.optima.clear(), out.modes.clear();
   std::vector<const Optimum*> all;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (out.surrogates[i].ok()) out.evaluations += std::size_t(options.trials) * (1 + std::size_t(options.iterations) * dgs_evaluations(options.dgs, std::size_t(d)));
+    if (out.surrogates[i].ok())
+      out.evaluations += std::size_t(options.trials) * (1 + std::size_t(options.iterations) * dgs_evaluations(options.dgs, std::size_t(d)));
     for (const auto& o : found[i]) {
       all.push_back(&o);
       out.optima.push_back({i, box.theta(o.x), out.objective.cost(restored(options.transform, o.f)), o.trials});
@@ -188,14 +141,14 @@ void search_round(SpeSummary& out, const Box& box, Eigen::Index d, const SpeOpti
 }
 
 /// Points as proposals with what the surrogates say of them.
-std::vector<Proposal> proposals(const SpeSummary& s, const Box& box, const std::string& transform, const std::vector<std::vector<double>>& thetas) {
+std::vector<Proposal> proposals(const SpeSummary& s, const UnitBox& box, const std::string& transform, const std::vector<std::vector<double>>& thetas) {
   std::vector<Proposal> out;
   for (const auto& theta : thetas) out.push_back({median_costs(s.surrogates, box.unit(theta), transform)[0], theta});
   return out;
 }
 
 /// The modes, densest first, then the optima, best first.
-std::vector<Proposal> ranked_proposals(const SpeSummary& s, const Box& box, const std::string& transform) {
+std::vector<Proposal> ranked_proposals(const SpeSummary& s, const UnitBox& box, const std::string& transform) {
   std::vector<std::vector<double>> modes, optima;
   for (const auto& m : s.modes) modes.push_back(m.theta);
   for (const auto& o : s.optima) optima.push_back(o.theta);
@@ -223,7 +176,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   SpeSummary out{begin_calibration(problem, options.objective, "spe.objective")};
   const Clock clock;
   const Bounds bounds = bounds_of(problem.shape);
-  const Box box(bounds);
+  const UnitBox box(bounds);
   const RememberingModel model(true_model);
   const std::size_t wanted = std::size_t(options.candidates);
   auto data = discrepancies(problem, archive, out.objective, options, seed, &out.runs_excluded);
@@ -239,6 +192,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
     ranked = ranked_proposals(out, box, options.transform);
     if (round == options.refinements) break;
     const auto asked = spread_out(ranked, wanted, options.separation, bounds);
+    const Clock learning;
     std::vector<double> costs(asked.size());
     std::mutex lock;
     std::size_t finished = 0;
@@ -248,23 +202,26 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
       const std::lock_guard guard(lock);
       if (progress) progress("true-model runs to learn from", ++finished, asked.size());
     });
+    out.model_s += learning.seconds();
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (!std::isfinite(costs[i]) || (options.transform == "log" && costs[i] <= 0)) continue;
-      const bool fresh = std::none_of(known.begin(), known.end(), [&](const auto& k) { return k.theta == asked[i].theta; });
-      if (fresh) known.push_back({costs[i], asked[i].theta}), add_run(data, box.unit(asked[i].theta), transformed(options.transform, costs[i])), ++out.runs_added;
+      const Proposal now{costs[i], asked[i].theta};
+      const bool fresh = std::none_of(known.begin(), known.end(), [&](const auto& k) { return distance(k, now, bounds) < same_place; });
+      if (fresh) known.push_back(now), add_run(data, box.unit(now.theta), transformed(options.transform, costs[i])), ++out.runs_added;
     }
   }
   out.warnings.insert(out.warnings.end(), out.fit_warnings.begin(), out.fit_warnings.end());
 
-  // 2. Half of the candidates at most are the best of earlier rounds, which cost no run; the others are this round's.
+  // 2. Half of the candidates are this round's; the best of earlier rounds, which cost no run, come next, then more of this round.
   std::stable_sort(known.begin(), known.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  std::vector<std::vector<double>> best;
-  for (std::size_t i = 0; i < std::min(known.size(), wanted / 2); ++i) best.push_back(known[i].theta);
-  auto all = proposals(out, box, options.transform, best);
-  all.insert(all.end(), ranked.begin(), ranked.end());
-  const auto candidates = spread_out(all, 3 * wanted, options.separation, bounds);
+  std::vector<std::vector<double>> earlier;
+  for (const auto& k : known) earlier.push_back(k.theta);
+  auto candidates = spread_out(ranked, 3 * wanted, options.separation, bounds);
+  const auto remembered = proposals(out, box, options.transform, earlier);
+  candidates.insert(candidates.begin() + std::ptrdiff_t(std::min(candidates.size(), (wanted + 1) / 2)), remembered.begin(), remembered.end());
+  candidates = spread_out(candidates, candidates.size(), 0, bounds);  // each once
   const double at_nominal = median_costs(out.surrogates, box.unit(out.nominal), options.transform)[0];
-  out.search_s = clock.seconds();
+  out.search_s = clock.seconds() - out.model_s;
   decide_by_true_model(out, problem, model, candidates, wanted, at_nominal, threads, progress);
   out.model_runs = model.runs();
   return out;

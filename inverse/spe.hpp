@@ -34,8 +34,8 @@ struct SpeSummary : Calibration {
   std::string design;
   std::vector<SpaceChoice> spaces;
   std::vector<SparsePolynomial> surrogates;
-  std::vector<SpeOptimum> optima;  ///< of all surrogates
-  std::vector<SpeMode> modes;      ///< densest first
+  std::vector<SpeOptimum> optima;         ///< of all surrogates
+  std::vector<SpeMode> modes;             ///< densest first
   std::vector<std::string> fit_warnings;  ///< of the last fits; they stand among `warnings` too
   double fit_s = 0;                       ///< wall time of the fits, of search_s [s]
 };

@@ -25,9 +25,8 @@ Json spread(const SpeSummary& s, const Get& get) {
 
 Json surrogate(const SpeSummary& s, std::size_t i) {
   const auto& p = s.surrogates[i];
-  Json j{{"name", p.space.name()}, {"space", p.space.kind},     {"order", p.space.order},        {"terms", p.terms},
-         {"lambda", p.lambda},     {"lambda_max", p.lambda_max}, {"nonzero", p.nonzero},          {"duality_gap", number(p.gap)},
-         {"train", fit(p.train)},  {"validation", fit(p.validation)}};
+  Json j{{"name", p.space.name()},     {"space", p.space.kind}, {"order", p.space.order},       {"terms", p.terms},      {"lambda", p.lambda},
+         {"lambda_max", p.lambda_max}, {"nonzero", p.nonzero},  {"duality_gap", number(p.gap)}, {"train", fit(p.train)}, {"validation", fit(p.validation)}};
   if (!p.ok()) {
     j["failure"] = p.failure;
     return j;
@@ -45,7 +44,8 @@ Json surrogate(const SpeSummary& s, std::size_t i) {
 Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& provenance) {
   const auto& shape = problem.shape;
   Json own;
-  own["runs"] = {{"used", s.runs_used}, {"excluded", s.runs_excluded}, {"added", s.runs_added}, {"train", s.n_train}, {"validation", s.n_validation}, {"design", s.design}};
+  own["runs"] = {{"used", s.runs_used}, {"excluded", s.runs_excluded},  {"added", s.runs_added},
+                 {"train", s.n_train},  {"validation", s.n_validation}, {"design", s.design}};
   own["train_rrmse"] = spread(s, [](const auto& p) { return p.train.rrmse; });
   own["validation_rrmse"] = spread(s, [](const auto& p) { return p.validation.rrmse; });
   own["train_r2"] = spread(s, [](const auto& p) { return p.train.r2; });

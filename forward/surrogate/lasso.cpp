@@ -29,7 +29,8 @@ class Lasso::Workspace {
       const Eigen::Index room = std::max<Eigen::Index>(now, 2 * gram_.rows());
       gram_.conservativeResize(room, room), kept_.conservativeResize(A_.rows(), room);
     }
-    for (const auto c : columns) place_[std::size_t(c)] = Eigen::Index(columns_.size()), kept_.col(Eigen::Index(columns_.size())) = A_.col(c), columns_.push_back(c);
+    for (const auto c : columns)
+      place_[std::size_t(c)] = Eigen::Index(columns_.size()), kept_.col(Eigen::Index(columns_.size())) = A_.col(c), columns_.push_back(c);
     const auto added = kept_.middleCols(before, now - before);
     gram_.block(0, before, now, now - before).noalias() = kept_.leftCols(now).transpose() * added;
     gram_.block(before, 0, now - before, before) = gram_.block(0, before, before, now - before).transpose();
@@ -63,8 +64,7 @@ class Lasso::Workspace {
       newton(half);
       g = q_ - gram * z_;
       double off = 0;  // how far the optimality conditions are from holding
-      for (Eigen::Index j = 0; j < n; ++j)
-        off = std::max(off, z_[j] != 0 ? std::abs(g[j] - std::copysign(half, z_[j])) : std::max(0.0, std::abs(g[j]) - half));
+      for (Eigen::Index j = 0; j < n; ++j) off = std::max(off, z_[j] != 0 ? std::abs(g[j] - std::copysign(half, z_[j])) : std::max(0.0, std::abs(g[j]) - half));
       if (off < 1e-9 * half) return;
     }
   }
@@ -143,14 +143,16 @@ std::vector<LassoFit> Lasso::path(std::span<const double> lambdas, double gap) c
       fit.objective = r.squaredNorm() + penalty;
       fit.gap = fit.objective > 0 ? std::max(0.0, difference) / fit.objective : 0;
       if (fit.gap <= gap) break;
-      if (++fit.rounds > most_rounds) throw NumericsError("the lasso did not reach its duality gap: " + std::to_string(fit.gap) + " after " + std::to_string(most_rounds) + " rounds");
+      if (++fit.rounds > most_rounds)
+        throw NumericsError("the lasso did not reach its duality gap: " + std::to_string(fit.gap) + " after " + std::to_string(most_rounds) + " rounds");
       // The columns that violate their condition most join, twice as many as the support holds at most.
       std::vector<Eigen::Index> joining;
       for (Eigen::Index j = 0; j < g.size(); ++j)
         if (!work.holds(j) && std::abs(g[j]) > half) joining.push_back(j);
       const std::size_t most = 10 + work.columns().size();
       if (joining.size() > most) {
-        std::nth_element(joining.begin(), joining.begin() + std::ptrdiff_t(most), joining.end(), [&](auto i, auto j) { return std::abs(g[i]) > std::abs(g[j]); });
+        std::nth_element(joining.begin(), joining.begin() + std::ptrdiff_t(most), joining.end(),
+                         [&](auto i, auto j) { return std::abs(g[i]) > std::abs(g[j]); });
         joining.resize(most);
         std::sort(joining.begin(), joining.end());
       }

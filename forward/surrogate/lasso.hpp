@@ -9,16 +9,16 @@ namespace calomel {
 /// One solution.
 struct LassoFit {
   double lambda = 0;
-  Eigen::VectorXd z;          ///< (columns)
-  double objective = 0;       ///< |A z - b|^2 + lambda |z|_1, the unpenalised column left out of the norm
-  double gap = 0;             ///< bound on objective - optimum, relative to the objective
-  int rounds = 0;             ///< of the working set
-  std::size_t nonzero = 0;    ///< penalised coefficients that are not 0
+  Eigen::VectorXd z;        ///< (columns)
+  double objective = 0;     ///< |A z - b|^2 + lambda |z|_1, the unpenalised column left out of the norm
+  double gap = 0;           ///< bound on objective - optimum, relative to the objective
+  int rounds = 0;           ///< of the working set
+  std::size_t nonzero = 0;  ///< penalised coefficients that are not 0
   [[nodiscard]] bool all_zero() const { return nonzero == 0; }
 };
 
 /// Coordinate descent with covariance updates on a growing set of columns (Friedman, Hastie and Tibshirani 2010, J. Stat. Softw. 33(1)),
-/// finished by Newton steps on the support that stop where a coefficient changes its sign (Lee et al. 2007), until the duality gap
+/// finished by Newton steps on the support that stop where a coefficient changes its sign (Lee et al. 2006), until the duality gap
 /// (Kim et al. 2007, IEEE J. Sel. Top. Signal Process. 1, 606) is `gap` times the objective.
 class Lasso {
  public:
@@ -34,7 +34,7 @@ class Lasso {
 
  private:
   class Workspace;
-  Eigen::MatrixXd A_;   ///< orthogonal to the unpenalised column, which is 0
+  Eigen::MatrixXd A_;  ///< orthogonal to the unpenalised column, which is 0
   Eigen::VectorXd b_;
   Eigen::Index unpenalised_;
   Eigen::RowVectorXd along_;  ///< what of each column was along the unpenalised one

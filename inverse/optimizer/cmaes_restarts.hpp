@@ -10,8 +10,8 @@ namespace calomel {
 struct CmaesRestarts {
   int generations = 100;
   unsigned seed = 1;
-  double first_step = 0.3;  ///< sigma_0 in units of the box
-  double tolerance = 1e-10; ///< on values and on coordinates in units of the box, at which a start has converged
+  double first_step = 0.3;   ///< sigma_0 in units of the box
+  double tolerance = 1e-10;  ///< on values and on coordinates in units of the box, at which a start has converged
   [[nodiscard]] pagmo::population evolve(pagmo::population population) const;
   void set_seed(unsigned s) { seed = s; }
   [[nodiscard]] std::string get_name() const { return "CMA-ES with restarts and growing population"; }

@@ -64,7 +64,8 @@ std::size_t dgs_evaluations(const DgsOptions& options, std::size_t d) {
   return d * std::size_t(options.quadrature - options.quadrature % 2) + std::size_t(options.line_search);
 }
 
-std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::MatrixXd& starts, const DgsOptions& options, int iterations, std::uint64_t seed) {
+std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::MatrixXd& starts, const DgsOptions& options, int iterations,
+                                   std::uint64_t seed) {
   const Rule rule = gauss_hermite(options.quadrature);
   const Eigen::Index d = starts.rows(), trials = starts.cols(), nodes = Eigen::Index(rule.node.size()), steps = options.line_search;
   std::vector<State> states;
@@ -87,8 +88,7 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
       State& s = states[std::size_t(t)];
       if (options.basis == "random") s.basis = random_basis(d, s.random);
       for (Eigen::Index k = 0; k < d; ++k)
-        for (Eigen::Index m = 0; m < nodes; ++m)
-          points.col(c++) = projected(s.x + std::numbers::sqrt2 * s.sigma * rule.node[std::size_t(m)] * s.basis.col(k));
+        for (Eigen::Index m = 0; m < nodes; ++m) points.col(c++) = projected(s.x + std::numbers::sqrt2 * s.sigma * rule.node[std::size_t(m)] * s.basis.col(k));
     }
     function(points, values);
     for (Eigen::Index t = 0, c = 0; t < trials; ++t) {
@@ -96,7 +96,8 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
       Eigen::VectorXd g = Eigen::VectorXd::Zero(d);
       for (Eigen::Index k = 0; k < d; ++k) {
         double sum = 0;
-        for (Eigen::Index m = 0; m < nodes; ++m, ++c) sum += rule.weight[std::size_t(m)] * values[std::size_t(c)] * std::numbers::sqrt2 * rule.node[std::size_t(m)];
+        for (Eigen::Index m = 0; m < nodes; ++m, ++c)
+          sum += rule.weight[std::size_t(m)] * values[std::size_t(c)] * std::numbers::sqrt2 * rule.node[std::size_t(m)];
         g += sum / (std::sqrt(std::numbers::pi) * s.sigma) * s.basis.col(k);
       }
       const double norm = g.norm();

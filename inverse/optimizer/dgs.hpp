@@ -23,9 +23,11 @@ struct DgsOptions {
 
   template <class V>
   void visit(V& v) {
-    v("quadrature", quadrature, {.range = between(2, 15), .doc = "M, Gauss-Hermite points a direction; the middle one of an odd M has no weight and costs nothing"});
+    v("quadrature", quadrature,
+      {.range = between(2, 15), .doc = "M, Gauss-Hermite points a direction; the middle one of an odd M has no weight and costs nothing"});
     v("line_search", line_search, {.range = between(2, 200), .doc = "steps that an iteration's line search tries"});
-    v("radius", radius, {.range = {.low = 0, .high = 2, .low_open = true}, .doc = "sigma_0, smoothing radius at the start and after a reset, in units of the scaled box"});
+    v("radius", radius,
+      {.range = {.low = 0, .high = 2, .low_open = true}, .doc = "sigma_0, smoothing radius at the start and after a reset, in units of the scaled box"});
     v("longest_step", longest_step, {.range = {.low = 0, .high = 4, .low_open = true}, .doc = "first step of the line search, in units of the scaled box"});
     v("shortest_step", shortest_step, {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "its last step; those between fall by one factor"});
     v("tolerance", tolerance, {.range = between(0, 1), .doc = "gamma: relative change of the value below which an iteration has stalled"});

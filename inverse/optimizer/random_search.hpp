@@ -11,9 +11,9 @@ namespace calomel {
 struct NesterovRandomSearch {
   int generations = 100;
   unsigned seed = 1;
-  double trials = 0.2;       ///< share of the population that starts a trial
+  double trials = 0.2;                     ///< share of the population that starts a trial
   double first_mu = 0.05, last_mu = 1e-4;  ///< in units of the box; falls by one factor an iteration
-  double first_step = 0.1;   ///< length of the first step, in units of the box
+  double first_step = 0.1;                 ///< length of the first step, in units of the box
   double grow = 1.4, shrink = 0.8;
   [[nodiscard]] pagmo::population evolve(pagmo::population population) const;
   void set_seed(unsigned s) { seed = s; }

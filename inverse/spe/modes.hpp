@@ -6,8 +6,8 @@
 namespace calomel {
 
 struct DensityMode {
-  Eigen::VectorXd x;    ///< in the points' coordinates
-  double density = 0;   ///< relative to that of all points in one place
+  Eigen::VectorXd x;       ///< in the points' coordinates
+  double density = 0;      ///< relative to that of all points in one place
   std::size_t points = 0;  ///< whose ascent ends here
 };
 

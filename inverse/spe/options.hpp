@@ -41,9 +41,13 @@ struct SpeOptions {
     v("hyperbolic_cross", hyperbolic_cross, {.range = between(1, 1000), .doc = "orders of the hyperbolic-cross spaces, for many parameters"});
     v("most_terms", most_terms, {.range = between(10, 1e5), .doc = "spaces with more terms than this are left out with a warning"});
     v("lambda_scale", lambda_scale,
-      {.doc = "what spe.lambdas are multiples of: 1 (absolute, as published), the least value at which every coefficient vanishes, or the best value of each space",
+      {.doc = "what spe.lambdas are multiples of: 1 (absolute, as published), the least value at which every coefficient vanishes, or the best value of each "
+              "space",
        .choices = {"absolute", "lambda_max", "validation", "cross_validation"}});
-    v("lambdas", lambdas, {.range = above(0), .doc = "weights of the l1 norm in |A z - d|^2 + lambda |z|_1, one surrogate each; published 100, 500, 1000, 1500, 2000", .least_size = 1});
+    v("lambdas", lambdas,
+      {.range = above(0),
+       .doc = "weights of the l1 norm in |A z - d|^2 + lambda |z|_1, one surrogate each; published 100, 500, 1000, 1500, 2000",
+       .least_size = 1});
     v("penalise_constant", penalise_constant, {.doc = "whether the constant term pays the penalty, as published"});
     v("validation_fraction", validation_fraction, {.range = between(0.05, 0.5), .doc = "share of the runs that is held out"});
     v("folds", folds, {.range = between(2, 20), .doc = "of the cross-validation over the training runs"});
@@ -52,11 +56,13 @@ struct SpeOptions {
     v("iterations", iterations, {.range = between(1, 100000), .doc = "of a search"});
     v.table("dgs", dgs, "directional Gaussian smoothing");
     v("merge", merge, {.range = between(0, 0.5), .doc = "ends of searches nearer than this, in units of the bounds, are one optimum of a surrogate"});
-    v("bandwidth", bandwidth, {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "sd of the Gaussian that smooths the pooled optima, in units of the bounds"});
+    v("bandwidth", bandwidth,
+      {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "sd of the Gaussian that smooths the pooled optima, in units of the bounds"});
     v("candidates", candidates, {.range = between(1, 50), .doc = "modes, or optima where modes run out, that are re-run in the true model"});
     v("refinements", refinements,
       {.range = between(0, 20), .doc = "times that the candidates' true misfits join the runs and everything is fitted and searched again; 0 as published"});
-    v("separation", separation, {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
+    v("separation", separation,
+      {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
   }
   /// Errors: InputError when no space is listed.
   void validate() const;

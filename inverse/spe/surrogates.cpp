@@ -91,7 +91,10 @@ std::vector<SparsePolynomial> fit_space(SpaceChoice& choice, const ScatteredData
 
   // 2. The surrogates, from the largest lambda down.
   const auto& scale = options.lambda_scale;
-  const double unit = scale == "absolute" ? 1 : scale == "lambda_max" ? choice.lambda_max : scale == "validation" ? choice.validation.lambda : choice.cross_validation.lambda;
+  const double unit = scale == "absolute"     ? 1
+                      : scale == "lambda_max" ? choice.lambda_max
+                      : scale == "validation" ? choice.validation.lambda
+                                              : choice.cross_validation.lambda;
   std::vector<double> lambdas = options.lambdas;
   for (auto& l : lambdas) l *= unit;
   std::sort(lambdas.rbegin(), lambdas.rend());
@@ -109,7 +112,8 @@ std::vector<SparsePolynomial> fit_space(SpaceChoice& choice, const ScatteredData
   }
   std::vector<SparsePolynomial> out;
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    SparsePolynomial p{.space = choice.space, .terms = choice.terms, .nonzero = fits[i].nonzero, .lambda = lambdas[i], .lambda_max = choice.lambda_max, .gap = fits[i].gap};
+    SparsePolynomial p{
+        .space = choice.space, .terms = choice.terms, .nonzero = fits[i].nonzero, .lambda = lambdas[i], .lambda_max = choice.lambda_max, .gap = fits[i].gap};
     const Eigen::VectorXd predicted = system.basis * fits[i].z;
     p.train = fit_over(predicted, data, data.train, options.transform), p.validation = fit_over(predicted, data, data.validation, options.transform);
     if (fits[i].all_zero() || final_fits[i].all_zero())
@@ -128,7 +132,8 @@ double restored(const std::string& transform, double value) { return transform =
 
 void SpeOptions::validate() const {
   if (total_degree.empty() && tensor_product.empty() && hyperbolic_cross.empty())
-    throw InputError({.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross"});
+    throw InputError(
+        {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross"});
 }
 
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,
@@ -150,8 +155,7 @@ SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOpt
     throw InputError({.problem = fmt::format("every listed space has more than {} terms in {} parameters", options.most_terms, d),
                       .key = "spe.total_degree",
                       .suggestion = "list lower orders, or spe.hyperbolic_cross"});
-  if (!too_large.empty())
-    out.warnings.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", options.most_terms, join(too_large)));
+  if (!too_large.empty()) out.warnings.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", options.most_terms, join(too_large)));
   std::vector<std::vector<SparsePolynomial>> fits(out.spaces.size());
   std::mutex lock;
   std::size_t finished = 0;

@@ -12,9 +12,9 @@ namespace calomel {
 
 /// A scalar known at points of the unit box.
 struct ScatteredData {
-  Eigen::MatrixXd units;         ///< (d, n)
-  Eigen::VectorXd values;        ///< (n), after the transform
-  Eigen::VectorXd weights;       ///< (n) sqrt(Chebyshev density / density of the design): the rows' factors
+  Eigen::MatrixXd units;                       ///< (d, n)
+  Eigen::VectorXd values;                      ///< (n), after the transform
+  Eigen::VectorXd weights;                     ///< (n) sqrt(Chebyshev density / density of the design): the rows' factors
   std::vector<std::size_t> train, validation;  ///< indices of the runs
 };
 
@@ -33,7 +33,7 @@ struct LambdaChoice {
 struct SpaceChoice {
   PolynomialSpace space;
   std::size_t terms = 0;
-  double lambda_max = 0;        ///< of the training runs
+  double lambda_max = 0;  ///< of the training runs
   LambdaChoice validation, cross_validation;
 };
 
@@ -43,8 +43,8 @@ struct SparsePolynomial {
   double lambda = 0, lambda_max = 0;  ///< of the training runs
   double gap = 0;                     ///< relative duality gap of the fit
   PolynomialFit train, validation;
-  Expansion expansion;                ///< of the transformed misfit; empty when the fit failed
-  std::string failure;                ///< why there is none
+  Expansion expansion;  ///< of the transformed misfit; empty when the fit failed
+  std::string failure;  ///< why there is none
 
   [[nodiscard]] bool ok() const { return failure.empty(); }
 };

@@ -1,8 +1,8 @@
 #include "forward/surrogate/lasso.hpp"
 
 #include <gmock/gmock.h>
-#include <Eigen/Cholesky>
 
+#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <cstdio>

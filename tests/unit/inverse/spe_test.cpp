@@ -1,0 +1,313 @@
+#include "inverse/spe.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "base/case_file.hpp"
+#include "base/netcdf_file.hpp"
+#include "forward/campaign/campaign.hpp"
+#include "oscillations.hpp"
+#include "scratch.hpp"
+
+using namespace calomel;
+using testing::Contains;
+using testing::HasSubstr;
+
+namespace {
+
+/// A smooth model: three gauges, each with its own mixture of three shapes whose amplitudes follow from the parameters.
+class Mixture : public ForwardModel {
+ public:
+  Mixture() {
+    shape_.conditions = {"default"}, shape_.sensors = {"A", "B", "C"};
+    for (std::size_t t = 0; t < 80; ++t) shape_.times.push_back(1e-6 * double(t));
+    const auto add = [&](const char* name, double low, double high, double nominal) {
+      Parameter p{.name = name, .min = low, .max = high};
+      p.nominal = nominal;
+      shape_.parameters.push_back(p);
+    };
+    add("density", 11000, 15000, 13500), add("sound_speed", 1200, 1800, 1450), add("damping", 0, 1, 0.7);
+  }
+  [[nodiscard]] const ModelShape& shape() const override { return shape_; }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override {
+    ++runs;
+    if (fails && fails(theta)) return {.ok = false, .message = "the step collapsed"};
+    const double a = theta[0] / 13000, b = theta[1] / 1500, c = theta[2];
+    Prediction p;
+    for (std::size_t s = 0; s < 3; ++s)
+      for (std::size_t t = 0; t < shape_.times.size(); ++t) {
+        const double x = double(t) / 80, k = double(s);
+        p.mean.push_back(1e-4 * (a * a * std::sin(6 * x) + (1 + 0.3 * k) * b * std::cos(9 * x) + c * c * (1 - 0.2 * k) * std::sin(15 * x)));
+      }
+    return p;
+  }
+  std::function<bool(std::span<const double>)> fails;
+  mutable std::atomic<int> runs{0};
+
+ private:
+  ModelShape shape_;
+};
+
+const std::vector<double> truth{12250, 1580, 0.42};
+
+/// The archive of a campaign without its files.
+Archive campaign_of(const ForwardModel& model, const std::string& design, std::size_t runs, std::uint64_t seed) {
+  Archive a;
+  a.shape = model.shape(), a.design = design;
+  a.theta = design_points(design, a.shape.parameters, runs, seed);
+  a.mean.resize(Eigen::Index(a.shape.values()), Eigen::Index(runs));
+  for (Eigen::Index i = 0; i < a.theta.cols(); ++i) {
+    const auto p = model.evaluate({a.theta.col(i).data(), std::size_t(a.theta.rows())});
+    a.status.push_back(p.ok ? RunStatus::done : RunStatus::failed), a.message.push_back(p.message);
+    if (p.ok)
+      a.mean.col(i) = Eigen::Map<const Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size())).cast<float>();
+    else
+      a.mean.col(i).setConstant(std::nanf(""));
+  }
+  return a;
+}
+
+struct Case {
+  Mixture model;
+  Recordings recordings = recorded(model, truth, 8, 6e-6, 4);
+  Problem problem = make_problem(model.shape(), recordings, {});
+  Archive archive = campaign_of(model, "chebyshev", 120, 1);
+};
+
+SpeOptions small() {
+  SpeOptions o;
+  o.total_degree = {5, 8}, o.tensor_product = {4}, o.lambdas = {0.5, 1, 2};
+  o.trials = 12, o.iterations = 40, o.candidates = 5;
+  return o;
+}
+
+/// |theta - truth| over the box.
+double away(const std::vector<double>& theta) {
+  const Mixture model;
+  double d = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& p = model.shape().parameters[k];
+    d = std::max(d, std::abs(theta[k] - truth[k]) / (p.max - p.min));
+  }
+  return d;
+}
+
+}  // namespace
+
+TEST(Spe, RecoversTheTruth) {
+  Case c;
+  SpeOptions o = small();
+  o.objective = "rrmse";
+  const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
+  ASSERT_EQ(s.status, CalibrationStatus::done);
+  EXPECT_LT(away(s.theta), 0.05);   // candidates are told apart at 0.03 of the box
+  EXPECT_GT(away(s.nominal), 0.2);  // the negative control
+  EXPECT_LT(*s.best.objective_model, 0.3 * *s.at_nominal.objective_model);
+  EXPECT_EQ(s.surrogates.size(), 9u);
+  for (const auto& p : s.surrogates) {
+    EXPECT_LE(p.gap, 1e-10);
+    EXPECT_GT(p.validation.r2, 0.9);
+    EXPECT_LT(p.train.rrmse, p.validation.rrmse * 1.2);
+  }
+  EXPECT_EQ(s.n_train + s.n_validation, 120u);
+  EXPECT_EQ(s.n_validation, 24u);
+}
+
+TEST(Spe, ThePublishedMisfitLeadsThereToo) {
+  Case c;
+  const auto s = run_spe(c.problem, c.archive, c.model, small(), 1, 2);
+  ASSERT_EQ(s.status, CalibrationStatus::done);
+  EXPECT_EQ(s.objective.name, "paper_spe");
+  EXPECT_NEAR(*s.best.objective_model, s.best.score.delta1 + 5 * s.best.score.delta2, 1e-12);
+  EXPECT_LT(away(s.theta), 0.08);
+  EXPECT_LT(*s.best.objective_model, 0.2 * *s.at_nominal.objective_model);
+}
+
+TEST(Spe, RefinementLowersTheTrueMisfit) {
+  Case c;
+  SpeOptions o = small();
+  o.total_degree = {6, 9, 12}, o.tensor_product = {5, 7};
+  double once = 0, refined = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    c.archive = campaign_of(c.model, "chebyshev", 120, seed);
+    o.refinements = 0;
+    const auto plain = run_spe(c.problem, c.archive, c.model, o, seed, 2);
+    o.refinements = 2;
+    const auto again = run_spe(c.problem, c.archive, c.model, o, seed, 2);
+    EXPECT_EQ(plain.runs_added, 0u);
+    EXPECT_GE(again.runs_added, 4u);
+    EXPECT_LE(*again.best.objective_model, *plain.best.objective_model) << seed;
+    once += *plain.best.objective_model, refined += *again.best.objective_model;
+  }
+  EXPECT_LT(refined, 0.5 * once);
+}
+
+TEST(Spe, OneAndTwoThreadsGiveTheSameAndTheSeedDecides) {
+  Case c;
+  auto a = run_spe(c.problem, c.archive, c.model, small(), 1, 1), b = run_spe(c.problem, c.archive, c.model, small(), 1, 2);
+  for (auto* s : {&a, &b}) s->search_s = s->model_s = s->fit_s = 0;
+  EXPECT_EQ(spe_json(a, c.problem, {}).dump(), spe_json(b, c.problem, {}).dump());
+  EXPECT_EQ(a.calibrated, b.calibrated);
+  EXPECT_NE(run_spe(c.problem, c.archive, c.model, small(), 2, 2).theta, a.theta);
+}
+
+TEST(Spe, EveryRunOfTheModelIsCountedOnce) {
+  Case c;
+  c.model.runs = 0;
+  const auto s = run_spe(c.problem, c.archive, c.model, small(), 1, 1);
+  EXPECT_EQ(std::size_t(c.model.runs), s.model_runs);
+}
+
+TEST(Spe, AUniformDesignIsWeighted) {
+  Mixture model;
+  const auto problem = make_problem(model.shape(), recorded(model, truth, 8, 6e-6, 4), {});
+  SpeOptions o = small();
+  o.objective = "rrmse";
+  const auto archive = campaign_of(model, "latin_hypercube", 120, 3);
+  const auto data = discrepancies(problem, archive, objectives().get("rrmse"), o, 1);
+  for (Eigen::Index i = 0; i < data.weights.size(); ++i) {
+    double density = 1;
+    for (const double u : data.units.col(i)) density /= M_PI * std::sqrt(u * (1 - u));
+    EXPECT_NEAR(data.weights[i], std::sqrt(density), 1e-9);
+  }
+  EXPECT_LT(away(run_spe(problem, archive, model, o, 1, 2).theta), 0.05);
+  const auto ones = discrepancies(problem, campaign_of(model, "chebyshev", 40, 3), objectives().get("rrmse"), o, 1);
+  EXPECT_EQ(ones.weights, Eigen::VectorXd::Ones(40));
+}
+
+TEST(Spe, FailedRunsAreLeftOutAndFailedCandidatesReplaced) {
+  Case c;
+  Mixture fragile;
+  fragile.fails = [](std::span<const double> theta) { return theta[2] > 0.8; };
+  const auto archive = campaign_of(fragile, "chebyshev", 150, 1);
+  const auto s = run_spe(c.problem, archive, c.model, small(), 1, 2);
+  EXPECT_GT(s.runs_excluded, 20u);
+  EXPECT_EQ(s.runs_used + s.runs_excluded, 150u);
+  EXPECT_LT(away(s.theta), 0.1);
+  Mixture broken;
+  broken.fails = [](std::span<const double> theta) { return away({theta.begin(), theta.end()}) < 0.02; };
+  const auto t = run_spe(c.problem, c.archive, broken, small(), 1, 2);
+  EXPECT_EQ(t.status, CalibrationStatus::done);
+  EXPECT_GE(away(t.theta), 0.02);
+}
+
+TEST(Spe, WhenAllCoefficientsVanishItSaysSo) {
+  Case c;
+  SpeOptions o = small();
+  o.lambda_scale = "absolute", o.lambdas = {1e7, 1e8};
+  try {
+    (void)run_spe(c.problem, c.archive, c.model, o, 1, 2);
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("spe.lambdas"));
+    EXPECT_THAT(e.what(), HasSubstr("vanishes"));
+    EXPECT_THAT(e.what(), HasSubstr("cross_validation"));
+  }
+  o.lambdas = {1, 1e8};  // one of two stands
+  o.refinements = 0;
+  const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
+  EXPECT_EQ(s.status, CalibrationStatus::done);
+  EXPECT_THAT(s.warnings, Contains(HasSubstr("3 of 6 surrogates were left out")));
+  EXPECT_THAT(s.surrogates[0].failure, HasSubstr("lambda_max"));
+}
+
+TEST(Spe, LambdaMayBeGivenInFourWays) {
+  Case c;
+  SpeOptions o = small();
+  o.refinements = 0, o.total_degree = {6}, o.tensor_product = {}, o.lambdas = {1};
+  const auto lambda = [&](const char* scale, double factor) {
+    o.lambda_scale = scale, o.lambdas = {factor};
+    const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
+    return std::pair(s.surrogates[0].lambda, s.spaces[0]);
+  };
+  const auto [absolute, space] = lambda("absolute", 3);
+  EXPECT_EQ(absolute, 3);
+  EXPECT_NEAR(lambda("lambda_max", 0.01).first, 0.01 * space.lambda_max, 1e-9 * space.lambda_max);
+  EXPECT_EQ(lambda("validation", 2).first, 2 * space.validation.lambda);
+  EXPECT_EQ(lambda("cross_validation", 1).first, space.cross_validation.lambda);
+  EXPECT_LT(space.cross_validation.lambda, space.lambda_max);
+  EXPECT_GT(space.validation.error, 0);
+}
+
+TEST(Spe, SpacesThatAreTooLargeAreLeftOut) {
+  Case c;
+  SpeOptions o = small();
+  o.refinements = 0, o.most_terms = 60;
+  const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
+  EXPECT_EQ(s.spaces.size(), 1u);
+  EXPECT_THAT(s.warnings, Contains(HasSubstr("total_degree 8, tensor_product 4")));
+  o.most_terms = 20;
+  EXPECT_THROW((void)run_spe(c.problem, c.archive, c.model, o, 1, 2), InputError);
+  o = small(), o.hyperbolic_cross = {8}, o.total_degree = {}, o.tensor_product = {};
+  EXPECT_LT(away(run_spe(c.problem, c.archive, c.model, o, 1, 2).theta), 0.2);
+}
+
+TEST(Spe, TheLogarithmIsUndone) {
+  Case c;
+  SpeOptions o = small();
+  o.transform = "log";
+  const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
+  EXPECT_LT(away(s.theta), 0.1);
+  EXPECT_NEAR(s.at_nominal.objective_surrogate / *s.at_nominal.objective_model, 1, 0.2);
+  o.objective = "paper_enc";  // may be negative
+  EXPECT_THROW((void)run_spe(c.problem, c.archive, c.model, o, 1, 2), InputError);
+  o.transform = "none";
+  EXPECT_LT(away(run_spe(c.problem, c.archive, c.model, o, 1, 2).theta), 0.1);
+}
+
+TEST(Spe, ArtefactsHoldTheContract) {
+  Case c;
+  const auto dir = scratch("spe");
+  const auto s = run_spe(c.problem, c.archive, c.model, small(), 1, 2, [](const std::string&, std::size_t done, std::size_t total) { EXPECT_LE(done, total); });
+  write_spe(s, c.problem, {.stage = "spe", .seed = 1}, dir);
+  const Json j = read_json(dir / "spe.json");
+  for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae",
+                          "surrogates", "modes", "optima", "lambda_choices", "train_rrmse", "validation_rrmse", "warnings", "provenance"})
+    EXPECT_TRUE(j.contains(key)) << key;
+  EXPECT_EQ(j["product"], "tuned");
+  EXPECT_EQ(j["objective"]["sense"], "minimise");
+  EXPECT_EQ(j["surrogates"].size(), 9u);
+  for (const auto& x : j["surrogates"]) EXPECT_TRUE(x["train"]["rrmse"].is_number() && x["validation"]["r2"].is_number());
+  for (const auto& x : j["candidates"]) EXPECT_TRUE(x["objective_model"].is_number() && x["objective_surrogate"].is_number());
+  ASSERT_FALSE(j["modes"].empty());
+  std::size_t optima = 0;
+  for (const auto& m : j["modes"]) optima += m["optima"].get<std::size_t>();
+  EXPECT_EQ(optima, j["optima"].size());
+  EXPECT_EQ(NetcdfReader(dir / "spe.nc").doubles("calibrated"), c.model.evaluate(s.theta).mean);
+}
+
+TEST(Spe, OptionsAreReadAndHeldToTheirRanges) {
+  CaseFile file = CaseFile::from_text("[spe]\ntotal_degree = [4, 6]\nlambda_scale = 'absolute'\nlambdas = [100, 500]\n[spe.dgs]\nquadrature = 5\n");
+  SpeOptions o;
+  file.read("spe", o);
+  EXPECT_EQ(o.total_degree, (std::vector<int>{4, 6}));
+  EXPECT_EQ(o.dgs.quadrature, 5);
+  for (const char* text : {"[spe]\nlambda_scale = 'relative'\n", "[spe]\nlambdas = [0]\n", "[spe]\nlambdas = []\n", "[spe]\ntransform = 'sqrt'\n",
+                           "[spe]\ntotal_degree = []\ntensor_product = []\n"}) {
+    CaseFile bad = CaseFile::from_text(text);
+    SpeOptions ignored;
+    EXPECT_THROW(bad.read("spe", ignored), InputError) << text;
+  }
+}
+
+TEST(DensityModes, AreThoseOfAKnownMixture) {
+  // 60, 30 and 10 points about three centres, sd 0.02, and a bandwidth that separates them.
+  RandomStream random(1, 0);
+  const std::vector<Eigen::Vector2d> centres{{0.2, 0.3}, {0.7, 0.7}, {0.25, 0.8}};
+  const std::vector<int> sizes{60, 30, 10};
+  Eigen::MatrixXd points(2, 100);
+  for (Eigen::Index i = 0; i < 100; ++i) {
+    const std::size_t c = i < 60 ? 0 : i < 90 ? 1 : 2;
+    points.col(i) = centres[c] + 0.02 * Eigen::Vector2d(random.normal(), random.normal());
+  }
+  const auto modes = density_modes(points, 0.05);
+  ASSERT_EQ(modes.size(), 3u);
+  for (std::size_t m = 0; m < 3; ++m) {
+    EXPECT_LT((modes[m].x - centres[m]).norm(), 4 * 0.02 / std::sqrt(double(sizes[m]))) << m;  // 4 standard errors of a mean
+    EXPECT_EQ(modes[m].points, std::size_t(sizes[m]));
+    // The smoothed cloud is a Gaussian of variance 0.02^2 + 0.05^2.
+    EXPECT_NEAR(modes[m].density, sizes[m] / 100.0 * 0.05 * 0.05 / (0.05 * 0.05 + 0.02 * 0.02), 0.05 * sizes[m] / 100.0) << m;
+  }
+  EXPECT_EQ(density_modes(points, 1.0).size(), 1u);  // the negative control: all in one
+}
