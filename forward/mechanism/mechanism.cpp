@@ -49,6 +49,18 @@ const MechanismEntry& entry_of(const CaseFile& file, const std::string& name, co
   });
 }
 
+/// Names of the gauges that have a table below `path`. Errors: InputError when a table names no sensor.
+std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& path, std::span<const std::string> sensors) {
+  std::vector<std::string> gauges;
+  for (const auto& name : file.names(path)) {
+    if (name == "parameter" || file.names(path + '.' + name).empty()) continue;  // a number, not a table
+    if (std::find(sensors.begin(), sensors.end(), name) == sensors.end())
+      throw file.located(InputError({.problem = "names no sensor of the case", .key = path + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, sensors) + "\"?"}));
+    gauges.push_back(name);
+  }
+  return gauges;
+}
+
 }  // namespace
 
 MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors) {
@@ -61,9 +73,7 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
     if (!entry.built()) extra.push_back("wall");
     EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};
     bool enabled = false;
-    std::vector<std::string> gauges;
-    for (const auto& table : file.names(path))
-      if (entry.per_sensor && std::find(sensors.begin(), sensors.end(), table) != sensors.end()) gauges.push_back(table);
+    const std::vector<std::string> gauges = entry.per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
     extra.insert(extra.end(), gauges.begin(), gauges.end());
     KeyTable common{entry.keys, "", mechanism.values, &enabled};
     file.read(path, common, extra);

@@ -71,7 +71,7 @@ double soft(double t, double rise) { return t >= rise ? 1 : 0.5 - 0.5 * std::cos
 
 /// Speed at which sound of frequency f [Hz] runs through the law: p = -K e at e = small sin(w t), K complex, k^2 = rho w^2 / K.
 double phase_speed(const BubblyLiquid& law, double f, double small) {
-  const double w = 2 * M_PI * f, dt = 1e-6, rise = 12 / f + 2e-3, end = rise + 10 / f;
+  const double w = 2 * M_PI * f, dt = 2.5e-7, rise = 12 / f + 2e-3, end = rise + 10 / f;
   OnePoint point(law, dt);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();

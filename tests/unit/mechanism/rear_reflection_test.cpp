@@ -49,20 +49,20 @@ TEST(RearReflection, UniformlyHeatedMercuryStaysAtRest) {
   }
 }
 
-// A rigid wall that the liquid has left at its cutoff stops the face again; it does not go on trembling.
-TEST(RearReflection, ARigidWallHoldsStillAfterTheCutoff) {
+// A sudden push on what is nearly a rigid wall: the face gives way once, it does not tremble from step to step.
+TEST(RearReflection, TheFaceDoesNotTremble) {
   Mesh mesh = column(100, length, Region::mercury);
   mesh.rear = faces_at(mesh, 0, length);
-  RunSetup s = with_coefficient(1, 3e-4, 3e-4);
-  s.liquid.tensile_cutoff = 1e5, s.liquid.viscosity = 500;
-  s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{-4e-6 * std::exp(-0.5 * std::pow((x[0] - 0.16) / 0.01, 2)), 0, 0}; });
-  SolveOptions o;
-  o.every_step = true;
-  const auto out = ExplicitSolver(mesh, steel()).solve(s, std::vector<ObservationRow>{component(nearest(mesh, {length, 0, 0}), 0)}, o);
-  const auto u = row_of(out, 0);
-  double moved = 0, trembling = 0;
-  for (std::size_t n = u.size() / 2; n + 2 < u.size(); ++n) trembling = std::max(trembling, std::abs(u[n + 2] - 2 * u[n + 1] + u[n]));
-  for (const double x : u) moved = std::max(moved, std::abs(x));
-  EXPECT_GT(moved, 1e-8);  // the cutoff let it go
-  EXPECT_LT(trembling, 1e-3 * moved);
+  for (const double r : {0.0, 0.5, 0.95}) {
+    RunSetup s = with_coefficient(r, 5e-5, 5e-5);
+    s.initial_velocity = field(mesh, [](const Vec3&) { return Vec3{1e-3, 0, 0}; });
+    SolveOptions o;
+    o.every_step = true;
+    const auto out = ExplicitSolver(mesh, steel()).solve(s, std::vector<ObservationRow>{component(nearest(mesh, {length, 0, 0}), 0)}, o);
+    const auto u = row_of(out, 0);
+    double trembling = 0;
+    for (std::size_t n = 12; n < 30; ++n) trembling = std::max(trembling, std::abs(u[n + 1] - 2 * u[n] + u[n - 1]) / out.time_step);
+    measured("trembling_at_" + std::to_string(r), trembling / 1e-3);
+    EXPECT_LT(trembling, 0.03 * 1e-3) << r;
+  }
 }

@@ -105,7 +105,7 @@ TEST(StableTimeStep, LiesBetweenTheElementsBoundAndTheLimitOfTheMesh) {
       EXPECT_LE(bound, truth * (1 + 1e-9)) << name;
       EXPECT_GE(estimate, bound) << name;
       EXPECT_LE(estimate, truth * (1 + 1e-9)) << name;
-      EXPECT_GT(estimate, 0.9 * truth) << name;
+      EXPECT_GT(estimate, (kind.steel_damping > 0 ? 0.7 : 0.9) * truth) << name;  // damping is taken at the shorter step
       s.energies = {1.0, 1.1, 0.9};
       EXPECT_LE(solver.stable_step(s), truth * (1 + 1e-9)) << name;
       EXPECT_LE(solver.stable_step(s, {.precision = "single"}), truth * (1 + 1e-3)) << name;
