@@ -49,6 +49,18 @@ const MechanismEntry& entry_of(const CaseFile& file, const std::string& name, co
   });
 }
 
+/// Names of the gauges that have a table below `path`. Errors: InputError when a table names no sensor.
+std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& path, std::span<const std::string> sensors) {
+  std::vector<std::string> gauges;
+  for (const auto& name : file.names(path)) {
+    if (name == "parameter" || file.names(path + '.' + name).empty()) continue;  // a number, not a table
+    if (std::find(sensors.begin(), sensors.end(), name) == sensors.end())
+      throw file.located(InputError({.problem = "names no sensor of the case", .key = path + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, sensors) + "\"?"}));
+    gauges.push_back(name);
+  }
+  return gauges;
+}
+
 }  // namespace
 
 MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors) {
@@ -57,17 +69,20 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
   for (const auto& name : file.names("mechanism")) {
     const std::string path = "mechanism." + name;
     const MechanismEntry& entry = entry_of(file, name, path);
-    std::vector<std::string> extra{"wall", "parameter"};
+    std::vector<std::string> extra{"parameter"};
+    if (!entry.built()) extra.push_back("wall");
     EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};
     bool enabled = false;
-    for (const auto& table : file.names(path)) {
-      if (!entry.per_sensor || table == "parameter" || std::find(sensors.begin(), sensors.end(), table) == sensors.end()) continue;
-      extra.push_back(table);
-      KeyTable own{entry.keys, table + '.', mechanism.values, nullptr};
-      file.read(path + '.' + table, own);
-    }
+    const std::vector<std::string> gauges = entry.per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
+    extra.insert(extra.end(), gauges.begin(), gauges.end());
     KeyTable common{entry.keys, "", mechanism.values, &enabled};
     file.read(path, common, extra);
+    for (const auto& gauge : gauges) {
+      KeyTable own{entry.keys, gauge + '.', mechanism.values, nullptr};
+      file.read(path + '.' + gauge, own);
+      for (const auto& k : entry.keys)
+        if (!file.has(path + '.' + gauge + '.' + k.name)) mechanism.values.forget(gauge + '.' + k.name);
+    }
     if (enabled && !entry.built())
       throw file.located(InputError({.problem = "this mechanism is not built yet in this version, so it cannot be enabled",
                                      .key = path + ".enabled",

@@ -45,6 +45,8 @@ class MechanismValues {
   }
   /// The number at "key" or "SENSOR.key"; null when there is no such key. A gauge's own is made when first named.
   [[nodiscard]] double* find(const std::string& path);
+  /// Takes a gauge's own number back: the common one answers again.
+  void forget(const std::string& path) { by_sensor_.erase(path); }
   [[nodiscard]] const std::map<std::string, double>& common() const { return common_; }
   [[nodiscard]] const std::map<std::string, double>& by_sensor() const { return by_sensor_; }
 

@@ -1,4 +1,5 @@
 #include "forward/mechanism/beam_profile.hpp"
+#include "forward/mechanism/bubbly_liquid.hpp"
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
@@ -20,8 +21,7 @@ const Registry<MechanismEntry>& mechanisms() {
     };
     // Named, with their keys, but not built yet.
     const auto planned = [&add](const char* name, const char* law, std::vector<MechanismKey> keys) { add(name, {.law = law, .keys = std::move(keys)}); };
-    planned("bubbly_liquid", "p = max(p0 - K (e_v - alpha + alpha0), -sigma_c), alpha = alpha0 (R/R0)^3 by Keller and Miksis",
-            {{"alpha0", "", 0, 1e-5, 1e-2, true}, {"radius", "m", 1e-4, 1e-5, 5e-4, true, false}, {"ambient_pressure", "Pa", 1e5, 1e5, 4e5, false, false}, {"polytropic", "", 1.16, 1, 1.67, false, false}, {"thermal_viscosity", "Pa s", 0.5, 0, 10, false, false}});
+    add("bubbly_liquid", bubbly_liquid());
     planned("cavitation_kinetics", "the void grows and collapses with time constants", {{"growth_time", "s", 0, 0, 200e-6}, {"collapse_time", "s", 0, 0, 200e-6}});
     add("liquid_viscosity", liquid_viscosity());
     add("structural_damping", structural_damping());

@@ -96,6 +96,7 @@ struct StepData {
   R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]
   R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
   R rear_give, rear_push;  ///< rear face: give p' = push v_n; 1 - r and (1 + r) rho c
+  R rear_late, rear_early;  ///< share of v_n after the step, and of v_n before it over that; 1/2 and 1 at r = 0
   R lambda, mu;            ///< of the steel
   R steel_beta;            ///< stiffness-proportional damping of the steel [s]
   alignas(64) R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy

@@ -187,7 +187,8 @@ void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, E
   }
 }
 
-/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; both from passes of their own, for booking only.
+/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; both from passes of their own, for booking only. Force and
+/// way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done.
 template <class R>
 void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* force, EnergyTerms* energy) {
   EnergyTerms of_u, of_v;
@@ -195,7 +196,8 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
   forces<R, false, true>(b, s, w, force, &of_u);
   copy_in<R, false>(b, s, R(0), s.dt, w, force);  // dt v, the change in a step
   forces<R, false, true>(b, s, w, force, &of_v);
-  energy->steel += of_u.steel, energy->dissipated += 2 * double(s.steel_beta) / double(s.dt) * of_v.steel;
+  const double rate = double(s.steel_beta) / double(s.dt);
+  energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel;
 }
 
 template <class R, bool Runs, bool Booking>

@@ -87,13 +87,14 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
         energy->boundary_after -= 0.5 * double(s.dt) * double(stress) * double(r.load_area[c]) * double(v[c]);
       }
     if (r.rear_area > 0) {
-      // p = p0 + p', give p' = push v_n at mid-step, not below the cutoff; solved implicitly, so the face never limits the step.
+      // p = p0 + p', give p' = push v_n, not below the cutoff; v_n at mid-step, towards the end of the step the stiffer what lies
+      // behind is (a rigid wall would keep a velocity that the cutoff left, with changing sign); implicit, so the face never limits the step.
       const R* n = r.rear_normal;
       const L vn_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
       const L vn_free = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
       const L p0 = share * r.rear_p0;
-      const R a = s.kick * r.rear_area / r.mass_node, push = R(0.5) * s.rear_push;
-      const L p_wave = p0 + push / (s.rear_give + push * a) * (vn_free - a * p0 + vn_before);
+      const R a = s.kick * r.rear_area / r.mass_node, push = s.rear_late * s.rear_push;
+      const L p_wave = p0 + push / (s.rear_give + push * a) * (vn_free - a * p0 + s.rear_early * vn_before);
       const L p_least = L{} - s.cutoff;
       const L p = p_wave > p_least ? p_wave : p_least;
       const L vn_after = vn_free - a * p;

@@ -5,10 +5,21 @@
 #include <span>
 #include <string>
 
+#include "base/errors.hpp"
 #include "forward/mesh/mesh.hpp"
 #include "forward/solver/liquid_points.hpp"
 
 namespace calomel {
+
+/// A law fails at point `point` of those that it was handed; the run adds where that is, and when.
+class LiquidPointError : public NumericsError {
+ public:
+  LiquidPointError(const std::string& reason, std::size_t point) : NumericsError(reason), point_(point) {}
+  [[nodiscard]] std::size_t point() const { return point_; }
+
+ private:
+  std::size_t point_;
+};
 
 class LiquidLaw {
  public:
@@ -19,7 +30,7 @@ class LiquidLaw {
   virtual void initialise(std::span<const Vec3> centres, double* state, std::size_t stride) const { (void)centres, (void)state, (void)stride; }
   /// Pressure of every point now. Called from several threads on different points. Must not raise the stiffness -dp/de_v
   /// above the bulk modulus of the run's Riemer parameters, from which the time step follows; the regularising viscosity is
-  /// the law's own to add. Errors: NumericsError with the reason.
+  /// the law's own to add. Errors: LiquidPointError, or NumericsError with the reason.
   virtual void advance(const LiquidPoints& points) const = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <istream>
@@ -45,6 +46,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   start_from(setup.initial_displacement, u_);
   start_from(setup.initial_velocity, v_);
   make_blocks();
+  if (!setup.initial_displacement.empty() || !setup.initial_velocity.empty()) remember_strain();
   make_rules(options.heated_rear);
   plain_chunks_ = (packed.layout.plain.size() + chunk - 1) / chunk, rule_chunks_ = (rules_.size() + chunk - 1) / chunk;
   energies_.resize(blocks_.size() + plain_chunks_ + rule_chunks_);
@@ -56,6 +58,8 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
+  const double late = 0.5 + 0.5 * std::max(r, 0.0);
+  base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
 }
 
@@ -79,6 +83,7 @@ template <class R>
 void Run<R>::make_blocks() {
   const std::size_t count = packed_.layout.blocks.size(), lanes = packed_.lanes();
   p0_.resize(count), state_.resize(count), memory_.resize(count), blocks_.resize(count);
+  if (setup_.liquid_law) laws_.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
     const Block& block = packed_.layout.blocks[b];
     const auto& elements = packed_.elements[b];
@@ -108,7 +113,53 @@ void Run<R>::make_law(std::size_t b) {
     centres.insert(centres.end(), copies, centre_of(mesh_, std::size_t(e >= 0 ? e : elements[0])));
   memory_[b] = AlignedArray<double>(points * (2 + law.state_size()));
   law.initialise(centres, memory_[b].data() + 2 * points, points);
-  blocks_[b].law = {[](const void* of, const LiquidPoints& p) { static_cast<const LiquidLaw*>(of)->advance(p); }, &law, memory_[b].data(), points};
+  laws_[b] = {&law, this, b};
+  blocks_[b].law = {advance_law, &laws_[b], memory_[b].data(), points};
+}
+
+template <class R>
+void Run<R>::advance_law(const void* law_of_block, const LiquidPoints& p) {
+  const auto& [law, run, block] = *static_cast<const LawOfBlock*>(law_of_block);
+  try {
+    law->advance(p);
+  } catch (const LiquidPointError& e) {
+    const LawHook& hook = run->blocks_[block].law;
+    throw run->located(e, block, std::size_t(p.pressure - (hook.memory + hook.points)) + e.point());
+  }
+}
+
+template <class R>
+NumericsError Run<R>::located(const NumericsError& error, std::size_t block, std::size_t point) const {
+  const auto& elements = packed_.elements[block];
+  const std::int32_t slot = elements[point / (packed_.runs ? run_lanes : 1)], e = slot >= 0 ? slot : elements[0];
+  const Vec3 x = centre_of(mesh_, std::size_t(e));
+  return NumericsError(fmt::format("{}, in mercury element {} at ({:.4g}, {:.4g}, {:.4g}) m", error.what(), e, x[0], x[1], x[2]));
+}
+
+/// The liquid's strain one step before the start, had it moved with the initial velocity: what rates are taken from.
+template <class R>
+void Run<R>::remember_strain() {
+  const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
+  const std::size_t lanes = packed_.lanes(), copies = packed_.runs ? run_lanes : 1;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
+      if (!blocks_[b].liquid || packed_.elements[b][slot] < 0) continue;
+      const auto e = std::size_t(packed_.elements[b][slot]);
+      const HexGeometry g = hex_geometry(corners_of(mesh_, e));
+      Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
+      for (int k = 0; k < 8; ++k) {
+        const std::size_t row = std::size_t(packed_.layout.to_solver[std::size_t(mesh_.elements[e][std::size_t(k)])]) * packed_.width();
+        for (int c = 0; c < 3; ++c) {
+          const std::size_t at = row + std::size_t(c) * packed_.stride();
+          grad.row(c) += (double(u_[at]) - dt_ * double(v_[at])) * g.gradient.col(k).transpose();
+        }
+      }
+      const double strain = finite ? (Eigen::Matrix3d::Identity() + grad).determinant() - 1 : grad.trace();
+      for (std::size_t l = 0; l < copies; ++l) {
+        if (setup_.liquid_law) memory_[b][slot * copies + l] = strain;
+        if (stateful_) state_[b][packed_.runs ? (slot * run_state) * run_lanes + l : (slot / lanes * element_state) * lanes + slot % lanes] = R(strain);
+      }
+    }
 }
 
 template <class R>
@@ -309,10 +360,13 @@ void Run<R>::restore(std::istream& in) {
 template <class R>
 void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads) const {
   // One step of kick 1 from rest in a linear liquid without loads takes x to v = -M^-1 K x; damping C = beta K enters by the
-  // velocity 2 x / dt, which is taken off again.
+  // velocity 2 x / dt, which is taken off again. Elements of finite strain are linear near the reference: a picometre.
+  const bool linear = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) == packed_.form.end();
+  R greatest = 0;
+  for (std::size_t i = 0; i < x.size() && !linear; ++i) greatest = std::max(greatest, std::abs(x[i]));
+  const R scale = greatest > 0 ? R(1e-12) / greatest : R(1), rate = R(2 / dt_) * scale;
   AlignedArray<R> u(x.size());
-  std::copy_n(x.data(), x.size(), u.data());
-  for (std::size_t i = 0; i < x.size(); ++i) result[i] = R(2 / dt_) * x[i];
+  for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited), s.rear_give = 1, s.rear_push = 0;
@@ -330,7 +384,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   packed_.runs ? kernel_.run_plain(layout, 0, layout.plain.size(), s) : kernel_.element_plain(layout, 0, layout.plain.size(), s, false, &unused);
   packed_.runs ? kernel_.run_special(layout, rules_.data(), 0, rules_.size(), s)
                : kernel_.element_special(layout, rules_.data(), 0, rules_.size(), s, false, &unused);
-  for (std::size_t i = 0; i < x.size(); ++i) result[i] = R(2 / dt_) * x[i] - result[i];
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = (rate * x[i] - result[i]) / scale;
 }
 
 template <class R>

@@ -60,9 +60,20 @@ class Run {
   void make_blocks();
   void make_rules(bool heated_rear);
   void make_law(std::size_t block);
+  void remember_strain();
+  /// A law's error at a point of a block, with its place.
+  [[nodiscard]] NumericsError located(const NumericsError& error, std::size_t block, std::size_t point) const;
   void start_from(const std::vector<Vec3>& field, AlignedArray<R>& to);
   [[nodiscard]] double ramp(double time) const;
   void fill_elements(FieldSnapshot& fields, double share) const;
+
+  /// A block's law, as the kernel's hook finds it.
+  struct LawOfBlock {
+    const LiquidLaw* law;
+    const Run* run;
+    std::size_t block;
+  };
+  static void advance_law(const void* law_of_block, const LiquidPoints& points);
 
   const PackedMesh<R>& packed_;
   const Mesh& mesh_;
@@ -77,6 +88,7 @@ class Run {
   AlignedArray<R> inverse_mass_, u_, v_, outbox_;
   std::vector<AlignedArray<R>> p0_, state_;
   std::vector<AlignedArray<double>> memory_;  ///< of a liquid law of its own
+  std::vector<LawOfBlock> laws_;              ///< by block, where there is such a law
   std::vector<BlockData<R>> blocks_;
   std::vector<SpecialData<R>> rules_;
   std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0;

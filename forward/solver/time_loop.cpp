@@ -118,9 +118,7 @@ class TimeLoop {
       }
       if (halt_ || n == steps_) return;
       const StepData<R> s = run_.step(n, scratch_[me].data());
-      guarded([&] {
-        for (std::size_t b = first_block_[me]; b < first_block_[me + 1]; ++b) run_.advance_block(b, s);
-      });
+      guarded([&] { advance_blocks(me, n, s); });
       wait();
       for (std::size_t c = me; c < run_.chunk_count(); c += all) run_.advance_chunk(c, s);
       wait();
@@ -133,6 +131,12 @@ class TimeLoop {
         wait();
       }
     }
+  }
+
+  void advance_blocks(std::size_t me, std::int64_t n, const StepData<R>& s) try {
+    for (std::size_t b = first_block_[me]; b < first_block_[me + 1]; ++b) run_.advance_block(b, s);
+  } catch (const NumericsError& e) {
+    throw NumericsError(fmt::format("{}, at step {} ({:.4g} s)", e.what(), n, double(n) * setup_.output_interval / per_output_));
   }
 
   void output(std::int64_t n) {

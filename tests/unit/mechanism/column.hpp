@@ -1,0 +1,43 @@
+#pragma once
+/// A column along x that can only move along x, and how fast its standing waves die away.
+#include "forward/mechanism/mechanism.hpp"
+#include "tests/verification/small_runs.hpp"
+
+namespace calomel::testing {
+
+inline Mesh column(int n, double length, Region region) {
+  const double h = length / n;
+  Mesh m = block({n, 1, 1}, {0, 0, 0}, {length, h, h}, region);
+  fix(m, 2 | 4, everywhere());
+  return m;
+}
+
+/// A mechanism's values by name, the others at their defaults.
+inline MechanismValues values_of(const MechanismEntry& entry, const std::map<std::string, double>& set) {
+  MechanismValues v(entry.keys);
+  for (const auto& [key, value] : set) *v.find(key) = value;
+  return v;
+}
+
+struct Decay {
+  double rate;           ///< [1/s]
+  double energy_error;   ///< of the balance
+};
+
+/// Rate at which the standing wave u = 1e-6 cos(k x) of angular frequency w dies away, from its amplitude over `periods`; both
+/// ends are free, so k = n pi / length. The amplitude is that of the displacement and its quarter period.
+inline Decay decay(const Mesh& mesh, RunSetup s, double k, double w, int periods) {
+  const double quarter = M_PI / (2 * w);
+  s.output_interval = quarter, s.end = 4 * quarter * periods + quarter;
+  s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * std::cos(k * x[0]), 0, 0}; });
+  ObservationRow row;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) row.nodes.push_back(NodeId(n)), row.weights.push_back({std::cos(k * mesh.nodes[n][0]), 0, 0});
+  SolveOptions o;
+  o.booking = true;
+  const auto out = ExplicitSolver(mesh, s.steel).solve(s, std::vector<ObservationRow>{row}, o);
+  const auto a = row_of(out, 0);
+  const auto amplitude = [&](std::size_t i) { return std::hypot(a[i], a[i + 1]); };
+  return {std::log(amplitude(0) / amplitude(std::size_t(4 * periods))) / (4 * quarter * periods), out.energy_balance_error};
+}
+
+}  // namespace calomel::testing

@@ -1,0 +1,56 @@
+#include "forward/mechanism/structural_damping.hpp"
+
+#include "forward/mesh/make_mesh.hpp"
+#include "forward/solver/load.hpp"
+#include "tests/unit/mechanism/column.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+
+// A mode dies away at zeta w, zeta = (mass / w + stiffness w) / 2.
+TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
+  const double length = 0.1;
+  const Mesh mesh = column(160, length, Region::steel);
+  const auto entry = structural_damping();
+  struct Row {
+    double mass, stiffness;
+  };
+  for (const int n : {1, 4})
+    for (const auto& [a, b] : {Row{2000, 0}, Row{0, 1e-7}, Row{2000, 1e-7}}) {
+      const double k = n * M_PI / length, w = steel_speed() * k, theory = 0.5 * (a + b * w * w);
+      RunSetup s = linear_setup(0, 0);
+      entry.setup(values_of(entry, {{"mass", a}, {"stiffness", b}}), s);
+      const auto got = decay(mesh, s, k, w, n == 1 ? 3 : 4);
+      const std::string name = std::to_string(n) + "_" + std::to_string(int(a)) + "_" + std::to_string(int(1e9 * b));
+      measured("rate_over_theory_" + name, got.rate / theory);
+      measured("energy_balance_" + name, got.energy_error);
+      EXPECT_NEAR(got.rate, theory, 0.02 * theory) << name;
+      EXPECT_LT(got.energy_error, 1e-3) << name;
+    }
+}
+
+// In a target: only the steel is damped, and what is lost is booked.
+TEST(StructuralDamping, ABoxLosesEnergyThatIsBooked) {
+  GeometryOptions g;
+  g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.03, g.wall = 0.003, g.plane_strain = true, g.rear = "wall", g.element_size = 0.0015;
+  const Mesh mesh = make_mesh(g);
+  ProfileOptions profile;
+  profile.center = {0, 0.015}, profile.widths = {1, 0.01};
+  RunSetup s = linear_setup(1e-4, 1e-4);
+  for (const double v : heating_shape(mesh, profile).element) s.p0.push_back(25e6 * v);
+  s.pulse_length = 0.7e-6;
+  SolveOptions o;
+  o.booking = true;
+  const ExplicitSolver solver(mesh, steel());
+  EXPECT_EQ(solver.solve(s, {}, o).dissipated, 0);
+  const auto entry = structural_damping();
+  for (const auto& [key, value] : {std::pair<const char*, double>{"mass", 2e3}, {"stiffness", 1e-7}}) {
+    RunSetup damped = s;
+    entry.setup(values_of(entry, {{key, value}}), damped);
+    const auto out = solver.solve(damped, {}, o);
+    measured(std::string(key) + "_share_lost", out.dissipated / out.energy_in);
+    measured(std::string(key) + "_balance", out.energy_balance_error);
+    EXPECT_GT(out.dissipated, 1e-3 * out.energy_in);
+    EXPECT_LT(out.energy_balance_error, 1e-3);
+  }
+}

@@ -1,0 +1,153 @@
+// The seam for a liquid law of one's own: Riemer's law put through it gives the base model's histories.
+#include "forward/solver/liquid_law.hpp"
+
+#include <mutex>
+
+#include "base/random.hpp"
+#include "tests/verification/small_runs.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+
+namespace {
+
+/// Riemer's law, written as a law of its own.
+class RiemerAgain : public LiquidLaw {
+ public:
+  explicit RiemerAgain(const Riemer& law) : law_(law) {}
+  void advance(const LiquidPoints& p) const override {
+    for (std::size_t i = 0; i < p.count; ++i) p.pressure[i] = law_.pressure(p.heating[i], p.strain[i], (p.strain[i] - p.strain_before[i]) / p.dt);
+  }
+
+ private:
+  Riemer law_;
+};
+
+/// Steel over mercury; distorted: general hexahedra.
+Mesh target(bool distorted) {
+  Mesh m = block({8, 3, 6}, {0, 0, 0}, {0.016, 0.006, 0.012}, [](const Vec3& x) { return x[2] > 0.008 ? Region::steel : Region::mercury; });
+  if (distorted) {
+    RandomStream random(3, 0);
+    for (auto& x : m.nodes)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (x[c] > 1e-9 && x[2] < 0.0079) x[c] += 2e-4 * random.uniform(-1, 1);
+  }
+  fix(m, 4, plane(2, 0)), fix(m, 1, plane(0, 0));
+  return m;
+}
+
+RunSetup heated(const Mesh& mesh, double end) {
+  RunSetup s = linear_setup(end, 1e-6);
+  s.liquid.tensile_cutoff = 1.5e5, s.liquid.viscosity = 2000;
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const double x = mesh.nodes[std::size_t(mesh.elements[e][0])][0];
+    s.p0.push_back(mesh.region[e] == Region::mercury ? 20e6 * std::exp(-x / 0.005) : 0);
+  }
+  s.pulse_length = 0.7e-6;
+  return s;
+}
+
+double greatest_difference(const SolveSummary& a, const SolveSummary& b) {
+  double difference = 0, scale = 0;
+  for (std::size_t i = 0; i < a.observations.size(); ++i)
+    difference = std::max(difference, std::abs(a.observations[i] - b.observations[i])), scale = std::max(scale, std::abs(a.observations[i]));
+  return difference / scale;
+}
+
+}  // namespace
+
+TEST(LiquidLaw, RiemersThroughTheSeamGivesTheBaseHistories) {
+  for (const bool distorted : {false, true}) {
+    const Mesh mesh = target(distorted);
+    const ExplicitSolver solver(mesh, steel());
+    for (const char* kinematics : {"small", "finite"})
+      for (const char* precision : {"double", "single"})
+        for (const std::size_t runs : {1, 3})
+          for (const bool booking : {false, true}) {
+            if (booking && runs > 1) continue;
+            RunSetup s = heated(mesh, 1.2e-5);
+            if (runs > 1) s.energies = {0.9, 1.0, 1.1};
+            SolveOptions o;
+            o.kinematics = kinematics, o.precision = precision, o.booking = booking;
+            const std::vector<ObservationRow> rows{component(nearest(mesh, {0.016, 0.006, 0.012}), 0), component(nearest(mesh, {0.008, 0, 0.008}), 2)};
+            const auto base = solver.solve(s, rows, o);
+            s.liquid_law = std::make_shared<RiemerAgain>(s.liquid);
+            const auto seam = solver.solve(s, rows, o);
+            const std::string name = std::string(distorted ? "general_" : "parallelepiped_") + kinematics + '_' + precision + '_' + std::to_string(runs) + (booking ? "_booked" : "");
+            measured(name, greatest_difference(base, seam));
+            EXPECT_LT(greatest_difference(base, seam), *precision == 'd' ? 1e-10 : 1e-4) << name;
+            if (booking && *precision == 'd') {
+              measured(name + "_balance", seam.energy_balance_error);
+              EXPECT_LT(seam.energy_balance_error, 2 * base.energy_balance_error + 1e-6) << name;
+            }
+            // Control: a softer law is seen.
+            s.liquid_law = std::make_shared<RiemerAgain>(Riemer{0.98 * s.liquid.bulk_modulus, s.liquid.tensile_cutoff, s.liquid.viscosity});
+            EXPECT_GT(greatest_difference(base, solver.solve(s, rows, o)), 1e-3) << name;
+          }
+  }
+}
+
+// With an initial state the rate of the first step is that of the initial velocity.
+TEST(LiquidLaw, KnowsTheStrainBeforeTheFirstStep) {
+  const Mesh mesh = target(true);
+  const ExplicitSolver solver(mesh, steel());
+  for (const std::size_t runs : {1, 2})
+    for (const char* kinematics : {"small", "finite"}) {
+      RunSetup s = heated(mesh, 6e-6);
+      s.liquid.tensile_cutoff = 1e30;
+      s.energies.assign(runs, 1.0);
+      s.initial_displacement = field(mesh, [](const Vec3& x) { return Vec3{-2e-4 * x[0], 1e-4 * x[1], -1e-4 * x[2]}; });
+      s.initial_velocity = field(mesh, [](const Vec3& x) { return Vec3{-3e2 * x[0] * x[0], 0, -2 * x[2]}; });
+      SolveOptions o;
+      o.kinematics = kinematics;
+      const std::vector<ObservationRow> rows{component(nearest(mesh, {0.016, 0.006, 0.012}), 0), component(nearest(mesh, {0.008, 0, 0.008}), 2)};
+      const auto base = solver.solve(s, rows, o);
+      s.liquid_law = std::make_shared<RiemerAgain>(s.liquid);
+      EXPECT_LT(greatest_difference(base, solver.solve(s, rows, o)), *kinematics == 's' ? 1e-10 : 1e-6) << runs << kinematics;
+    }
+}
+
+namespace {
+
+/// Answers with a number of its own at each point, from the place it was given.
+class NumberOfThePlace : public LiquidLaw {
+ public:
+  static double at(const Vec3& x) { return 1 + 1e3 * x[0] + 1e4 * x[1] + 1e5 * x[2]; }
+  [[nodiscard]] std::size_t state_size() const override { return 2; }
+  void initialise(std::span<const Vec3> centres, double* state, std::size_t stride) const override {
+    for (std::size_t i = 0; i < centres.size(); ++i) state[stride + i] = at(centres[i]);
+  }
+  void advance(const LiquidPoints& p) const override {
+    for (std::size_t i = 0; i < p.count; ++i) p.pressure[i] = p.state[p.stride + i], p.state[i] += 1;
+  }
+};
+
+}  // namespace
+
+TEST(LiquidLaw, NumbersOfThePlaceReachTheRightPoints) {
+  for (const bool distorted : {false, true}) {
+    const Mesh mesh = target(distorted);
+    for (const char* precision : {"double", "single"})
+      for (const std::size_t runs : {1, 2}) {
+        RunSetup s = linear_setup(2e-6, 2e-6);
+        s.energies.assign(runs, 1.0);
+        s.liquid_law = std::make_shared<NumberOfThePlace>();
+        int checked = 0;
+        SolveOptions o;
+        o.precision = precision, o.field_interval = 2e-6;
+        o.on_field = [&](const FieldSnapshot& f) {
+          if (f.time == 0) return;
+          for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+            if (mesh.region[e] != Region::mercury) continue;
+            Vec3 centre{};
+            for (const NodeId n : mesh.elements[e])
+              for (std::size_t c = 0; c < 3; ++c) centre[c] += mesh.nodes[std::size_t(n)][c] / 8;
+            ASSERT_NEAR(f.pressure[e], NumberOfThePlace::at(centre), 1e-9) << e;
+            ++checked;
+          }
+        };
+        (void)ExplicitSolver(mesh, steel()).solve(s, {}, o);
+        EXPECT_EQ(checked, 8 * 3 * 4);
+      }
+  }
+}
