@@ -198,7 +198,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
   if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
   const double element = study_.forward.geometry.resolved().element_size.value_or(0);
-  models.mesh_relative = study_.map.mesh_error.value_or(100 * element);  // first order: 0.1 at 1 mm
+  models.mesh_relative = study_.map.mesh_error.value_or(80 * element);  // first order
   models.positions.resize(Eigen::Index(shape.sensors.size()), 3);
   for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
     for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
@@ -206,7 +206,9 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
     std::vector<std::string> said;
     return study_.matched_recordings(shape.sensors, said);
   }();
-  auto summary = run_map(problem(), recordings, *study_.recordings, models, study_.map, command_.seed, command_.threads, progress);
+  MapOptions options = study_.map;
+  if (!options.likelihood.band && element > 0) options.likelihood.band = 40 / element;
+  auto summary = run_map(problem(), recordings, *study_.recordings, models, options, command_.seed, command_.threads, progress);
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);
   return summary;

@@ -55,7 +55,7 @@ class Search {
     if (with_surrogate && on_surrogate() && models_.surrogate_variance) e.surrogate_variance = models_.surrogate_variance(theta);
     Likelihood l(problem_, recordings_, recording_options_, options_.likelihood, e);
     if (!models_.mesh.empty() || models_.mesh_relative <= 0) return l;
-    return l.with("mesh, assumed", models_.mesh_relative * models_.mesh_relative * discrepancy_shape(problem_, l.grid(), l.data(), models_.positions, options_.discrepancy));
+    return l.with("mesh, assumed", models_.mesh_relative * models_.mesh_relative * discrepancy_shape(problem_, l.grid(), l.data(), models_.positions, options_.discrepancy.distance, mesh_kernel));
   }
 
   /// Design points by the prior, (n_parameters, options.design) and the nominal one as the last column.
@@ -180,7 +180,7 @@ void judge(MapSummary& out, const Likelihood& likelihood, const Eigen::VectorXd&
 /// The discrepancy's scale by its posterior weight on a grid: half-normal prior times Laplace evidence; widens `best` to the mixture over the scales.
 Likelihood with_discrepancy(MapSummary& out, Search& search, const Problem& problem, const Likelihood& plain, const MapModels& models, const MapOptions& options,
                             std::vector<Optimum>& optima) {
-  const Eigen::MatrixXd shape = discrepancy_shape(problem, plain.grid(), plain.data(), models.positions, options.discrepancy);
+  const Eigen::MatrixXd shape = discrepancy_shape(problem, plain.grid(), plain.data(), models.positions, options.discrepancy.distance, matern32(options.discrepancy.time));
   std::vector<Optimum> at_scale;
   std::vector<double> log_weight;
   std::vector<double> scales;
@@ -305,7 +305,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
     of_model.emplace(search.likelihood(space.theta(optima[0].x), false));
     if (physical)
       of_model.emplace(of_model->with("discrepancy", std::pow(out.discrepancy_scale, 2) *
-                                      discrepancy_shape(problem, of_model->grid(), of_model->data(), models.positions, options.discrepancy)));
+                                      discrepancy_shape(problem, of_model->grid(), of_model->data(), models.positions, options.discrepancy.distance, matern32(options.discrepancy.time))));
     final_likelihood = &*of_model;
   }
   const PosteriorMode on_search(search.model(), *final_likelihood, space, threads);

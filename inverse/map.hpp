@@ -43,7 +43,7 @@ struct MapOptions {
     v("secant", secant, {.range = between(0.3, 3), .doc = "half width of the true model's secants, which is rough: in posterior standard deviations, and at least in units of 1.5 % of density, 3 % of sound speed, 35 % of the cutoff"});
     v("widen", widen, {.doc = "multiply the covariance by chi-squared over its expectation where the fit is not adequate"});
     v("mesh_error", mesh_error,
-      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.1 per millimetre of element size"});
+      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.08 per millimetre of element size"});
     v.table("likelihood", likelihood, "covariance of data and model");
     v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
   }

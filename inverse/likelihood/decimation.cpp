@@ -36,10 +36,15 @@ std::vector<Window> windows_of(const Observation& o, std::span<const double> tim
 
 }  // namespace
 
-Decimation::Decimation(const Problem& problem, std::size_t most_values) : record_time_(problem.time) {
+Decimation::Decimation(const Problem& problem, std::size_t most_values, std::optional<double> band) : record_time_(problem.time) {
   expect(most_values > 0, "a record keeps at least one value");
   const std::size_t all = problem.observations.size() * problem.time.size();
-  factor_ = std::clamp<std::size_t>((all + most_values - 1) / most_values, 1, problem.time.size());
+  std::size_t factor = (all + most_values - 1) / most_values;
+  if (band && problem.time.size() > 1) {
+    const double step = (problem.time.back() - problem.time.front()) / double(problem.time.size() - 1);
+    factor = std::max(factor, std::size_t(std::ceil(0.5 / (*band * step) - 1e-9)));
+  }
+  factor_ = std::clamp<std::size_t>(factor, 1, problem.time.size());
   std::vector<Eigen::Triplet<double>> entries;
   std::size_t row = 0;
   for (const auto& o : problem.observations) {

@@ -3,6 +3,7 @@
 /// values of all gauges can be factored.
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct Window {
 /// nothing at twice it (Harris 1978, Proc. IEEE 66, 51). Absent samples have no weight; a window that keeps less than half of its own is left out.
 class Decimation {
  public:
-  /// The smallest factor that leaves at most `most_values` values over all observations.
-  Decimation(const Problem& problem, std::size_t most_values);
+  /// The smallest factor that leaves at most `most_values` values over all observations and whose Nyquist frequency is not above `band` [Hz].
+  Decimation(const Problem& problem, std::size_t most_values, std::optional<double> band = {});
 
   [[nodiscard]] std::size_t size() const { return std::size_t(map_.rows()); }
   [[nodiscard]] std::size_t factor() const { return factor_; }

@@ -58,9 +58,16 @@ Eigen::MatrixXd along_records(const Eigen::VectorXd& variance, const Decimation&
   return c;
 }
 
-double matern32(double r) { return (1 + std::sqrt(3.0) * r) * std::exp(-std::sqrt(3.0) * r); }
-
 }  // namespace
+
+TimeKernel matern32(double time) {
+  return [time](double t) {
+    const double r = std::sqrt(3.0) * t / time;
+    return (1 + r) * std::exp(-r);
+  };
+}
+
+double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp(-t / 30e-6); }
 
 ErrorDistribution::ErrorDistribution(const Eigen::MatrixXd& covariance, double freedom) : variance_(covariance.diagonal()), freedom_(freedom) {
   expect(covariance.rows() > 0 && covariance.rows() == covariance.cols() && freedom > 0, "a covariance is square");
@@ -95,7 +102,7 @@ double sellentin_heavens(double chi2, double replicates) {
 
 Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const LikelihoodOptions& options,
                        const ModelError& e)
-    : grid_(problem, std::size_t(options.values)), mesh_(e.mesh) {
+    : grid_(problem, std::size_t(options.values), options.band), mesh_(e.mesh) {
   const Eigen::VectorXd slope = e.energy_slope.size() ? Eigen::VectorXd(grid_.apply(e.energy_slope)) : Eigen::VectorXd();
   noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
   const auto p = Eigen::Index(grid_.size());
@@ -194,7 +201,7 @@ Eigen::VectorXd Likelihood::gradient(std::span<const double> theta, std::span<co
 }
 
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
-                                  const DiscrepancyOptions& options) {
+                                  double distance, const TimeKernel& kernel) {
   constexpr double arrival_share = 0.05, local_time = 25e-6;
   const Eigen::VectorXd t = grid.times();
   Eigen::VectorXd amplitude = Eigen::VectorXd::Zero(t.size());
@@ -219,12 +226,12 @@ Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid
     const std::size_t a = problem.observations[i].sensor, b = problem.observations[j].sensor;
     if (a == b) return 1.0;
     if (positions.rows() == 0) return 0.0;
-    return std::exp(-(positions.row(Eigen::Index(a)) - positions.row(Eigen::Index(b))).norm() / options.distance);
+    return std::exp(-(positions.row(Eigen::Index(a)) - positions.row(Eigen::Index(b))).norm() / distance);
   };
   Eigen::MatrixXd c(t.size(), t.size());
   for (Eigen::Index a = 0; a < t.size(); ++a)
     for (Eigen::Index b = 0; b < t.size(); ++b)
-      c(a, b) = amplitude[a] * amplitude[b] * share(of[std::size_t(a)], of[std::size_t(b)]) * matern32(std::abs(t[a] - t[b]) / options.time);
+      c(a, b) = amplitude[a] * amplitude[b] * share(of[std::size_t(a)], of[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
   return c;
 }
 

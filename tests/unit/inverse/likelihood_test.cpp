@@ -1,0 +1,347 @@
+// The covariance of the mean records against what it is made of, written out densely or by simulation.
+#include "inverse/likelihood/likelihood.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/inverse/lines.hpp"
+
+namespace calomel {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+AnalyticModel waves(std::size_t times = 300, double step = 1e-6) {
+  return {{uniform_parameter("amplitude", 0.1, 10, 1)},
+          {[](auto theta, double t) { return theta[0] * 100 * std::sin(6e4 * t); }, [](auto theta, double t) { return theta[0] * 60 * std::sin(9e4 * t); }},
+          times,
+          step};
+}
+
+TEST(Decimation, IsLinearTheSameForRecordAndModelAndKeepsConstants) {
+  const auto model = waves();
+  const auto recordings = pulses_of(model, {2}, {.pulses = 2, .noise = 1}, 3);
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Decimation grid(problem, 100);
+  EXPECT_LE(grid.size(), 100u);
+  EXPECT_EQ(grid.factor(), 6u);
+  const auto y = model.evaluate(std::vector<double>{2}).mean;
+  const Eigen::VectorXd decimated = grid.apply(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())));
+  const Eigen::VectorXd as_record = grid.apply_record(1, {y.data() + 300, 300});
+  EXPECT_LT((decimated.tail(as_record.size()) - as_record).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((grid.apply(Eigen::VectorXd::Constant(600, 7)).array() - 7).abs().maxCoeff(), 1e-12);
+  // <D y, w> = <y, D' w>
+  const Eigen::VectorXd w = Eigen::VectorXd::LinSpaced(Eigen::Index(grid.size()), -1, 2);
+  EXPECT_NEAR(decimated.dot(w), Eigen::Map<const Eigen::VectorXd>(y.data(), 600).dot(grid.pull_back(w)), 1e-9 * decimated.norm() * w.norm());
+}
+
+TEST(Decimation, TakesOutWhatLiesAboveTheCoarseSamplingFrequency) {
+  const auto amplitude = [](double frequency) {
+    const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {[&](auto, double t) { return std::cos(2 * M_PI * frequency * t); }}, 600, 1e-6);
+    const Problem problem = make_problem(model.shape(), pulses_of(model, {1}, {.pulses = 2, .noise = 1e-3}, 1), {});
+    const Decimation grid(problem, 60);  // a value in 10 us: Nyquist frequency 50 kHz
+    const auto y = model.evaluate(std::vector<double>{1}).mean;
+    const Eigen::VectorXd d = grid.apply(Eigen::Map<const Eigen::VectorXd>(y.data(), 600));
+    return std::sqrt(2 * d.segment(3, 54).squaredNorm() / 54);
+  };
+  EXPECT_GT(amplitude(10.3e3), 0.95);
+  EXPECT_NEAR(amplitude(49.3e3), 0.5, 0.06);
+  EXPECT_LT(amplitude(107e3), 0.03);
+  EXPECT_LT(amplitude(193e3), 0.03);
+}
+
+TEST(Decimation, LeavesOutWindowsThatLackHalfTheirSamplesAndBandLimits) {
+  const auto model = waves(100);
+  auto recordings = pulses_of(model, {1}, {.pulses = 3, .noise = 1}, 3);
+  for (std::size_t p = 0; p < 3; ++p)
+    for (std::size_t t = 40; t < 60; ++t) recordings.values[recordings.at(0, 0, p, t)] = std::nan("");
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Decimation grid(problem, 20);
+  EXPECT_EQ(grid.windows(1).size(), 10u);
+  EXPECT_EQ(grid.windows(0).size(), 8u);
+  for (const auto& w : grid.windows(0))
+    for (const auto i : w.index) EXPECT_FALSE(i >= 40 && i < 60);
+  EXPECT_EQ(Decimation(problem, 1000, 25e3).factor(), 20u);
+}
+
+TEST(FilteredCovariance, IsTheDenseProductOfFilterAndProcess) {
+  const auto model = waves(60);
+  const Problem problem = make_problem(model.shape(), pulses_of(model, {1}, {.pulses = 2, .noise = 1}, 1), {});
+  const Decimation grid(problem, 20);
+  const auto windows = grid.windows(0);
+  Eigen::MatrixXd filter = Eigen::MatrixXd::Zero(Eigen::Index(windows.size()), 60);
+  for (std::size_t k = 0; k < windows.size(); ++k)
+    for (std::size_t i = 0; i < windows[k].index.size(); ++i) filter(Eigen::Index(k), Eigen::Index(windows[k].index[i])) = windows[k].weight[i];
+  for (const double time : {0.0, 0.4e-6, 5e-6, 80e-6})
+    for (const double white : {0.0, 0.3})
+      for (const bool zeroed : {false, true}) {
+        Eigen::MatrixXd c(60, 60);
+        for (int i = 0; i < 60; ++i)
+          for (int j = 0; j < 60; ++j) c(i, j) = time > 0 ? (1 - white) * std::exp(-std::abs(i - j) * 1e-6 / time) + white * (i == j) : double(i == j);
+        if (zeroed) {
+          Eigen::MatrixXd subtract = Eigen::MatrixXd::Identity(60, 60);
+          subtract.col(0).array() -= 1;
+          c = subtract * c * subtract.transpose();
+        }
+        const Eigen::MatrixXd expected = filter * c * filter.transpose();
+        EXPECT_LT((filtered_covariance(windows, grid.record_time(), time, white, zeroed, 0) - expected).cwiseAbs().maxCoeff(), 1e-12)
+            << time << ' ' << white << ' ' << zeroed;
+      }
+}
+
+TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError) {
+  const auto model = waves(500);
+  double z = 0, squares = 0;
+  constexpr int sets = 12;
+  for (int i = 0; i < sets; ++i) {
+    const auto recordings = pulses_of(model, {1}, {.pulses = 15, .noise = 2, .noise_time = 8e-6, .energy_sd = 0.015}, std::uint64_t(100 + i));
+    const Problem problem = make_problem(model.shape(), recordings, {});
+    const Decimation grid(problem, 200);
+    const ReplicateNoise noise = learn_noise(problem, grid, recordings, {}, {});
+    const SeriesNoise& s = noise.series[0];
+    EXPECT_NEAR(s.time, 8e-6, 2.5e-6);  // about 3 standard errors: 15 pulses of 500 us are some 470 correlation times
+    // The variance of one pulse after the filter.
+    const double due = 4 * filtered_covariance(grid.windows(0), grid.record_time(), 8e-6, 0).diagonal().mean();
+    const double mean = s.pulse.diagonal().mean(), se = due * std::sqrt(2 / s.freedom);
+    z += (mean - due) / se / sets, squares += std::pow((mean - due) / se, 2) / sets;
+  }
+  EXPECT_LT(std::abs(z), 4 / std::sqrt(double(sets)));  // the standard error of the mean is 1 / sqrt(sets)
+  EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / sets));
+  EXPECT_GT(squares, 0.1);
+}
+
+TEST(ReplicateNoise, EnergiesOfThePulsesAreFoundAndTakenOff) {
+  const auto model = waves();
+  const auto recordings = pulses_of(model, {1}, {.pulses = 20, .noise = 1, .noise_time = 5e-6, .energy_sd = 0.02}, 7);
+  RandomStream random(7, 0);
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Decimation grid(problem, 100);
+  const ReplicateNoise noise = learn_noise(problem, grid, recordings, {}, {});
+  EXPECT_NEAR(noise.energy.row(0).mean(), 1, 1e-12);
+  EXPECT_NEAR(noise.energy_sd, 0.02, 4 * 0.02 / std::sqrt(2 * 19.0));
+  const double due = filtered_covariance(grid.windows(0), grid.record_time(), 5e-6, 0).diagonal().mean();
+  EXPECT_NEAR(noise.series[0].pulse.diagonal().mean(), due, 4 * due * std::sqrt(2 / noise.series[0].freedom));
+  // Left in, the energies would have been half as much again or more.
+  const double scatter = std::pow(0.02 * 100, 2) / 2;
+  EXPECT_LT(noise.series[0].pulse.diagonal().mean(), 0.5 * (due + scatter));
+}
+
+TEST(ReplicateNoise, ModulationInTimeAndZeroingAreSeen) {
+  const auto model = waves(400);
+  const auto recordings = pulses_of(model, {1}, {.pulses = 30, .noise = 2, .noise_time = 10e-6, .zeroed = true, .growth = 2}, 11);
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Decimation grid(problem, 100);
+  const ReplicateNoise noise = learn_noise(problem, grid, recordings, {}, {});
+  const auto& s = noise.series[0];
+  ASSERT_TRUE(s.zeroed);
+  const Eigen::Index n = s.pulse.rows();
+  EXPECT_GT(s.modulation[n - 1], 1.8 * s.modulation[1]);
+  EXPECT_LT(s.modulation[n - 1], 4.5 * s.modulation[1]);
+  // Far apart, what two samples share is the noise of the one at t = 0, sd 2.
+  double shared = 0;
+  int count = 0;
+  for (Eigen::Index i = n / 2; i < n; ++i)
+    for (Eigen::Index j = n / 4; j < n / 2 - 8; ++j) shared += s.pulse(i, j), ++count;
+  EXPECT_NEAR(shared / count, 4, 2.2);  // one number, from 30 pulses and a smoothed modulation
+}
+
+TEST(ReplicateNoise, DriftingPulsesRaiseTheSplitHalf) {
+  const auto model = waves();
+  auto recordings = pulses_of(model, {1}, {.pulses = 12, .noise = 1, .noise_time = 5e-6}, 5);
+  const auto ratio = [&] {
+    const Problem problem = make_problem(model.shape(), recordings, {});
+    return learn_noise(problem, Decimation(problem, 100), recordings, {}, {}).split_half;
+  };
+  EXPECT_NEAR(ratio(), 1, 0.5);
+  for (std::size_t s = 0; s < 2; ++s)
+    for (std::size_t p = 0; p < 12; ++p)
+      for (std::size_t t = 0; t < 300; ++t) recordings.values[recordings.at(0, s, p, t)] += 0.3 * double(p);
+  EXPECT_GT(ratio(), 3);
+}
+
+/// A likelihood on few values, with everything in it.
+struct Small {
+  AnalyticModel model = waves(40);
+  Recordings recordings = pulses_of(model, {1}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
+  Problem problem = make_problem(model.shape(), recordings, {});
+};
+
+TEST(Likelihood, MarginalNuisancesAreTheIntegralOverThem) {
+  const Small s;
+  LikelihoodOptions off{.values = 12, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .floor = 0};
+  LikelihoodOptions on = off;
+  on.energy_scale_sd = 0.02;
+  const Likelihood without(s.problem, s.recordings, {}, off, {}), with(s.problem, s.recordings, {}, on, {});
+  const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(without.data().size(), -1, 1.5);
+  // integral N(r - x y; 0, C) N(x; 0, 0.02^2) dx, the Gaussian of both
+  const ErrorDistribution plain(without.covariance(), infinity), marginal(with.covariance(), infinity);
+  const auto integrand = [&](double x) {
+    return std::exp(plain.log_density(r - x * without.data()) - plain.log_density(r) - 0.5 * std::pow(x / 0.02, 2)) / (0.02 * std::sqrt(2 * M_PI));
+  };
+  double integral = 0;
+  for (int i = -80; i < 80; ++i) integral += boost::math::quadrature::gauss<double, 15>::integrate(integrand, i * 0.002, (i + 1) * 0.002);
+  EXPECT_NEAR(marginal.log_density(r), plain.log_density(r) + std::log(integral), 1e-8);
+  // The same by Sherman and Morrison.
+  const Eigen::VectorXd u = 0.02 * without.data(), cu = without.covariance().ldlt().solve(u);
+  const double chi2 = plain.chi2(r) - std::pow(r.dot(cu), 2) / (1 + u.dot(cu));
+  EXPECT_NEAR(marginal.chi2(r), chi2, 1e-8 * chi2);
+}
+
+TEST(Likelihood, EveryTermStandsWhereItShould) {
+  const Small s;
+  const LikelihoodOptions options{.values = 12, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .floor = 1};
+  ModelError e;
+  e.floor_variance = Eigen::VectorXd::Constant(80, 9);
+  e.surrogate_variance = Eigen::VectorXd::Constant(80, 4);
+  const Likelihood l(s.problem, s.recordings, {}, options, e);
+  const auto& grid = l.grid();
+  Eigen::MatrixXd expected = std::pow(0.02, 2) * l.data() * l.data().transpose();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    const auto& noise = l.noise().series[i];
+    const auto kernel = [&](double time) { return filtered_covariance(grid.windows(i), grid.record_time(), time, 0); };
+    const Eigen::MatrixXd slow = 0.75 * kernel(2.5e-6) + 0.25 * kernel(40e-6);
+    expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, l.noise().split_half) / 6 + 0.09) + 13 * slow +
+                                    std::pow(0.05, 2) * l.data().segment(at, n) * l.data().segment(at, n).transpose() +
+                                    Eigen::MatrixXd::Constant(n, n, std::pow(2 * noise.sd(), 2));
+  }
+  EXPECT_LT((l.covariance() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.maxCoeff());
+  double total = 0;
+  for (const auto& [source, share] : l.shares()) total += share;
+  EXPECT_NEAR(total, 1, 1e-12);
+}
+
+TEST(Likelihood, NoiseAloneIsIndependentAndHasNoNuisances) {
+  const auto model = waves(40);
+  const auto recordings = pulses_of(model, {1}, {.pulses = 1, .noise = 2}, 2);
+  RecordingOptions options;
+  options.noise = 2.0;
+  const Problem problem = make_problem(model.shape(), recordings, options);
+  const Likelihood l(problem, recordings, options, {}, {});
+  EXPECT_LT((l.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_NEAR(l.errors().effective_data(), 80, 1e-9);
+  EXPECT_TRUE(std::isinf(l.errors().freedom()));
+  options.energy_sd = 0.05;
+  const Likelihood own(problem, recordings, options, {}, {});
+  EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(Likelihood, GradientIsThatOfTheLogDensity) {
+  const Small s;
+  ModelError e;
+  e.floor_variance = Eigen::VectorXd::Constant(80, 1);
+  const Likelihood l(s.problem, s.recordings, {}, {.values = 12}, e);
+  ASSERT_FALSE(std::isinf(l.errors().freedom()));
+  const std::vector<double> theta{1.1};
+  auto y = s.model.evaluate(theta).mean;
+  const Eigen::VectorXd g = l.gradient(theta, y);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{13}, std::size_t{77}}) {
+    const double h = 1e-4, at = y[i];
+    y[i] = at + h;
+    const double up = l.log_likelihood(theta, y);
+    y[i] = at - h;
+    const double down = l.log_likelihood(theta, y);
+    y[i] = at;
+    EXPECT_NEAR(g[Eigen::Index(i)], (up - down) / (2 * h), 1e-6 * (1 + g.cwiseAbs().maxCoeff()));
+  }
+}
+
+TEST(ErrorDistribution, TheTWithManyReplicatesIsTheGaussianAndIntegratesToOne) {
+  Eigen::MatrixXd c(2, 2);
+  c << 2, 0.6, 0.6, 1;
+  const Eigen::Vector2d r(1.2, -0.7);
+  const ErrorDistribution gauss(c, infinity), many(c, 1e7), few(c, 5);
+  EXPECT_NEAR(many.log_density(r), gauss.log_density(r), 1e-5);
+  EXPECT_GT(std::abs(few.log_density(r) - gauss.log_density(r)), 0.05);
+  // Over the plane by polar coordinates of the whitened residual: |C|^(1/2) integral p(s) 2 pi s ds.
+  const auto ring = [&](double s) { return 2 * M_PI * s * std::exp(few.log_density_at(s * s)) * std::sqrt(c.determinant()); };
+  double sum = 0;
+  for (int i = 0; i < 4000; ++i) sum += boost::math::quadrature::gauss<double, 7>::integrate(ring, i * 0.25, (i + 1) * 0.25);
+  EXPECT_NEAR(sum, 1, 1e-5);
+}
+
+TEST(ErrorDistribution, FormOfSellentinAndHeavens) {
+  // One value, N replicates: Student's t with N - 1 degrees of freedom, which is also what a free scale gives.
+  const ErrorDistribution t(Eigen::MatrixXd::Identity(1, 1), 4);
+  for (const double chi2 : {0.5, 3.0, 40.0}) EXPECT_NEAR(t.log_density_at(chi2) - t.log_density_at(0), sellentin_heavens(chi2, 5), 1e-12);
+  EXPECT_NEAR(sellentin_heavens(3, 1e9), -1.5, 1e-6);
+}
+
+TEST(ErrorDistribution, EffectiveDataOfIndependentAndOfIdenticalValues) {
+  EXPECT_NEAR(ErrorDistribution(Eigen::MatrixXd::Identity(9, 9), infinity).effective_data(), 9, 1e-12);
+  const Eigen::MatrixXd same = Eigen::MatrixXd::Ones(9, 9) + 1e-6 * Eigen::MatrixXd::Identity(9, 9);
+  EXPECT_NEAR(ErrorDistribution(same, infinity).effective_data(), 1, 1e-4);
+  // The statement that goes with it: mean and variance of effective_chi2.
+  Eigen::MatrixXd c(30, 30);
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 30; ++j) c(i, j) = (1 + 0.1 * i) * (1 + 0.1 * j) * std::exp(-std::abs(i - j) / 6.0);
+  const ErrorDistribution d(c, infinity);
+  const Eigen::MatrixXd l = c.llt().matrixL();
+  RandomStream random(4, 0);
+  constexpr int draws = 4000;
+  double mean = 0, square = 0;
+  for (int k = 0; k < draws; ++k) {
+    Eigen::VectorXd n(30);
+    for (auto& x : n) x = random.normal();
+    const double v = d.effective_chi2(l * n);
+    mean += v / draws, square += v * v / draws;
+  }
+  const double m = d.effective_data();
+  EXPECT_NEAR(mean, m, 4 * std::sqrt(2 * m / draws));
+  EXPECT_NEAR((square - mean * mean) / (2 * m), 1, 0.2);  // 4 standard errors of a variance with some excess kurtosis
+}
+
+TEST(MeshError, ShiftIsThePairsRegressionAndItsSpreadWhatIsLeft) {
+  const std::vector<Parameter> parameters{uniform_parameter("a", 0, 2, 1), uniform_parameter("b", -1, 1, 0)};
+  RandomStream random(9, 0);
+  Eigen::MatrixXd theta(2, 9), difference(4, 9);
+  const Eigen::Vector4d v(1, 2, -1, 0.5), w(0, 1, 1, -2);
+  for (int i = 0; i < 9; ++i) {
+    theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
+    difference.col(i) = v + theta(0, i) * w - 3 * theta(1, i) * v;
+  }
+  const MeshError exact(parameters, theta, difference);
+  const std::vector<double> at{1.3, 0.4};
+  EXPECT_LT((exact.shift(at) - (v + 1.3 * w - 1.2 * v)).norm(), 1e-10);
+  EXPECT_LT(exact.spread().norm(), 1e-9);
+  const MeshError two(parameters, theta.leftCols(2), difference.leftCols(2));
+  EXPECT_LT((two.shift(at) - difference.leftCols(2).rowwise().mean()).norm(), 1e-12);
+  // Twice the sample variance's share: sum of squares / (n - 1), times 1 + 1 / n.
+  const Eigen::Vector4d d = difference.col(0) - difference.col(1);
+  EXPECT_LT((two.spread() * two.spread().transpose() - 0.75 * d * d.transpose()).norm(), 1e-10);
+  const MeshError limit(parameters, theta.leftCols(2), difference.leftCols(2), 2);
+  EXPECT_LT((limit.shift(at) - 2 * two.shift(at)).norm(), 1e-12);
+  EXPECT_EQ(limit.spread().cols(), 3);
+}
+
+TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)},
+                            {[](auto, double t) { return t < 100e-6 ? 0.0 : 50.0; }, [](auto, double t) { return t < 50e-6 ? 0.0 : 20.0; },
+                             [](auto, double t) { return t < 50e-6 ? 0.0 : 20.0; }},
+                            200, 1e-6);
+  const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.05}, 2);
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Likelihood l(problem, recordings, {}, {.values = 60}, {});
+  Eigen::MatrixXd positions(3, 3);
+  positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
+  const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, 0.03, matern32(15e-6));
+  const Eigen::VectorXd t = l.grid().times();
+  for (Eigen::Index i = 0; i < 20; ++i)
+    if (t[i] < 85e-6) {
+      EXPECT_EQ(c(i, i), 0);
+    } else if (t[i] > 160e-6) {
+      EXPECT_NEAR(c(i, i), 2500, 2500 * 0.05);
+      EXPECT_NEAR(c(i, i + 20) / std::sqrt(c(i, i) * c(i + 20, i + 20)), std::exp(-1.0), 1e-9);
+      EXPECT_LT(c(i, i + 40) / std::sqrt(c(i, i) * c(i + 40, i + 40)), 1e-6);
+    }
+  EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(c).eigenvalues().minCoeff(), -1e-8 * c.trace());
+}
+
+}  // namespace
+}  // namespace calomel
