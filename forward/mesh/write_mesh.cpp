@@ -47,6 +47,16 @@ std::filesystem::path part_of(const std::filesystem::path& path) {
   return path.string() + ".part";
 }
 
+/// A number in at most 20 characters, which is all that Abaqus and CalculiX read of one: the shortest that reads back the
+/// same where that fits, else as many digits as do.
+std::string short_number(double x) {
+  std::string s = fmt::format("{}", x);
+  if (s.size() > 20)
+    if (const auto zero = s.find("0."); zero == (s[0] == '-' ? 1u : 0u)) s.erase(zero, 1);
+  for (int digits = 17; s.size() > 20; --digits) s = fmt::format("{:.{}g}", x, digits);
+  return s;
+}
+
 /// An Exodus file that is being written; closed and removed unless committed.
 class ExodusFile {
  public:
@@ -87,7 +97,7 @@ void write_abaqus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   const SharedMesh shared(mesh);
   std::string text = "*HEADING\nnodes in metres; steel and mercury share the nodes of wetted faces\n*NODE\n";
   const auto add = [&]<class... A>(fmt::format_string<A...> form, A&&... values) { fmt::format_to(std::back_inserter(text), form, std::forward<A>(values)...); };
-  for (std::size_t n = 0; n < shared.nodes.size(); ++n) add("{}, {}, {}, {}\n", n + 1, shared.nodes[n][0], shared.nodes[n][1], shared.nodes[n][2]);
+  for (std::size_t n = 0; n < shared.nodes.size(); ++n) add("{}, {}, {}, {}\n", n + 1, short_number(shared.nodes[n][0]), short_number(shared.nodes[n][1]), short_number(shared.nodes[n][2]));
   for (std::size_t b = 0; b < 2; ++b) {
     if (shared.block[b].empty()) continue;
     add("*ELEMENT, TYPE=C3D8, ELSET={}\n", block_names[b]);
