@@ -45,6 +45,10 @@ class Stages {
   void say(const std::string& text) const;
 
  private:
+  /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).
+  std::vector<double> simulate_mean(Json& json);
+  /// One run, gone on with where an earlier one was cut off.
+  std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
