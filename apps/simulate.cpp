@@ -69,6 +69,7 @@ Json of_run(const SolveSummary& s, bool booked) {
             {"time_step_s", s.time_step},
             {"resumed_from_step", s.resumed_from},
             {"wall_s", s.wall_seconds},
+            {"processor_s", s.processor_seconds},
             {"element_steps_per_s", s.element_steps_per_second},
             {"energy_balance_error", finite(s.energy_balance_error)},
             {"hourglass_share", finite(s.hourglass_share)},
