@@ -74,6 +74,8 @@ struct Edit {
   std::string records;  ///< whole recordings, when not the good ones
 };
 
+void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
+
 std::filesystem::path write_case(const Edit& e) {
   const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_malformed_" + e.name + "_" + std::to_string(::getpid()));
   std::filesystem::remove_all(dir);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "tests/unit/inverse/lines.hpp"
@@ -35,7 +36,10 @@ TEST(Map, OfALinearModelIsTheClosedForm) {
   // Posterior precision, mean and evidence of the linear Gaussian model.
   Eigen::MatrixXd design(times, 2);
   Eigen::VectorXd y(times);
-  for (std::size_t t = 0; t < times; ++t) design.row(Eigen::Index(t)) << 1, double(t) / times, y[Eigen::Index(t)] = recordings.values[t];
+  for (std::size_t t = 0; t < times; ++t) {
+    design.row(Eigen::Index(t)) << 1, double(t) / times;
+    y[Eigen::Index(t)] = recordings.values[t];
+  }
   const Eigen::Vector2d mean(0, 1);
   const Eigen::Matrix2d prior = Eigen::Vector2d(4, 9).asDiagonal();
   const Eigen::MatrixXd total = 0.25 * Eigen::MatrixXd::Identity(times, times) + design * prior * design.transpose();
