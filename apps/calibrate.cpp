@@ -4,6 +4,7 @@
 
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "forward/repeatability.hpp"
 #include "inverse/comparison.hpp"
 
 namespace calomel {
@@ -56,6 +57,55 @@ void Stages::compare() {
   const auto comparison = compare_calibrations(summaries);
   write_json(path, comparison_json(comparison, provenance));
   say(comparison_text(comparison));
+}
+
+bool Stages::needs_floor(const std::string& method) const {
+  return study_.map.likelihood.floor > 0 && (method == "map" || (method == "enc" && study_.enc.needs_likelihood()));
+}
+
+LikelihoodOptions Stages::likelihood_options() const {
+  LikelihoodOptions options = study_.map.likelihood;
+  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
+  if (!options.band && element > 0) options.band = 40 / element;
+  return options;
+}
+
+Recordings Stages::recordings() {
+  std::vector<std::string> said;
+  return study_.matched_recordings(model().shape().sensors, said);
+}
+
+MapModels Stages::models_with_errors(const Surrogate& surrogate) {
+  MapModels models{.true_model = model(), .surrogate = &surrogate};
+  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
+  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), model().shape());
+  models.mesh_relative = study_.map.mesh_error.value_or(80 * study_.forward.geometry.resolved().element_size.value_or(0));  // first order
+  models.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
+  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
+    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
+  return models;
+}
+
+Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
+  const auto models = models_with_errors(surrogate);
+  const auto theta = nominal(problem().shape);
+  const Prediction p = surrogate.evaluate(theta);
+  ModelError errors{.floor_variance = models.floor_variance, .surrogate_variance = models.surrogate_variance(theta), .energy_slope = {}, .mesh = {}};
+  if (!p.energy_slope.empty()) errors.energy_slope = Eigen::Map<const Eigen::VectorXd>(p.energy_slope.data(), Eigen::Index(p.energy_slope.size()));
+  Likelihood likelihood(problem(), recordings(), *study_.recordings, likelihood_options(), errors);
+  if (models.mesh_relative <= 0) return likelihood;
+  return likelihood.with("mesh, assumed", models.mesh_relative * models.mesh_relative *
+                                              discrepancy_shape(problem(), likelihood.grid(), likelihood.data(), models.positions, study_.map.discrepancy.distance, mesh_kernel));
+}
+
+EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
+  std::optional<Likelihood> likelihood;
+  if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
+  const auto summary =
+      run_enc(problem(), surrogate, model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr);
+  write_enc(summary, problem(), provenance, command_.out);
+  if (!summary.agreement.sentence.empty()) say("enc: " + summary.agreement.sentence);
+  return summary;
 }
 
 ExitStatus run_calibrate(const CommandLine& command) { return Stages(command).calibrate(command.methods); }

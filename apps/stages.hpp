@@ -12,6 +12,7 @@
 #include "forward/built_in_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
+#include "inverse/enc.hpp"
 #include "inverse/map.hpp"
 #include "inverse/problem.hpp"
 
@@ -53,6 +54,17 @@ class Stages {
   [[nodiscard]] Provenance floor_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
+  /// Whether `method` needs floor.json.
+  [[nodiscard]] bool needs_floor(const std::string& method) const;
+  /// What a likelihood is told of the models' errors.
+  MapModels models_with_errors(const Surrogate& surrogate);
+  /// Recordings of the model's sensors, without the warnings, which were said before.
+  [[nodiscard]] Recordings recordings();
+  /// [map.likelihood] with what the case's elements decide.
+  [[nodiscard]] LikelihoodOptions likelihood_options() const;
+  /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
+  Likelihood likelihood_at_nominal(const Surrogate& surrogate);
+  EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
   MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
   enum class Asked { by_user, upstream };

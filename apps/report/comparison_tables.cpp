@@ -1,7 +1,10 @@
 #include "apps/report/comparison_tables.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "apps/report/tables.hpp"
 
 namespace calomel {
 
@@ -66,6 +69,42 @@ Table effort_table(const Study& study) {
                {"model_s", "True model [s]", -1}};
   for (const auto& e : comparison_of(study).effort)
     t.rows.push_back({method_label(e.method), e.evaluations, e.evaluations_per_second(), e.model_runs, e.search_s, e.model_s});
+  return t;
+}
+
+Table rival_table(const Study& study) {
+  Table t{.id = "optimizer_agreement", .caption = "The optimisers at the end of their rounds on the surrogate, each beside the best of all."};
+  t.columns = {{"optimizer", "Optimiser", 4, true}, {"rounds", "Rounds", 4}, {"mean", "Mean", 5}, {"sd", "Standard deviation", 3}, {"best", "Best", 5},
+               {"shortfall", "Best misses", 3}, {"distance", "Distance [bounds]", 3}, {"share_of_rounds", "Rounds that end there [%]", 3, false, 100}};
+  const auto* enc = study.calibration("enc");
+  if (!enc) return t;
+  const Json& agreement = part_at(enc->summary, "agreement");
+  for (const auto& o : list_at(agreement, "optimizers"))
+    t.rows.push_back({text_at(o, "name"), number_at(o, "rounds"), number_at(o, "mean"), number_at(o, "sd"), number_at(o, "best"), number_at(o, "shortfall"),
+                      number_at(o, "distance"), number_at(o, "share_of_rounds")});
+  t.note = text_at(agreement, "sentence");
+  return t;
+}
+
+Table formulation_table(const Study& study, const ReportInput& input) {
+  Table t{.id = "objectives", .caption = "The answer by each formulation of the misfit on the surrogate, and what the true model says there."};
+  t.columns = {{"objective", "Objective", 4, true}};
+  const auto* enc = study.calibration("enc");
+  if (!enc) return t;
+  const auto names = parameter_names(study, input);
+  const Json& list = list_at(part_at(enc->summary, "agreement"), "objectives");
+  for (const auto& n : names) t.columns.push_back({n, n, 5});
+  t.columns.push_back({"distance", "Distance [bounds]", 3});
+  t.columns.push_back({"accuracy_percent", "Accuracy [%]", -1});
+  t.columns.push_back({"mae", "MAE [" + display_unit(input).name + "]", -1});
+  for (const auto& o : list) t.columns.push_back({"value_" + text_at(o, "name"), text_at(o, "name"), 5});
+  for (const auto& o : list) {
+    std::vector<Cell> row{text_at(o, "name")};
+    for (const auto& n : names) row.emplace_back(number_at(part_at(o, "theta"), n));
+    for (const char* key : {"distance", "accuracy", "mae"}) row.emplace_back(number_at(o, key));
+    for (const auto& by : list) row.emplace_back(number_at(part_at(o, "objectives_model"), text_at(by, "name")));
+    t.rows.push_back(std::move(row));
+  }
   return t;
 }
 
