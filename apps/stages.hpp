@@ -35,7 +35,8 @@ class Stages {
   ExitStatus simulate();
   ExitStatus campaign();
   ExitStatus train();
-  ExitStatus calibrate(const std::string& method);
+  /// Each method once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
+  ExitStatus calibrate(const std::vector<std::string>& methods);
   ExitStatus report();
 
   /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.
@@ -45,6 +46,9 @@ class Stages {
   void say(const std::string& text) const;
 
  private:
+  ExitStatus calibrate(const std::string& method);
+  /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
+  void compare();
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
