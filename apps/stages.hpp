@@ -50,6 +50,10 @@ class Stages {
   ExitStatus calibrate(const std::string& method);
   /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
   void compare();
+  /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).
+  std::vector<double> simulate_mean(Json& json);
+  /// One run, gone on with where an earlier one was cut off.
+  std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
