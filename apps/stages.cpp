@@ -99,6 +99,12 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
   return p;
 }
 
+Provenance Stages::added_provenance() const {
+  Json options = study_.model_options();
+  options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
+  return {.stage = "added_runs", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
+}
+
 bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
   const bool may = command_.fresh && begun_.insert(now.stage).second;
   if (may && asked == Asked::by_user) return true;
@@ -208,9 +214,23 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   }();
   MapOptions options = study_.map;
   if (!options.likelihood.band && element > 0) options.likelihood.band = 40 / element;
+  const auto finer = options.mesh_pairs > 0 ? finer_model(model()) : nullptr;
+  std::optional<AddedRuns> added;
+  if (options.added_runs > 0 || finer) {
+    const auto own = added_provenance();
+    if (command_.fresh && journal_identity(command_.out / "added_runs.journal") != own.identity()) set_aside(command_.out / "added_runs.journal");
+    added.emplace(model(), finer.get(), own, command_.out);
+    models.has_finer = finer != nullptr;
+    models.add_runs = [&](const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) {
+      auto runs = added->run(thetas, with_fine, command_.threads, [&](std::size_t done, std::size_t total) { progress("added runs", done, total); }, &stop_requested());
+      added->write(command_.out);
+      return runs;
+    };
+  }
   auto summary = run_map(problem(), recordings, *study_.recordings, models, options, command_.seed, command_.threads, progress);
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);
+  if (!summary.refinement.sentence.empty()) say("map: " + summary.refinement.sentence);
   return summary;
 }
 

@@ -47,6 +47,7 @@ class Stages {
  private:
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
+  [[nodiscard]] Provenance added_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
   /// The MAP from the surrogate and floor.json; writes its artefacts.
