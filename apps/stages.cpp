@@ -11,6 +11,7 @@
 #include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/feasibility.hpp"
 #include "inverse/spe.hpp"
 
 namespace calomel {
@@ -99,12 +100,6 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
   return p;
 }
 
-Provenance Stages::added_provenance() const {
-  Json options = study_.model_options();
-  options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
-  return {.stage = "added_runs", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
-}
-
 bool Stages::to_be_set_aside(const Provenance& now, Asked asked) {
   const bool may = command_.fresh && begun_.insert(now.stage).second;
   if (may && asked == Asked::by_user) return true;
@@ -191,47 +186,14 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
       return summary;
     }
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
-    const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
+    const Archive archive = read_archive(command_.out / "campaign.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);
+    const Feasibility feasibility(archive);
+    say_failures(archive, feasibility);
+    const auto summary = run_enc(against, GuardedModel(*surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress);
     write_enc(summary, against, provenance, command_.out);
     return summary;
   });
-}
-
-MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
-  const auto& shape = model().shape();
-  MapModels models{.true_model = model(), .surrogate = &surrogate};
-  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
-  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
-  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
-  models.mesh_relative = study_.map.mesh_error.value_or(80 * element);  // first order
-  models.positions.resize(Eigen::Index(shape.sensors.size()), 3);
-  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
-    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
-  const auto recordings = [&] {
-    std::vector<std::string> said;
-    return study_.matched_recordings(shape.sensors, said);
-  }();
-  MapOptions options = study_.map;
-  if (!options.likelihood.band && element > 0) options.likelihood.band = 40 / element;
-  const auto finer = options.mesh_pairs > 0 ? finer_model(model()) : nullptr;
-  std::optional<AddedRuns> added;
-  if (options.added_runs > 0 || finer) {
-    const auto own = added_provenance();
-    if (command_.fresh && journal_identity(command_.out / "added_runs.journal") != own.identity()) set_aside(command_.out / "added_runs.journal");
-    added.emplace(model(), finer.get(), own, command_.out);
-    models.has_finer = finer != nullptr;
-    models.add_runs = [&](const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) {
-      auto runs = added->run(thetas, with_fine, command_.threads, [&](std::size_t done, std::size_t total) { progress("added runs", done, total); }, &stop_requested());
-      added->write(command_.out);
-      return runs;
-    };
-  }
-  auto summary = run_map(problem(), recordings, *study_.recordings, models, options, command_.seed, command_.threads, progress);
-  write_map(summary, problem(), provenance, command_.out);
-  if (summary.best.objective_model) say("map: " + summary.identification.sentence);
-  if (!summary.refinement.sentence.empty()) say("map: " + summary.refinement.sentence);
-  return summary;
 }
 
 }  // namespace calomel

@@ -51,7 +51,9 @@ class Stages {
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
   /// The MAP from the surrogate and floor.json; writes its artefacts.
-  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
+  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
+  /// Says why runs of the campaign failed, if any did, and how well the boundary is known.
+  void say_failures(const Archive& archive, const class Feasibility& feasibility) const;
   enum class Asked { by_user, upstream };
   [[nodiscard]] Provenance campaign_provenance() const;
   [[nodiscard]] Provenance train_provenance() const;

@@ -39,9 +39,11 @@ struct Learnt {
   Eigen::MatrixXd theta, working, pair_theta, difference;
 };
 
-Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters) {
+/// Of the runs at which the search's own surrogate has values too.
+Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters, const ForwardModel& surrogate) {
   std::vector<const AddedRun*> done, paired;
   for (const auto& r : runs) {
+    if (!surrogate.evaluate(r.theta).ok) continue;
     if (r.working.done) done.push_back(&r);
     if (r.working.done && r.fine && r.fine->done) paired.push_back(&r);
   }
@@ -94,7 +96,7 @@ std::vector<Eigen::VectorXd> later_points(const Optimum& best, const SearchSpace
   }
   std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [value, x] : pool)
-    if (chosen.size() < later_round && std::all_of(chosen.begin(), chosen.end(), [&](const auto& c) { return apart(c, x, sd) > 1; })) chosen.push_back(x);
+    if (value >= 0 && chosen.size() < later_round && std::all_of(chosen.begin(), chosen.end(), [&](const auto& c) { return apart(c, x, sd) > 1; })) chosen.push_back(x);
   return chosen;
 }
 
@@ -128,7 +130,7 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     for (auto& r : models.add_runs(thetas, with_fine)) failed += !r.done(), runs.push_back(std::move(r));
 
     // 2. What they teach.
-    const Learnt learnt = learnt_from(runs, std::size_t(space.size()));
+    const Learnt learnt = learnt_from(runs, std::size_t(space.size()), *models.surrogate);
     if (learnt.theta.cols() >= 2) {
       current.refined = std::make_shared<RefinedModel>(*models.surrogate, models.surrogate_variance, learnt.theta, learnt.working);
       current.surrogate = current.refined.get();
@@ -150,6 +152,7 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     if (record.stable) break;
     points = later_points(optima[0], space, random, [&](const Eigen::VectorXd& x) {
       const auto t = space.theta(x);
+      if (!models.surrogate->evaluate(t).ok) return -1.0;  // a run there is likely to fail
       return (current.mesh.empty() ? 0 : current.mesh.kriging().variance_factor(t)) + (current.refined ? current.refined->kriging().variance_factor(t) : 0);
     });
   }
