@@ -11,6 +11,7 @@
 #include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/feasibility.hpp"
 #include "inverse/spe.hpp"
 
 namespace calomel {
@@ -95,8 +96,9 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
   if (map) {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
-    if (study_.map.likelihood.floor > 0) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   }
+  if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
+  if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   return p;
 }
 
@@ -162,7 +164,7 @@ ExitStatus Stages::train(Asked asked) {
 ExitStatus Stages::calibrate(const std::string& method) {
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
   const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
-  if (method == "map" && study_.map.likelihood.floor > 0) need_floor();
+  if (needs_floor(method)) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");
@@ -186,33 +188,10 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
       return summary;
     }
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
-    const auto summary = run_enc(against, *surrogate, model(), study_.enc, command_.seed, command_.threads, progress);
-    write_enc(summary, against, provenance, command_.out);
-    return summary;
+    const Archive archive = read_archive(command_.out / "campaign.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);
+    return calibrate_enc(provenance, *surrogate, archive, progress);
   });
-}
-
-MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
-  const auto& shape = model().shape();
-  MapModels models{.true_model = model(), .surrogate = &surrogate};
-  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
-  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
-  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
-  models.mesh_relative = study_.map.mesh_error.value_or(80 * element);  // first order
-  models.positions.resize(Eigen::Index(shape.sensors.size()), 3);
-  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
-    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
-  const auto recordings = [&] {
-    std::vector<std::string> said;
-    return study_.matched_recordings(shape.sensors, said);
-  }();
-  MapOptions options = study_.map;
-  if (!options.likelihood.band && element > 0) options.likelihood.band = 40 / element;
-  auto summary = run_map(problem(), recordings, *study_.recordings, models, options, command_.seed, command_.threads, progress);
-  write_map(summary, problem(), provenance, command_.out);
-  if (summary.best.objective_model) say("map: " + summary.identification.sentence);
-  return summary;
 }
 
 }  // namespace calomel
