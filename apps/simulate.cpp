@@ -84,7 +84,8 @@ Json of_run(const SolveSummary& s, bool booked) {
 }  // namespace
 
 std::vector<double> Stages::simulate_mean(Json& json) {
-  if (command_.fields) throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
+  if (command_.fields)
+    throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
   const auto& forward = study_.forward;
   const auto description = model().describe();
   std::vector<double> theta;
