@@ -87,6 +87,15 @@ TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
   EXPECT_THAT(read_text(dir / "report.html"), testing::AllOf(HasSubstr("The optimisers agree."), HasSubstr("Distance [bounds]")));
 }
 
+TEST(ReportTables, ErrorsOfSurrogatesAreInMicrostrain) {
+  const auto dir = scratch("surrogates");
+  testing_report::write_train(dir);
+  const Table t = surrogate_table(read_study(dir), input());
+  EXPECT_THAT(t.columns[4].title, HasSubstr("\u00b5\u03b5"));
+  EXPECT_NEAR(std::get<double>(t.rows[0][4].value), 15.9, 1e-12);
+  EXPECT_NEAR(std::get<double>(t.rows[1][5].value), 1.6 * 3.1, 1e-12);
+}
+
 TEST(ReportPolynomials, ErrorsChoicesOfLambdaAndModesAreShown) {
   const auto dir = scratch("polynomials");
   write_calibration(dir, input(), "spe");
