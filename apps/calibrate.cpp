@@ -6,10 +6,14 @@
 #include "apps/verbs.hpp"
 #include "forward/repeatability.hpp"
 #include "inverse/comparison.hpp"
+#include "inverse/feasibility.hpp"
 
 namespace calomel {
 
 namespace {
+
+constexpr double assumed_mesh_error = 80;   ///< over the local amplitude, per metre of element size: of the first order
+constexpr double greatest_wave_speed = 40;  ///< [m/s], over the element size: the frequency up to which waves on the mesh are fast enough
 
 const std::vector<std::string> every_method{"enc", "spe", "map"};
 
@@ -66,7 +70,7 @@ bool Stages::needs_floor(const std::string& method) const {
 LikelihoodOptions Stages::likelihood_options() const {
   LikelihoodOptions options = study_.map.likelihood;
   const double element = study_.forward.geometry.resolved().element_size.value_or(0);
-  if (!options.band && element > 0) options.band = 40 / element;
+  if (!options.band && element > 0) options.band = greatest_wave_speed / element;
   return options;
 }
 
@@ -79,7 +83,7 @@ MapModels Stages::models_with_errors(const Surrogate& surrogate) {
   MapModels models{.true_model = model(), .surrogate = &surrogate};
   models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
   if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), model().shape());
-  models.mesh_relative = study_.map.mesh_error.value_or(80 * study_.forward.geometry.resolved().element_size.value_or(0));  // first order
+  models.mesh_relative = study_.map.mesh_error.value_or(assumed_mesh_error * study_.forward.geometry.resolved().element_size.value_or(0));
   models.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
   for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
     for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
@@ -98,11 +102,13 @@ Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
                                               discrepancy_shape(problem(), likelihood.grid(), likelihood.data(), models.positions, study_.map.discrepancy.distance, mesh_kernel));
 }
 
-EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
+EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
+  const Feasibility feasibility(archive);
+  say_failures(archive, feasibility);
   std::optional<Likelihood> likelihood;
   if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
   const auto summary =
-      run_enc(problem(), surrogate, model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr);
+      run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr);
   write_enc(summary, problem(), provenance, command_.out);
   if (!summary.agreement.sentence.empty()) say("enc: " + summary.agreement.sentence);
   return summary;

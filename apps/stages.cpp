@@ -11,6 +11,7 @@
 #include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
+#include "inverse/feasibility.hpp"
 #include "inverse/spe.hpp"
 
 namespace calomel {
@@ -186,18 +187,10 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
       return summary;
     }
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
-    if (method == "map") return calibrate_map(provenance, *surrogate, progress);
-    return calibrate_enc(provenance, *surrogate, progress);
+    const Archive archive = read_archive(command_.out / "campaign.nc");
+    if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);
+    return calibrate_enc(provenance, *surrogate, archive, progress);
   });
-}
-
-MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress) {
-  MapOptions options = study_.map;
-  options.likelihood = likelihood_options();
-  auto summary = run_map(problem(), recordings(), *study_.recordings, models_with_errors(surrogate), options, command_.seed, command_.threads, progress);
-  write_map(summary, problem(), provenance, command_.out);
-  if (summary.best.objective_model) say("map: " + summary.identification.sentence);
-  return summary;
 }
 
 }  // namespace calomel

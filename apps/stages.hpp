@@ -56,11 +56,12 @@ class Stages {
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
+  [[nodiscard]] Provenance added_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
   /// Whether `method` needs floor.json.
   [[nodiscard]] bool needs_floor(const std::string& method) const;
-  /// What a likelihood is told of the models' errors.
+  /// What a likelihood is told of the models' errors; `surrogate` outlives it.
   MapModels models_with_errors(const Surrogate& surrogate);
   /// Recordings of the model's sensors, without the warnings, which were said before.
   [[nodiscard]] Recordings recordings();
@@ -68,9 +69,11 @@ class Stages {
   [[nodiscard]] LikelihoodOptions likelihood_options() const;
   /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
   Likelihood likelihood_at_nominal(const Surrogate& surrogate);
-  EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
+  EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
-  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const CalibrationProgress& progress);
+  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
+  /// Says why runs of the campaign failed, if any did, and how well the boundary is known.
+  void say_failures(const Archive& archive, const class Feasibility& feasibility) const;
   enum class Asked { by_user, upstream };
   [[nodiscard]] Provenance campaign_provenance() const;
   [[nodiscard]] Provenance train_provenance() const;

@@ -305,4 +305,14 @@ ModelDescription BuiltInModel::describe() const {
   return d;
 }
 
+std::unique_ptr<BuiltInModel> finer_model(const BuiltInModel& model) {
+  ForwardCase c = model.forward_case();
+  const auto element = c.geometry.resolved().element_size;
+  if (!element) return nullptr;
+  c.geometry.element_size = 0.5 * *element;
+  c.geometry.wall_elements *= 2;
+  c.geometry.max_elements *= 8;
+  return std::make_unique<BuiltInModel>(std::move(c), model.ensemble(), 1);
+}
+
 }  // namespace calomel

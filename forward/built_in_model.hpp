@@ -77,4 +77,8 @@ class BuiltInModel : public ForwardModel {
   bool resteel_ = false;  ///< a parameter changes the steel's moduli
 };
 
+/// The same model with elements of half the size (walls of a given number of elements get twice as many), one thread a run; null where the mesh comes
+/// from a file and cannot be made finer.
+std::unique_ptr<BuiltInModel> finer_model(const BuiltInModel& model);
+
 }  // namespace calomel

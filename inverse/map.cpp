@@ -7,13 +7,9 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <numbers>
 
-#include "base/parallel.hpp"
-#include "forward/campaign/design.hpp"
+#include "inverse/map_refine.hpp"
 #include "inverse/polish.hpp"
-#include "inverse/posterior_mode.hpp"
 
 namespace calomel {
 
@@ -24,134 +20,6 @@ constexpr double least_p_value = 0.01;
 
 /// Scales of the discrepancy that are tried, over the local amplitude.
 constexpr std::array<double, 8> discrepancy_scales{0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32};
-
-struct Optimum {
-  Eigen::VectorXd x;
-  double log_posterior = 0;
-  Eigen::MatrixXd covariance;  ///< of x
-};
-
-/// The search on one model.
-class Search {
- public:
-  Search(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const MapModels& models, const MapOptions& options,
-         const SearchSpace& space, int threads)
-      : problem_(problem), recordings_(recordings), recording_options_(recording_options), models_(models), options_(options), space_(space),
-        threads_(threads) {}
-
-  [[nodiscard]] bool on_surrogate() const { return models_.surrogate != nullptr; }
-  [[nodiscard]] const ForwardModel& model() const { return on_surrogate() ? *models_.surrogate : models_.true_model; }
-
-  /// The likelihood with the model's errors as they are at theta.
-  [[nodiscard]] Likelihood likelihood(std::span<const double> theta, bool with_surrogate) const {
-    ModelError e;
-    const Prediction p = model().evaluate(theta);
-    e.mesh = models_.mesh;
-    if (p.ok && !p.energy_slope.empty()) e.energy_slope = Eigen::Map<const Eigen::VectorXd>(p.energy_slope.data(), Eigen::Index(p.energy_slope.size()));
-    if (models_.floor_variance.size())
-      e.floor_variance = models_.floor_variance;
-    else if (p.ok && !p.scatter.empty())
-      e.floor_variance = Eigen::Map<const Eigen::VectorXd>(p.scatter.data(), Eigen::Index(p.scatter.size())).array().square();
-    if (with_surrogate && on_surrogate() && models_.surrogate_variance) e.surrogate_variance = models_.surrogate_variance(theta);
-    Likelihood l(problem_, recordings_, recording_options_, options_.likelihood, e);
-    if (!models_.mesh.empty() || models_.mesh_relative <= 0) return l;
-    return l.with("mesh, assumed", models_.mesh_relative * models_.mesh_relative * discrepancy_shape(problem_, l.grid(), l.data(), models_.positions, options_.discrepancy.distance, mesh_kernel));
-  }
-
-  /// Design points by the prior, (n_parameters, options.design) and the nominal one as the last column.
-  [[nodiscard]] Eigen::MatrixXd design(std::uint64_t seed) const {
-    const Eigen::Index n = space_.size();
-    const auto count = std::size_t(on_surrogate() ? options_.design : std::min(options_.design, 16 * int(n)));
-    const Eigen::MatrixXd u = sobol_points(std::size_t(n), count, seed);
-    Eigen::MatrixXd thetas(n, Eigen::Index(count) + 1);
-    for (Eigen::Index i = 0; i < Eigen::Index(count); ++i) {
-      Eigen::VectorXd x(n);
-      for (Eigen::Index k = 0; k < n; ++k) x[k] = space_.low()[k] + u(k, i) * (space_.high()[k] - space_.low()[k]);
-      auto t = space_.theta(x);
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const Prior& prior = space_.priors()[std::size_t(k)];
-        if (prior.kind() != "uniform")
-          t[std::size_t(k)] = std::clamp(prior.quantile(std::clamp(u(k, i), 1e-3, 1 - 1e-3)), space_.parameters()[std::size_t(k)].min,
-                                         space_.parameters()[std::size_t(k)].max);
-      }
-      thetas.col(i) = Eigen::Map<const Eigen::VectorXd>(t.data(), n);
-    }
-    const auto nominal_point = nominal(problem_.shape);
-    thetas.col(Eigen::Index(count)) = Eigen::Map<const Eigen::VectorXd>(nominal_point.data(), n);
-    return thetas;
-  }
-
-  /// Modes from the given starts, best first, each with its covariance by secants of the search model.
-  std::vector<Optimum> optima(const Likelihood& likelihood, const std::vector<Eigen::VectorXd>& starts, const std::vector<Eigen::VectorXd>& half_widths,
-                              const CalibrationProgress& progress) {
-    std::vector<std::optional<Optimum>> found(starts.size());
-    std::mutex lock;
-    std::size_t done = 0;
-    const PosteriorMode mode(model(), likelihood, space_, on_surrogate() ? 1 : threads_);
-    parallel_for(starts.size(), on_surrogate() ? threads_ : 1, [&](std::size_t i) {
-      Eigen::VectorXd widths = half_widths[i];
-      auto m = mode.find(starts[i], widths);
-      for (int pass = 0; m && pass < 2; ++pass) {  // secants of the posterior's own width, from where the first ones led
-        const auto l = mode.linearise(m->x, Eigen::MatrixXd(widths.asDiagonal()));
-        if (!l) break;
-        bool limited = false;
-        const Eigen::MatrixXd c = covariance_of(mode.curvature(*l), space_, m->x, limited);
-        found[i] = Optimum{m->x, m->log_posterior, c};
-        widths = space_.secant_widths(m->x, secant() * c.diagonal().cwiseSqrt(), on_surrogate() ? 0.3 : options_.secant);
-        if (pass == 0) {
-          const auto again = mode.find(m->x, widths);
-          if (again && again->log_posterior >= m->log_posterior) m = again;
-        }
-      }
-      const std::lock_guard guard(lock);
-      if (progress) progress("searches", ++done, starts.size());
-    });
-    evaluations_ += mode.evaluations();
-    std::vector<Optimum> all;
-    for (auto& f : found)
-      if (f) all.push_back(std::move(*f));
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_posterior > b.log_posterior; });
-    return all;
-  }
-
-  /// Laplace evidence at an optimum: exp(log posterior) sqrt((2 pi)^n |C|), C in the coordinates of the density.
-  [[nodiscard]] double log_evidence(const Optimum& o) const {
-    const Eigen::VectorXd m = space_.mode_slope(o.x);
-    const Eigen::MatrixXd c = m.asDiagonal() * o.covariance * m.asDiagonal();
-    return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + Eigen::LLT<Eigen::MatrixXd>(c).matrixLLT().diagonal().array().log().sum();
-  }
-
-  /// Secants of the search model in posterior standard deviations: a surrogate is smooth.
-  [[nodiscard]] double secant() const { return on_surrogate() ? 0.3 : options_.secant; }
-  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
-
- private:
-  const Problem& problem_;
-  const Recordings& recordings_;
-  const RecordingOptions& recording_options_;
-  const MapModels& models_;
-  const MapOptions& options_;
-  const SearchSpace& space_;
-  int threads_;
-  std::size_t evaluations_ = 0;
-};
-
-std::vector<Proposal> proposals(const std::vector<Optimum>& optima, const SearchSpace& space) {
-  std::vector<Proposal> all;
-  for (const auto& o : optima) all.push_back({-o.log_posterior, space.theta(o.x)});
-  return all;
-}
-
-/// Starts: the best distinct points of a design.
-std::vector<Eigen::VectorXd> choose_starts(const Eigen::MatrixXd& thetas, const Eigen::VectorXd& log_posterior, const SearchSpace& space, std::size_t wanted,
-                                           const Bounds& bounds) {
-  std::vector<Proposal> pool;
-  for (Eigen::Index i = 0; i < thetas.cols(); ++i)
-    if (std::isfinite(log_posterior[i])) pool.push_back({-log_posterior[i], {thetas.col(i).data(), thetas.col(i).data() + thetas.rows()}});
-  std::vector<Eigen::VectorXd> starts;
-  for (const auto& p : well_separated(std::move(pool), wanted, 0.05, bounds)) starts.push_back(space.from(p.theta));
-  return starts;
-}
 
 /// The share of replicated data that would fit worse: chi-squared, or F for the multivariate t.
 double tail(double chi2, double freedom, double of_scale) {
@@ -178,7 +46,7 @@ void judge(MapSummary& out, const Likelihood& likelihood, const Eigen::VectorXd&
 }
 
 /// The discrepancy's scale by its posterior weight on a grid: half-normal prior times Laplace evidence; widens `best` to the mixture over the scales.
-Likelihood with_discrepancy(MapSummary& out, Search& search, const Problem& problem, const Likelihood& plain, const MapModels& models, const MapOptions& options,
+Likelihood with_discrepancy(MapSummary& out, MapSearch& search, const Problem& problem, const Likelihood& plain, const MapModels& models, const MapOptions& options,
                             std::vector<Optimum>& optima) {
   const Eigen::MatrixXd shape = discrepancy_shape(problem, plain.grid(), plain.data(), models.positions, options.discrepancy.distance, matern32(options.discrepancy.time));
   std::vector<Optimum> at_scale;
@@ -269,32 +137,19 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   const SearchSpace space(physical ? with_handbook_priors(problem.shape.parameters) : problem.shape.parameters);
   const Bounds bounds = bounds_of(problem.shape);
   const Eigen::VectorXd box = space.high() - space.low();
-  Search search(problem, recordings, recording_options, models, options, space, threads);
+  MapModels current = models;  // as it is refined
+  MapSearch search(problem, recordings, recording_options, current, options, space, threads);
 
-  // 1. Starts: the best points of a design, by the likelihood as it is at the nominal point.
-  const Likelihood first = search.likelihood(out.nominal, true);
+  // 1. The optima, by the likelihood as it is at the nominal point, then as it is at the best explanation.
   const Eigen::MatrixXd design = search.design(seed);
-  const PosteriorMode scan(search.model(), first, space, threads);
-  const auto starts = choose_starts(design, scan.log_posteriors(design), space, std::size_t(options.starts), bounds);
-  std::vector<Optimum> optima = search.optima(first, starts, std::vector<Eigen::VectorXd>(starts.size(), 0.02 * box), progress);
+  std::optional<Likelihood> likelihood(search.likelihood(out.nominal, true));
+  std::vector<Optimum> optima = search.global(likelihood, design, {}, progress);
 
-  // 2. The covariance anew at the best explanation, and the optima from there.
-  std::optional<Likelihood> likelihood;
+  // 2. Runs of the true model, and of the finer mesh, where they tell most, until the optimum stays.
   if (!optima.empty()) {
-    const auto best = space.theta(optima[0].x);
-    likelihood.emplace(search.likelihood(best, true));
-    std::vector<Eigen::VectorXd> from, widths;
-    for (const auto& p : well_separated(proposals(optima, space), std::size_t(options.candidates), options.separation, bounds)) {
-      from.push_back(space.from(p.theta));
-      for (const auto& o : optima)
-        if (space.theta(o.x) == p.theta && widths.size() < from.size())
-          widths.push_back(space.secant_widths(o.x, search.secant() * o.covariance.diagonal().cwiseSqrt(), search.secant()));
-    }
-    if (auto again = search.optima(*likelihood, from, widths, progress); !again.empty()) optima = std::move(again);
+    if (search.on_surrogate() && models.add_runs) optima = refine_search(out, search, current, models, design, std::move(optima), likelihood, seed, progress);
     if (physical) likelihood.emplace(with_discrepancy(out, search, problem, *likelihood, models, options, optima));
-    if (search.on_surrogate()) out.gradient = exact_slope(*models.surrogate, *likelihood, space, optima[0]);
-  } else {
-    likelihood.emplace(first);
+    if (search.on_surrogate()) out.gradient = exact_slope(search.model(), *likelihood, space, optima[0]);
   }
 
   // 3. The final likelihood, that of the model which has the last word, and its candidates.
@@ -320,7 +175,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
                        [&](std::span<const double> theta, std::span<const double> values, const Score&) {
                          return final_likelihood->log_likelihood(theta, values) + space.log_prior(theta);
                        });
-  out.evaluations = search.evaluations() + scan.evaluations() + on_search.evaluations();
+  out.evaluations = search.evaluations() + on_search.evaluations();
   if (!out.best.objective_model) return out;
 
   // 4. The true model itself, and the covariance by its secants.
@@ -392,6 +247,7 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   out.covariance = by_x.asDiagonal() * covariance * by_x.asDiagonal();
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();
   out.identification = identify(problem.shape.parameters, point.theta, data_own, out.covariance, space.prior_sd(x).cwiseProduct(by_x), out.widening / flatter);
+  if (!current.mesh.empty() && at) judge_mesh(out, problem, current.mesh, *final_likelihood, at->jacobian, covariance, point.history);
   out.shares = final_likelihood->shares();
   out.energy_sd = final_likelihood->noise().energy_sd, out.split_half = final_likelihood->noise().split_half;
   for (const auto& s : final_likelihood->noise().series) out.noise_time.push_back(s.time);

@@ -3,9 +3,11 @@
 /// the true model, its covariance, what the data pin and leave free, Laplace evidence, and whether the fit is adequate.
 #include <Eigen/Core>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "forward/campaign/added_runs.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/identify.hpp"
 #include "inverse/likelihood/likelihood.hpp"
@@ -25,6 +27,9 @@ struct MapOptions {
   double secant = 1;
   bool widen = true;
   std::optional<double> mesh_error;
+  int added_runs = 18;
+  int mesh_pairs = 12;
+  double stable = 0.25;
   LikelihoodOptions likelihood;
   DiscrepancyOptions discrepancy;
 
@@ -44,9 +49,34 @@ struct MapOptions {
     v("widen", widen, {.doc = "multiply the covariance by chi-squared over its expectation where the fit is not adequate"});
     v("mesh_error", mesh_error,
       {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where no finer mesh has measured it; default 0.08 per millimetre of element size"});
+    v("added_runs", added_runs,
+      {.range = between(0, 200), .doc = "at most so many runs of the true model added to the campaign near the optimum and where the surrogate is unsure"});
+    v("mesh_pairs", mesh_pairs,
+      {.range = between(0, 20),
+       .doc = "at most so many of them paired with a run of half the element size, 8 times as costly (16 in three dimensions): they tell the mesh's error; 0 takes mesh_error for granted"});
+    v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
     v.table("likelihood", likelihood, "covariance of data and model");
     v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
   }
+};
+
+/// A round of added runs and where the optimum stood after it.
+struct RefinementRound {
+  int runs = 0, pairs = 0;    ///< added so far
+  int failed = 0;             ///< of them
+  std::vector<double> theta;  ///< the optimum with them
+  double moved = 0;           ///< since the round before, largest over the parameters, in posterior sds
+};
+
+/// What added runs and pairs of meshes did.
+struct MapRefinement {
+  std::vector<double> before;           ///< the optimum without them
+  std::vector<RefinementRound> rounds;
+  bool stable = false;
+  double base_ratio = 0;                ///< RefinedModel::base_ratio
+  double mesh_difference = 0;           ///< |fine - working| / |working| at the optimum, mean over the observations
+  Eigen::VectorXd next_halving;         ///< what one more halving would move each parameter by, in its sd; empty without pairs
+  std::string sentence;
 };
 
 struct MapSummary : Calibration {
@@ -71,6 +101,7 @@ struct MapSummary : Calibration {
   std::vector<std::pair<std::string, double>> shares;          ///< of the covariance's trace, by source
   double energy_sd = 0, split_half = 1;    ///< of the replicates
   std::vector<double> noise_time;          ///< correlation time of each observation's noise [s]
+  MapRefinement refinement;
   double gradient = 0;                     ///< largest slope of the log posterior on the surrogate at its optimum, times the parameter's sd; NaN without
   int polish_steps = 0;
 };
@@ -82,8 +113,12 @@ struct MapModels {
   /// Variance of (model - surrogate) at a point, (values); needed with a surrogate.
   std::function<Eigen::VectorXd(std::span<const double>)> surrogate_variance;
   Eigen::VectorXd floor_variance;  ///< measured; empty: the energy scatter of the ensemble stands for it
-  MeshError mesh;                  ///< from pairs of runs
+  MeshError mesh;                  ///< from pairs of runs that are there already
   double mesh_relative = 0;        ///< without pairs: error of the mesh over the local amplitude that is taken for granted
+  /// Runs points (n_parameters, n) of the true model, those on the finer mesh too where `with_fine` says so; empty: none can be added.
+  std::function<std::vector<AddedRun>(const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine)> add_runs;
+  std::shared_ptr<const class RefinedModel> refined;  ///< set while runs are added
+  bool has_finer = false;     ///< whether there is a finer mesh
   Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
 };
 

@@ -39,6 +39,19 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
   return all;
 }
 
+Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
+  Json rounds = Json::array();
+  for (const auto& round : r.rounds)
+    rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}});
+  return {{"rounds", rounds}, {"stable", r.stable}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
+}
+
+Json mesh_json(const MapRefinement& r, const ModelShape& shape) {
+  Json moves = Json::object();
+  for (Eigen::Index k = 0; k < r.next_halving.size(); ++k) moves[shape.parameters[std::size_t(k)].name] = number(r.next_halving[k]);
+  return {{"relative_difference", number(r.mesh_difference)}, {"next_halving_sds", moves}, {"sentence", r.sentence}};
+}
+
 }  // namespace
 
 Json map_json(const MapSummary& s, const Problem& problem, const Provenance& provenance) {
@@ -71,6 +84,8 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["covariance_shares"] = Json::object();
   for (const auto& [source, share] : s.shares) own["covariance_shares"][source] = number(share);
   own["replicates"] = {{"energy_sd", number(s.energy_sd)}, {"split_half", number(s.split_half)}, {"noise_time_s", numbers(s.noise_time)}};
+  if (!s.refinement.rounds.empty()) own["added_runs"] = refinement_json(s.refinement, shape);
+  if (s.refinement.next_halving.size()) own["mesh"] = mesh_json(s.refinement, shape);
   own["surrogate_slope"] = number(s.gradient), own["polish_steps"] = s.polish_steps;
   return calibration_json(s, problem, own, provenance);
 }

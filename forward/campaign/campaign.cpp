@@ -41,31 +41,6 @@ std::string fault(const ModelShape& shape, const Prediction& p) {
 
 std::vector<float> single(const std::vector<double>& values) { return {values.begin(), values.end()}; }
 
-/// One run; whatever goes wrong at this point of the design is its result. What the user, the machine or the stop key
-/// did is not, and goes on up.
-RunRecord evaluate(const ForwardModel& model, std::span<const double> theta, bool keep_pulses) {
-  RunRecord record;
-  try {
-    Prediction p = model.evaluate(theta);
-    record.message = p.ok ? fault(model.shape(), p) : p.message.empty() ? "the model gave no reason" : p.message;
-    record.done = record.message.empty();
-    if (!record.done) return record;
-    record.mean = single(p.mean);
-    record.energy_slope = single(p.energy_slope);
-    record.scatter = single(p.scatter);
-    if (keep_pulses) record.pulses = std::move(p.pulses), record.energies = std::move(p.energies);
-  } catch (const InputError&) {
-    throw;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    record = {.message = fmt::format("{} (at {})", e.what(), point_text(model.shape(), theta))};
-  }
-  return record;
-}
-
 /// Whether a finished archive of this identity stands. Errors: InputError when one of another does.
 bool archive_stands(const std::filesystem::path& directory, const Provenance& provenance) {
   const auto file = directory / "campaign.nc";
@@ -114,6 +89,29 @@ void judge(CampaignSummary& s, const std::vector<std::string>& messages, double 
 }
 
 }  // namespace
+
+RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta, bool keep_pulses) {
+  RunRecord record;
+  try {
+    Prediction p = model.evaluate(theta);
+    record.message = p.ok ? fault(model.shape(), p) : p.message.empty() ? "the model gave no reason" : p.message;
+    record.done = record.message.empty();
+    if (!record.done) return record;
+    record.mean = single(p.mean);
+    record.energy_slope = single(p.energy_slope);
+    record.scatter = single(p.scatter);
+    if (keep_pulses) record.pulses = std::move(p.pulses), record.energies = std::move(p.energies);
+  } catch (const InputError&) {
+    throw;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    record = {.message = fmt::format("{} (at {})", e.what(), point_text(model.shape(), theta))};
+  }
+  return record;
+}
 
 Json identity_options(const CampaignOptions& options) {
   Json json = echo(options);
@@ -176,7 +174,7 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   parallel_for(open.size(), threads, [&](std::size_t k) {
     if (stop && stop->load()) return;
     const auto i = open[k];
-    const RunRecord record = evaluate(model, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())}, options.keep_pulses);
+    const RunRecord record = evaluate_run(model, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())}, options.keep_pulses);
     journal.append(i, record);
     const std::lock_guard guard(lock);
     ++finished, failed += !record.done;

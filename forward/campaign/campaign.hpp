@@ -8,6 +8,7 @@
 
 #include "base/artefact.hpp"
 #include "forward/campaign/design.hpp"
+#include "forward/campaign/journal.hpp"
 #include "forward/model.hpp"
 
 namespace calomel {
@@ -47,6 +48,9 @@ struct CampaignSummary {
 
 /// Told after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
 using CampaignProgress = std::function<void(std::size_t finished, std::size_t failed, std::size_t runs)>;
+
+/// One run; whatever goes wrong at this point of the design is its result. What the user, the machine or the stop key did is not, and is thrown on.
+RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta, bool keep_pulses);
 
 /// Points of a design in natural units, shape (n_parameters, runs): the unit cube carried to the parameters' bounds.
 /// Errors: InputError when there is no parameter, or the design is unknown or has too few dimensions.

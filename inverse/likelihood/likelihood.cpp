@@ -150,8 +150,8 @@ Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, con
   if (e.floor_variance.size() && options.floor > 0)
     add("repeatability floor", options.floor * options.floor * along_records(e.floor_variance, grid_, options));
   if (e.surrogate_variance.size()) add("surrogate", along_records(e.surrogate_variance, grid_, options));
-  if (!mesh_.empty()) {
-    const Eigen::MatrixXd spread = grid_.apply(mesh_.spread());
+  if (e.mesh_known.size()) {
+    const Eigen::MatrixXd spread = grid_.apply(e.mesh_known);
     add("mesh", spread * spread.transpose());
   }
   for (const auto& s : noise_.series) noise_freedom_ += s.freedom;

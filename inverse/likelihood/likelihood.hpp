@@ -49,7 +49,8 @@ struct ModelError {
   Eigen::VectorXd floor_variance;      ///< of the ensemble mean when mesh, viscosity and energies are jittered
   Eigen::VectorXd surrogate_variance;  ///< of (model - surrogate); empty for the true model
   Eigen::VectorXd energy_slope;        ///< secant of the mean by relative pulse energy
-  MeshError mesh;
+  MeshError mesh;                      ///< its shift is added to predictions
+  Eigen::MatrixXd mesh_known;          ///< MeshError::Spread::known where the likelihood is used
 };
 
 /// Discrepancy of scale 1: what the covariance is per squared scale. See `discrepancy_shape`.

@@ -1,37 +1,48 @@
 #pragma once
-/// The difference between the working mesh and a finer one, from pairs of runs: a shift of low order in the parameters and its spread.
+/// The difference between the working mesh and a finer one, from pairs of runs: a shift that depends on the parameters, and how sure it is.
 #include <Eigen/Core>
 #include <span>
 #include <vector>
 
-#include "forward/parameter.hpp"
+#include "inverse/likelihood/kriging.hpp"
 
 namespace calomel {
 
-/// fine - coarse as a function of the parameters: shift = differences * weights(theta), a linear regression on the scaled parameters where there are
-/// pairs enough, their mean otherwise. `spread` (values, k): its columns' outer products add up to the covariance of what the regression leaves, as for
-/// one more pair at an unknown place.
+/// How far beyond the finer mesh the answer lies, in units of (fine - coarse): the shift goes to 1 + mean, and its sd is `sd`. Errors that fall with the
+/// first power of the element size sum to 1 beyond a mesh of half the size; what is recorded may stop short of that.
+struct BeyondFiner {
+  double mean = 0.5, sd = 0.5;
+  double remainder = 0.4;  ///< what no multiple of the difference takes away, over its local amplitude
+};
+
+/// fine - coarse by kriging over the pairs, carried on beyond the finer mesh.
 class MeshError {
  public:
   MeshError() = default;
-  /// theta: (n_parameters, pairs); differences: (values, pairs), fine - coarse, in the data's unit. `extrapolation`: the shift to the limit of a vanishing
-  /// element over fine - coarse, 2 where the error falls with the first power of the size and the finer mesh has half of it, 1 to stay at the finer mesh.
-  /// What lies beyond the finer mesh adds (extrapolation - 1) times the shift itself to the spread as one column: its size is as sure as its law.
-  /// Linear in the parameters from n_parameters + 3 pairs, constant below; at least two. Errors: contract failure for other shapes.
-  MeshError(const std::vector<Parameter>& parameters, const Eigen::MatrixXd& theta, const Eigen::MatrixXd& differences, double extrapolation = 1);
+  /// theta: (n_parameters, pairs), two or more; differences: (values, pairs), fine - coarse, in the data's unit. Errors: contract failure for other shapes.
+  MeshError(const std::vector<Parameter>& parameters, const Eigen::MatrixXd& theta, const Eigen::MatrixXd& differences, BeyondFiner beyond = {});
 
-  [[nodiscard]] bool empty() const { return differences_.size() == 0; }
-  /// To be added to the working mesh's history, (values).
-  [[nodiscard]] Eigen::VectorXd shift(std::span<const double> theta) const;
-  [[nodiscard]] const Eigen::MatrixXd& spread() const { return spread_; }
+  [[nodiscard]] bool empty() const { return kriging_.empty(); }
+  [[nodiscard]] Eigen::Index pairs() const { return kriging_.size(); }
+  /// fine - coarse as predicted at theta, (values).
+  [[nodiscard]] Eigen::VectorXd difference(std::span<const double> theta) const { return differences_ * kriging_.weights(theta); }
+  /// To be added to the working mesh's history, (values): (1 + beyond.mean) difference.
+  [[nodiscard]] Eigen::VectorXd shift(std::span<const double> theta) const { return (1 + beyond_.mean) * difference(theta); }
+  /// Covariance of the shift at theta: the outer products of the columns of `known`, how the pairs' own scatter is correlated, and of the unknown
+  /// multiple beyond the finer mesh; and the sd (values) of what is not of these directions, few pairs showing few of them.
+  struct Spread {
+    Eigen::MatrixXd known;      ///< (values, pairs)
+    Eigen::VectorXd scatter;    ///< (values)
+    Eigen::VectorXd remainder;  ///< (values): beyond.remainder times the shift
+  };
+  [[nodiscard]] Spread spread(std::span<const double> theta) const;
+  [[nodiscard]] const Kriging& kriging() const { return kriging_; }
+  [[nodiscard]] const BeyondFiner& beyond() const { return beyond_; }
 
  private:
-  [[nodiscard]] Eigen::VectorXd basis(std::span<const double> theta) const;
-  std::vector<Parameter> parameters_;
-  bool linear_ = false;
-  Eigen::MatrixXd differences_;   ///< (values, pairs)
-  Eigen::MatrixXd coefficients_;  ///< (pairs, basis): weights(theta) = coefficients * basis(theta)
-  Eigen::MatrixXd spread_;
+  Kriging kriging_;
+  BeyondFiner beyond_;
+  Eigen::MatrixXd differences_;  ///< (values, pairs)
 };
 
 }  // namespace calomel

@@ -300,29 +300,6 @@ TEST(ErrorDistribution, EffectiveDataOfIndependentAndOfIdenticalValues) {
   EXPECT_NEAR((square - mean * mean) / (2 * m), 1, 0.2);  // 4 standard errors of a variance with some excess kurtosis
 }
 
-TEST(MeshError, ShiftIsThePairsRegressionAndItsSpreadWhatIsLeft) {
-  const std::vector<Parameter> parameters{uniform_parameter("a", 0, 2, 1), uniform_parameter("b", -1, 1, 0)};
-  RandomStream random(9, 0);
-  Eigen::MatrixXd theta(2, 9), difference(4, 9);
-  const Eigen::Vector4d v(1, 2, -1, 0.5), w(0, 1, 1, -2);
-  for (int i = 0; i < 9; ++i) {
-    theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
-    difference.col(i) = v + theta(0, i) * w - 3 * theta(1, i) * v;
-  }
-  const MeshError exact(parameters, theta, difference);
-  const std::vector<double> at{1.3, 0.4};
-  EXPECT_LT((exact.shift(at) - (v + 1.3 * w - 1.2 * v)).norm(), 1e-10);
-  EXPECT_LT(exact.spread().norm(), 1e-9);
-  const MeshError two(parameters, theta.leftCols(2), difference.leftCols(2));
-  EXPECT_LT((two.shift(at) - difference.leftCols(2).rowwise().mean()).norm(), 1e-12);
-  // Twice the sample variance's share: sum of squares / (n - 1), times 1 + 1 / n.
-  const Eigen::Vector4d d = difference.col(0) - difference.col(1);
-  EXPECT_LT((two.spread() * two.spread().transpose() - 0.75 * d * d.transpose()).norm(), 1e-10);
-  const MeshError limit(parameters, theta.leftCols(2), difference.leftCols(2), 2);
-  EXPECT_LT((limit.shift(at) - 2 * two.shift(at)).norm(), 1e-12);
-  EXPECT_EQ(limit.spread().cols(), 3);
-}
-
 TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
   const AnalyticModel model({uniform_parameter("a", 0, 2, 1)},
                             {[](auto, double t) { return t < 100e-6 ? 0.0 : 50.0; }, [](auto, double t) { return t < 50e-6 ? 0.0 : 20.0; },

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "forward/campaign/campaign.hpp"
 #include "tests/unit/inverse/lines.hpp"
 
 namespace calomel {
@@ -207,7 +208,7 @@ TEST(Map, AMeshShiftOnlyMovesTheAnswerBack) {
         const auto fine = model.evaluate({theta.col(i).data(), 2}).mean, rough = coarse.evaluate({theta.col(i).data(), 2}).mean;
         for (std::size_t k = 0; k < 400; ++k) difference(Eigen::Index(k), i) = fine[k] - rough[k];
       }
-      models.mesh = MeshError(model.shape().parameters, theta, difference);
+      models.mesh = MeshError(model.shape().parameters, theta, difference, {.mean = 0, .sd = 0, .remainder = 0});
     }
     return run_map(problem, recordings, {}, models, {.likelihood = {.values = 150, .energy_scale_sd = 0, .gain_sd = 0}}, 1, 1);
   };
@@ -215,6 +216,55 @@ TEST(Map, AMeshShiftOnlyMovesTheAnswerBack) {
   EXPECT_LT(std::abs(with.theta[1] - truth[1]), 4 * std::sqrt(with.covariance(1, 1)));
   EXPECT_GT(std::abs(without.theta[1] - truth[1]), 4 * std::abs(with.theta[1] - truth[1]));
   EXPECT_FALSE(without.adequate);
+}
+
+/// A surrogate whose frequency is off by a share that grows with the damping, of a working mesh that is off itself.
+struct Levels {
+  AnalyticModel fine = ringing();
+  AnalyticModel working = warped(1.02, 0.95), surrogate = warped(1.05, 0.93);
+  static AnalyticModel warped(double frequency, double damping) {
+    return {ringing().shape().parameters,
+            {[=](auto p, double t) { return 100 * std::exp(-damping * p[1] * t) * std::sin(2 * M_PI * frequency * p[0] * t); },
+             [=](auto p, double t) { return 80 * std::exp(-damping * p[1] * t) * (1 - std::cos(2 * M_PI * frequency * p[0] * t)); }},
+            200, step};
+  }
+  /// Runs of the working mesh and, where asked and there, of the finer one.
+  [[nodiscard]] std::vector<AddedRun> run(const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) const {
+    std::vector<AddedRun> runs;
+    for (Eigen::Index i = 0; i < thetas.cols(); ++i) {
+      const std::vector<double> theta{thetas(0, i), thetas(1, i)};
+      AddedRun r{.theta = theta, .working = evaluate_run(working, theta, false)};
+      if (with_fine[std::size_t(i)]) r.fine = evaluate_run(fine, theta, false);
+      runs.push_back(std::move(r));
+    }
+    return runs;
+  }
+};
+
+TEST(Map, AddedRunsAndPairsBringItToTheFinerMeshAndStopWhenItStays) {
+  const Levels levels;
+  const std::vector<double> truth{19e3, 1.6e4};
+  const auto recordings = pulses_of(levels.fine, truth, {.pulses = 8, .noise = 1, .noise_time = 6e-6}, 3);
+  const Problem problem = make_problem(levels.fine.shape(), recordings, {});
+  const auto with = [&](int added, int pairs) {
+    MapModels models{.true_model = levels.working, .surrogate = &levels.surrogate, .mesh_relative = 0.1};
+    models.surrogate_variance = [](std::span<const double>) { return Eigen::VectorXd::Constant(400, 4.0); };
+    models.add_runs = [&](const Eigen::MatrixXd& t, const std::vector<bool>& f) { return levels.run(t, f); };
+    models.has_finer = pairs > 0;
+    return run_map(problem, recordings, {}, models, {.added_runs = added, .mesh_pairs = pairs, .likelihood = {.values = 150}}, 1, 1);
+  };
+  const auto both = with(30, 20), alone = with(30, 0), none = with(0, 0);
+  const auto off = [&](const MapSummary& s) { return std::abs(s.theta[0] / truth[0] - 1); };
+  EXPECT_LT(off(both), 2 * std::sqrt(both.covariance(0, 0)) / truth[0]);
+  EXPECT_LT(off(both), 0.012);
+  EXPECT_NEAR(off(alone), 0.02, 0.004);  // the working mesh's own answer: its frequency is 2 % high
+  EXPECT_TRUE(none.refinement.rounds.empty());
+  EXPECT_TRUE(both.refinement.stable);
+  EXPECT_LT(both.refinement.rounds.back().runs, 30);
+  EXPECT_GT(both.refinement.rounds[0].moved, 1);
+  ASSERT_EQ(both.refinement.next_halving.size(), 2);
+  EXPECT_THAT(both.refinement.sentence, HasSubstr("next halving"));
+  EXPECT_EQ(alone.refinement.next_halving.size(), 0);
 }
 
 }  // namespace

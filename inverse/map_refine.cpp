@@ -1,0 +1,186 @@
+#include "inverse/map_refine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+
+#include "base/random.hpp"
+#include "inverse/refined_model.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t first_round = 6, later_round = 3;
+constexpr double not_ruled_out = 150;  ///< log posterior below the best at which a model of the wrong mesh may still be the right one
+constexpr std::uint64_t stream = 4711;
+
+double apart(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& box) { return (a - b).cwiseQuotient(box).cwiseAbs().maxCoeff(); }
+
+/// Greedy: each further point of the pool is the one farthest from those chosen, in units of the box.
+void spread_over(std::vector<Eigen::VectorXd>& chosen, const std::vector<Eigen::VectorXd>& pool, std::size_t wanted, const Eigen::VectorXd& box) {
+  while (chosen.size() < wanted) {
+    double farthest = 0.01;
+    const Eigen::VectorXd* next = nullptr;
+    for (const auto& p : pool) {
+      double nearest = 1e9;
+      for (const auto& c : chosen) nearest = std::min(nearest, apart(p, c, box));
+      if (nearest > farthest) farthest = nearest, next = &p;
+    }
+    if (!next) return;
+    chosen.push_back(*next);
+  }
+}
+
+/// Runs that came through, as columns.
+struct Learnt {
+  Eigen::MatrixXd theta, working, pair_theta, difference;
+};
+
+/// Of the runs at which the search's own surrogate has values too.
+Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters, const ForwardModel& surrogate) {
+  std::vector<const AddedRun*> done, paired;
+  for (const auto& r : runs) {
+    if (!surrogate.evaluate(r.theta).ok) continue;
+    if (r.working.done) done.push_back(&r);
+    if (r.working.done && r.fine && r.fine->done) paired.push_back(&r);
+  }
+  const auto values = [](const std::vector<float>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>()); };
+  const Eigen::Index rows = done.empty() ? 0 : Eigen::Index(done[0]->working.mean.size());
+  Learnt l{Eigen::MatrixXd(parameters, done.size()), Eigen::MatrixXd(rows, done.size()), Eigen::MatrixXd(parameters, paired.size()),
+           Eigen::MatrixXd(rows, paired.size())};
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    l.theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(done[i]->theta.data(), Eigen::Index(parameters));
+    l.working.col(Eigen::Index(i)) = values(done[i]->working.mean);
+  }
+  for (std::size_t i = 0; i < paired.size(); ++i) {
+    l.pair_theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(paired[i]->theta.data(), Eigen::Index(parameters));
+    l.difference.col(Eigen::Index(i)) = values(paired[i]->fine->mean) - values(paired[i]->working.mean);
+  }
+  return l;
+}
+
+/// The first round: the optima, then points of the design that are not ruled out, far from one another.
+std::vector<Eigen::VectorXd> first_points(MapSearch& search, const std::vector<Optimum>& optima, const Likelihood& likelihood, const Eigen::MatrixXd& design,
+                                          const Eigen::VectorXd& box) {
+  const SearchSpace& space = search.space();
+  std::vector<Eigen::VectorXd> chosen, pool;
+  for (const auto& o : optima)
+    if (chosen.size() < first_round / 2 && std::all_of(chosen.begin(), chosen.end(), [&](const auto& c) { return apart(c, o.x, box) > 0.03; })) chosen.push_back(o.x);
+  const Eigen::VectorXd l = search.scan(likelihood, design);
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index i = 0; i < l.size(); ++i)
+    if (std::isfinite(l[i])) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return l[a] > l[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (i < 2 * first_round || l[order[i]] > optima[0].log_posterior - not_ruled_out)
+      pool.push_back(space.from({design.col(order[i]).data(), std::size_t(design.rows())}));
+  spread_over(chosen, pool, first_round, box);
+  return chosen;
+}
+
+/// A later round: the optimum, and draws from its posterior at which `unsure` is greatest, each apart from the others.
+std::vector<Eigen::VectorXd> later_points(const Optimum& best, const SearchSpace& space, RandomStream& random,
+                                          const std::function<double(const Eigen::VectorXd&)>& unsure) {
+  const Eigen::MatrixXd root = best.covariance.llt().matrixL();
+  const Eigen::VectorXd sd = best.covariance.diagonal().cwiseSqrt();
+  std::vector<Eigen::VectorXd> chosen{best.x};
+  std::vector<std::pair<double, Eigen::VectorXd>> pool;
+  for (int i = 0; i < 60; ++i) {
+    Eigen::VectorXd z(best.x.size());
+    for (auto& value : z) value = 1.5 * random.normal();  // a little beyond what is believed
+    const Eigen::VectorXd x = (best.x + root * z).cwiseMax(space.low()).cwiseMin(space.high());
+    pool.emplace_back(unsure(x), x);
+  }
+  std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [value, x] : pool)
+    if (value >= 0 && chosen.size() < later_round && std::all_of(chosen.begin(), chosen.end(), [&](const auto& c) { return apart(c, x, sd) > 1; })) chosen.push_back(x);
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels& current, const MapModels& models, const Eigen::MatrixXd& design,
+                                   std::vector<Optimum> optima, std::optional<Likelihood>& likelihood, std::uint64_t seed, const CalibrationProgress& progress) {
+  const SearchSpace& space = search.space();
+  const MapOptions& options = search.options();
+  const Eigen::VectorXd box = space.high() - space.low();
+  MapRefinement& record = out.refinement;
+  record.before = space.theta(optima[0].x);
+  RandomStream random(seed, stream);
+  std::vector<AddedRun> runs;
+  std::vector<Eigen::VectorXd> points = first_points(search, optima, *likelihood, design, box);
+  const int pairs_wanted = models.has_finer ? options.mesh_pairs : 0;
+  int pairs = 0, failed = 0;
+  while (int(runs.size()) < options.added_runs || pairs < pairs_wanted) {
+    // 1. The runs of this round; the finer mesh with those that come first.
+    const int left = std::max(options.added_runs, pairs_wanted) - int(runs.size());
+    if (left <= 0) break;
+    points.resize(std::min(points.size(), std::size_t(left)));
+    Eigen::MatrixXd thetas(space.size(), Eigen::Index(points.size()));
+    std::vector<bool> with_fine;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto t = space.theta(points[i]);
+      thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(t.data(), space.size());
+      with_fine.push_back(pairs < pairs_wanted);
+      pairs += with_fine.back();
+    }
+    for (auto& r : models.add_runs(thetas, with_fine)) failed += !r.done(), runs.push_back(std::move(r));
+
+    // 2. What they teach.
+    const Learnt learnt = learnt_from(runs, std::size_t(space.size()), *models.surrogate);
+    if (learnt.theta.cols() >= 2) {
+      current.refined = std::make_shared<RefinedModel>(*models.surrogate, models.surrogate_variance, learnt.theta, learnt.working);
+      current.surrogate = current.refined.get();
+      current.surrogate_variance = [refined = current.refined](std::span<const double> theta) { return refined->error_variance(theta); };
+      record.base_ratio = current.refined->base_ratio();
+    }
+    if (learnt.pair_theta.cols() >= 2) current.mesh = MeshError(space.parameters(), learnt.pair_theta, learnt.difference);
+
+    // 3. The search anew, from the old optima too.
+    std::vector<Eigen::VectorXd> also;
+    for (const auto& o : optima) also.push_back(o.x);
+    const Eigen::VectorXd before = optima[0].x;
+    likelihood.emplace(search.likelihood(space.theta(before), true));
+    if (auto found = search.global(likelihood, design, also, progress); !found.empty()) optima = std::move(found);
+    const Eigen::VectorXd sd = optima[0].covariance.diagonal().cwiseSqrt();
+    const double moved = (optima[0].x - before).cwiseQuotient(sd).cwiseAbs().maxCoeff();
+    record.rounds.push_back({int(runs.size()), pairs, failed, space.theta(optima[0].x), moved});
+    record.stable = record.rounds.size() > 1 && moved < options.stable;
+    if (record.stable) break;
+    points = later_points(optima[0], space, random, [&](const Eigen::VectorXd& x) {
+      const auto t = space.theta(x);
+      if (!models.surrogate->evaluate(t).ok) return -1.0;  // a run there is likely to fail
+      return (current.mesh.empty() ? 0 : current.mesh.kriging().variance_factor(t)) + (current.refined ? current.refined->kriging().variance_factor(t) : 0);
+    });
+  }
+  if (!record.stable && !record.rounds.empty())
+    out.warnings.push_back(fmt::format("the optimum still moved by {:.2g} standard deviations with the last of {} added runs: allow more (map.added_runs, map.mesh_pairs)",
+                                       record.rounds.back().moved, runs.size()));
+  return optima;
+}
+
+void judge_mesh(MapSummary& out, const Problem& problem, const MeshError& mesh, const Likelihood& likelihood, const Eigen::MatrixXd& jacobian,
+                const Eigen::MatrixXd& covariance, std::span<const double> history) {
+  MapRefinement& record = out.refinement;
+  const Eigen::VectorXd d = mesh.difference(out.theta);
+  const auto n = Eigen::Index(problem.shape.times.size());
+  for (const auto& o : problem.observations) {
+    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
+    record.mesh_difference +=
+        d.segment(at, n).norm() / Eigen::Map<const Eigen::VectorXd>(history.data() + at, n).norm() / double(problem.observations.size());
+  }
+  const Eigen::VectorXd halved = likelihood.errors().whiten(likelihood.grid().apply(Eigen::VectorXd(-0.5 * d)));
+  const Eigen::VectorXd move = -covariance * (jacobian.transpose() * halved);
+  record.next_halving = move.cwiseQuotient(covariance.diagonal().cwiseSqrt());
+  Eigen::Index worst = 0;
+  const double most = record.next_halving.cwiseAbs().maxCoeff(&worst);
+  const std::string& name = problem.shape.parameters[std::size_t(worst)].name;
+  record.sentence = most > 1 ? fmt::format("the next halving of the element size would still move {} by {:.2g} of its standard deviations: the mesh is too coarse for these records", name, most)
+                             : fmt::format("the next halving of the element size would move no parameter by more than {:.2g} of its standard deviations ({})", most, name);
+  if (most > 1) out.warnings.push_back(record.sentence);
+}
+
+}  // namespace calomel

@@ -1,0 +1,135 @@
+// Kriging, the shift between meshes that is made of it, and the surrogate that added runs set right.
+#include "inverse/likelihood/mesh_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "inverse/refined_model.hpp"
+#include "tests/unit/inverse/lines.hpp"
+
+namespace calomel {
+namespace {
+
+const std::vector<Parameter> square{uniform_parameter("a", 0, 2, 1), uniform_parameter("b", -1, 1, 0)};
+
+/// Points in the box of `square` and an output at each, (4, n): quadratic in a, linear in b, with scatter.
+struct Seen {
+  Eigen::MatrixXd theta, outputs;
+  Seen(int n, double scatter, std::uint64_t seed) : theta(2, n), outputs(4, n) {
+    RandomStream random(seed, 0);
+    for (int i = 0; i < n; ++i) {
+      theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
+      outputs.col(i) = truth(theta(0, i), theta(1, i));
+      for (int k = 0; k < 4; ++k) outputs(k, i) += scatter * random.normal();
+    }
+  }
+  static Eigen::Vector4d truth(double a, double b) {
+    return Eigen::Vector4d(5, 2, -1, 0.5) + a * Eigen::Vector4d(0, 1, 1, -2) - 3 * b * Eigen::Vector4d(1, 2, -1, 0.5) + 0.5 * a * a * Eigen::Vector4d(1, 0, 0, 1);
+  }
+};
+
+TEST(Kriging, WeightsSumToOneAndReproduceSmoothOutputs) {
+  const Seen seen(14, 0, 9);
+  const Kriging k(square, seen.theta, seen.outputs);
+  const std::vector<double> at{1.1, 0.2};
+  EXPECT_NEAR(k.weights(at).sum(), 1, 1e-9);
+  EXPECT_LT((seen.outputs * k.weights(at) - Seen::truth(1.1, 0.2)).norm(), 0.02 * Seen::truth(1.1, 0.2).norm());
+  EXPECT_LT(k.nugget(), 0.05);
+  // At a point that was seen, its own output, and no doubt but the scatter.
+  const std::vector<double> first{seen.theta(0, 0), seen.theta(1, 0)};
+  EXPECT_LT((seen.outputs * k.weights(first) - seen.outputs.col(0)).norm(), 0.01 * seen.outputs.col(0).norm());
+  EXPECT_LT(k.variance_factor(first), 0.01 + 2.5 * k.nugget());
+}
+
+TEST(Kriging, ScatterIsAveragedAndFarAwayItIsUnsure) {
+  Seen seen(16, 0, 3);
+  RandomStream random(5, 0);
+  for (auto& v : seen.outputs.reshaped()) v = 10 + random.normal();  // nothing but scatter
+  const Kriging k(square, seen.theta, seen.outputs);
+  const std::vector<double> at{1, 0};
+  EXPECT_GT(k.nugget(), 0.3);
+  // Four outputs, each about its mean of 10 with at most the sd of a mean of a few.
+  EXPECT_LT((seen.outputs * k.weights(at)).array().operator-(10).abs().maxCoeff(), 1.5);
+  const Kriging smooth(square, Seen(6, 0, 4).theta * 0.1, Seen(6, 0, 4).outputs);
+  const std::vector<double> near{0.1, 0.0}, far{1.9, -0.9};
+  EXPECT_GT(smooth.variance_factor(far), 10 * smooth.variance_factor(near));
+}
+
+TEST(Kriging, ErrorsOfPredictionsAreWhatItsVarianceSays) {
+  // Draws from processes of the very kind: squared errors over their variance average to 1; the same with the variance of the process alone would not.
+  double z = 0, blind = 0;
+  int count = 0;
+  for (int set = 0; set < 60; ++set) {
+    RandomStream random(77, std::uint64_t(set));
+    const int n = 12, outputs = 5;
+    Eigen::MatrixXd theta(2, n + 1);
+    for (int i = 0; i <= n; ++i) theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
+    Eigen::MatrixXd r(n + 1, n + 1);
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= n; ++j) {
+        const Eigen::Vector2d d = (theta.col(i) - theta.col(j)) / 2;
+        r(i, j) = std::exp(-0.5 * d.squaredNorm() / (0.4 * 0.4)) + (i == j ? 0.04 : 0.0);
+      }
+    const Eigen::MatrixXd l = r.llt().matrixL();
+    Eigen::MatrixXd y(outputs, n + 1);
+    for (int k = 0; k < outputs; ++k) {
+      Eigen::VectorXd e(n + 1);
+      for (auto& v : e) v = random.normal();
+      y.row(k) = (l * e).transpose().array() + 3;
+    }
+    const Kriging k(square, theta.leftCols(n), y.leftCols(n));
+    const std::vector<double> at{theta(0, n), theta(1, n)};
+    const Eigen::VectorXd error = y.col(n) - y.leftCols(n) * k.weights(at);
+    const double process = (y.leftCols(n) * k.residual_root()).squaredNorm() / outputs;
+    z += error.squaredNorm() / (process * k.variance_factor(at)), blind += error.squaredNorm() / process, count += outputs;
+  }
+  // 300 values, those of a set share a point and lengths that were fitted: a standard error of about 0.15.
+  EXPECT_NEAR(z / count, 1, 0.45);
+  EXPECT_LT(blind / count, 0.5);
+}
+
+TEST(MeshError, ShiftGoesBeyondTheFinerMeshAndItsSpreadKnowsIt) {
+  const Seen seen(14, 0, 9);
+  const MeshError stays(square, seen.theta, seen.outputs, {.mean = 0, .sd = 0, .remainder = 0}), goes(square, seen.theta, seen.outputs);
+  const std::vector<double> at{1.1, 0.2};
+  EXPECT_LT((stays.shift(at) - stays.difference(at)).norm(), 1e-12);
+  EXPECT_LT((goes.shift(at) - 1.5 * stays.shift(at)).norm(), 1e-9);
+  const auto none = stays.spread(at), some = goes.spread(at);
+  EXPECT_LT(none.known.norm(), 0.05 * stays.shift(at).norm());
+  EXPECT_EQ(none.remainder.norm(), 0);
+  EXPECT_NEAR(some.known.col(some.known.cols() - 1).norm(), 0.5 * stays.difference(at).norm(), 1e-9);
+  EXPECT_NEAR(some.remainder.norm(), 0.4 * stays.difference(at).norm(), 1e-9);
+  // Two pairs show one direction only: most of their scatter is put down to directions that are not known.
+  const auto two = MeshError(square, seen.theta.leftCols(2), seen.outputs.leftCols(2)).spread(at);
+  EXPECT_GT(two.scatter.norm(), 2 * two.known.col(0).norm());
+}
+
+TEST(RefinedModel, IsRightAtTheAddedRunsAndItsVarianceFallsThere) {
+  const AnalyticModel truth(square, {[](auto p, double t) { return p[0] * std::sin(3 * t) + p[1] * std::cos(5 * t + p[0]); }}, 40, 0.05);
+  const AnalyticModel base(square, {[](auto p, double t) { return 1.1 * p[0] * std::sin(3 * t) + p[1] * std::cos(5 * t + 0.8 * p[0]); }}, 40, 0.05);
+  const RefinedModel::Variance variance = [](std::span<const double>) { return Eigen::VectorXd::Constant(40, 1e-4); };
+  const Seen seen(10, 0, 21);
+  Eigen::MatrixXd y(40, 10);
+  for (int i = 0; i < 10; ++i) {
+    const auto p = truth.evaluate({seen.theta.col(i).data(), 2});
+    y.col(i) = Eigen::Map<const Eigen::VectorXd>(p.mean.data(), 40);
+  }
+  const RefinedModel refined(base, variance, seen.theta, y);
+  EXPECT_GT(refined.base_ratio(), 10);  // the base promised an sd of 0.01
+  const auto error = [&](const ForwardModel& m, const std::vector<double>& at) {
+    const auto a = m.evaluate(at).mean, b = truth.evaluate(at).mean;
+    return (Eigen::Map<const Eigen::VectorXd>(a.data(), 40) - Eigen::Map<const Eigen::VectorXd>(b.data(), 40)).norm();
+  };
+  const std::vector<double> at{seen.theta(0, 3), seen.theta(1, 3)}, between{1, 0.1};
+  EXPECT_LT(error(refined, at), 0.05 * error(base, at));
+  EXPECT_LT(error(refined, between), 0.3 * error(base, between));
+  EXPECT_LT(refined.error_variance(at).sum(), 0.2 * variance(at).sum() * refined.base_ratio());
+  // means and evaluate agree, and the gradient is the derivative.
+  const Eigen::MatrixXf m = refined.means(Eigen::Vector2d(between[0], between[1]), 1);
+  EXPECT_NEAR(m(7, 0), refined.evaluate(between).mean[7], 1e-5);
+  EXPECT_FALSE(refined.has_gradient());
+}
+
+}  // namespace
+}  // namespace calomel
