@@ -81,7 +81,7 @@ Eigen::MatrixXi adaptive_degrees(const ScatteredData& data, int rounds, std::siz
     const LambdaChoice choice = system.by_cross_validation(folds, seed);
     if (best.size() == 0 || choice.error < least) best = degrees, least = choice.error;
     if (round == rounds || terms.size() >= most_terms) return best;
-    enlarge(terms, margin_of(terms, system.lasso(data.train).path({choice.lambda}).at(0).z), most_terms);
+    enlarge(terms, margin_of(terms, system.lasso(data.train).path(std::vector<double>{choice.lambda}).at(0).z), most_terms);
   }
 }
 

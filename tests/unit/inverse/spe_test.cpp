@@ -1,14 +1,14 @@
 #include "inverse/spe.hpp"
 
-#include "inverse/spe/adaptive_space.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <set>
 
 #include "base/case_file.hpp"
 #include "base/netcdf_file.hpp"
 #include "forward/campaign/campaign.hpp"
+#include "inverse/spe/adaptive_space.hpp"
 #include "oscillations.hpp"
 #include "scratch.hpp"
 
