@@ -1,13 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "forward/repeatability.hpp"
+#include "inverse/comparison.hpp"
+#include "inverse/feasibility.hpp"
 
 namespace calomel {
 
-ExitStatus run_calibrate(const CommandLine& command) {
-  Stages stages(command);
+namespace {
+
+constexpr double assumed_mesh_error = 80;   ///< over the local amplitude, per metre of element size: of the first order
+constexpr double greatest_wave_speed = 40;  ///< [m/s], over the element size: the frequency up to which waves on the mesh are fast enough
+
+const std::vector<std::string> every_method{"enc", "spe", "map"};
+
+/// Each method once, "all" written out.
+std::vector<std::string> written_out(const std::vector<std::string>& methods) {
+  std::vector<std::string> out;
+  for (const auto& m : methods)
+    for (const auto& name : m == "all" ? every_method : std::vector{m})
+      if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  return out;
+}
+
+/// METHOD.json where it stands, finished, and belongs to these recordings; nothing otherwise.
+std::optional<Json> finished(const std::filesystem::path& path, const std::string& recordings) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  Json json = read_json(path);
+  const auto hash = json.value(Json::json_pointer("/provenance/inputs/recordings"), "");
+  return hash == recordings && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
+}
+
+}  // namespace
+
+ExitStatus Stages::calibrate(const std::vector<std::string>& methods) {
   auto status = ExitStatus::done;
-  for (const auto& method : command.methods) status = worse(status, stages.calibrate(method));
+  for (const auto& method : written_out(methods)) status = worse(status, calibrate(method));
+  compare();
   return status;
 }
+
+void Stages::compare() {
+  std::vector<MethodSummary> summaries;
+  Provenance provenance{.stage = "comparison", .seed = command_.seed, .inputs = {{"recordings", hash_file(study_.recordings_file())}}};
+  for (const auto& method : every_method) {
+    const auto path = command_.out / (method + ".json");
+    auto json = finished(path, provenance.inputs.at("recordings"));
+    if (!json) continue;
+    provenance.inputs[method + ".json"] = hash_file(path);
+    summaries.push_back({method, std::move(*json)});
+  }
+  const auto path = command_.out / "comparison.json";
+  if (summaries.size() < 2) {  // one of an earlier call would tell of answers that are gone
+    set_aside(path);
+    return;
+  }
+  const auto comparison = compare_calibrations(summaries);
+  write_json(path, comparison_json(comparison, provenance));
+  say(comparison_text(comparison));
+}
+
+bool Stages::needs_floor(const std::string& method) const {
+  return study_.map.likelihood.floor > 0 && (method == "map" || (method == "enc" && study_.enc.needs_likelihood()));
+}
+
+LikelihoodOptions Stages::likelihood_options() const {
+  LikelihoodOptions options = study_.map.likelihood;
+  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
+  if (!options.band && element > 0) options.band = greatest_wave_speed / element;
+  return options;
+}
+
+Recordings Stages::recordings() {
+  std::vector<std::string> said;
+  return study_.matched_recordings(model().shape().sensors, said);
+}
+
+MapModels Stages::models_with_errors(const Surrogate& surrogate) {
+  MapModels models{.true_model = model(), .surrogate = &surrogate};
+  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
+  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), model().shape());
+  models.mesh_relative = study_.map.mesh_error.value_or(assumed_mesh_error * study_.forward.geometry.resolved().element_size.value_or(0));
+  models.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
+  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
+    for (std::size_t i = 0; i < 3; ++i) models.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
+  return models;
+}
+
+Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
+  const auto models = models_with_errors(surrogate);
+  const auto theta = nominal(problem().shape);
+  const Prediction p = surrogate.evaluate(theta);
+  ModelError errors{.floor_variance = models.floor_variance, .surrogate_variance = models.surrogate_variance(theta), .energy_slope = {}, .mesh = {}};
+  if (!p.energy_slope.empty()) errors.energy_slope = Eigen::Map<const Eigen::VectorXd>(p.energy_slope.data(), Eigen::Index(p.energy_slope.size()));
+  Likelihood likelihood(problem(), recordings(), *study_.recordings, likelihood_options(), errors);
+  if (models.mesh_relative <= 0) return likelihood;
+  return likelihood.with("mesh, assumed", models.mesh_relative * models.mesh_relative *
+                                              discrepancy_shape(problem(), likelihood.grid(), likelihood.data(), models.positions, study_.map.discrepancy.distance, mesh_kernel));
+}
+
+EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
+  const Feasibility feasibility(archive);
+  say_failures(archive, feasibility);
+  std::optional<Likelihood> likelihood;
+  if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
+  const auto summary =
+      run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr);
+  write_enc(summary, problem(), provenance, command_.out);
+  if (!summary.agreement.sentence.empty()) say("enc: " + summary.agreement.sentence);
+  return summary;
+}
+
+ExitStatus run_calibrate(const CommandLine& command) { return Stages(command).calibrate(command.methods); }
 
 }  // namespace calomel

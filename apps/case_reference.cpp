@@ -103,7 +103,7 @@ std::string case_reference() {
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
-  s += table<MapOptions>("[map]", "map", "Maximum a posteriori, see [theory/map.md](theory/map.md) and [theory/likelihood.md](theory/likelihood.md).");
+  s += table<MapOptions>("[map]", "map", "Maximum a posteriori by least squares.");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");
   s += mechanism_page();

@@ -32,9 +32,10 @@ ExitStatus Stages::check() {
       q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, study_.forward.geometry.wetted));
   if (compared) say(fmt::format("recordings: {} records, compared at {} times", problem().observations.size(), problem().time.size()));
   const double conditions = double(shape.conditions.size());
-  const double runs = double(study_.campaign.runs) * study_.campaign.pulses * conditions;
-  say(fmt::format("cost: one run about {}; the campaign of {} ensemble means over {} parameters about {} on {} threads", duration_text(d.estimated_seconds),
-                  study_.campaign.runs, shape.parameters.size(), duration_text(runs * d.estimated_seconds / command_.threads), command_.threads));
+  const double means = double(study_.campaign.runs) * conditions;
+  say(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}", command_.threads,
+                  duration_text(conditions * d.estimated_seconds / command_.threads), study_.campaign.runs, shape.parameters.size(),
+                  duration_text(means * d.estimated_mean_seconds / command_.threads)));
   if (!command_.write_mesh.empty()) {
     calomel::write_mesh(model().mesh(), command_.write_mesh);
     say("mesh written to " + command_.write_mesh.string());

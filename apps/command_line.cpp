@@ -37,10 +37,10 @@ void add_shared(CLI::App& verb, CommandLine& command, Takes takes) {
 void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
   switch (extra) {
     case Extra::method:
-      verb.add_option("--method", command.methods, "how to calibrate (default: enc); may be repeated")
-          ->type_name("enc|spe|map")
+      verb.add_option("--method", command.methods, "how to calibrate (default: enc); may be repeated; all = enc, spe, map")
+          ->type_name("enc|spe|map|all")
           ->allow_extra_args(false)
-          ->check(CLI::IsMember({"enc", "spe", "map"}));
+          ->check(CLI::IsMember({"enc", "spe", "map", "all"}));
       return;
     case Extra::fields:
       verb.add_flag("--fields", command.fields, "write displacements and pressures over time to fields.exo");

@@ -22,7 +22,7 @@ struct CommandLine {
   bool quiet = false;
   bool fresh = false;  ///< set old artefacts of the verb's stages aside
 
-  std::vector<std::string> methods;          ///< calibrate: enc, spe, map
+  std::vector<std::string> methods;          ///< calibrate: enc, spe, map, all
   std::vector<std::filesystem::path> files;  ///< import
   std::string unit = "strain";               ///< import
   bool fields = false;                       ///< simulate

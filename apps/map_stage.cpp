@@ -5,22 +5,11 @@
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
 #include "forward/campaign/added_runs.hpp"
-#include "forward/repeatability.hpp"
 #include "inverse/feasibility.hpp"
 
 namespace calomel {
 
 namespace {
-
-constexpr double assumed_mesh_error = 80;   ///< over the local amplitude, per metre of element size: of the first order
-constexpr double greatest_wave_speed = 40;  ///< [m/s], over the element size: the frequency up to which waves on the mesh are fast enough
-
-Eigen::MatrixXd positions_of(const ForwardCase& c) {
-  Eigen::MatrixXd positions(Eigen::Index(c.sensors.size()), 3);
-  for (std::size_t s = 0; s < c.sensors.size(); ++s)
-    for (std::size_t i = 0; i < 3; ++i) positions(Eigen::Index(s), Eigen::Index(i)) = c.sensors[s].position[i];
-  return positions;
-}
 
 /// The runs that failed and those that did not, the added ones too.
 struct SeenRuns {
@@ -54,23 +43,15 @@ void Stages::say_failures(const Archive& archive, const Feasibility& feasibility
 }
 
 MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
-  const auto& shape = model().shape();
-  const auto& parameters = shape.parameters;
+  const auto& parameters = model().shape().parameters;
   SeenRuns seen(archive);
   Feasibility feasibility(parameters, seen.theta, seen.failed);
   say_failures(archive, feasibility);
   const GuardedModel guarded(surrogate, feasibility);
-  MapModels models{.true_model = model(), .surrogate = &guarded};
-  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
-  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), shape);
-  const double element = study_.forward.geometry.resolved().element_size.value_or(0);
-  models.mesh_relative = study_.map.mesh_error.value_or(assumed_mesh_error * element);
-  models.positions = positions_of(study_.forward);
-  std::vector<std::string> said;
-  const auto recordings = study_.matched_recordings(shape.sensors, said);
+  MapModels models = models_with_errors(surrogate);
+  models.surrogate = &guarded;
   MapOptions options = study_.map;
-  if (!options.likelihood.band && element > 0) options.likelihood.band = greatest_wave_speed / element;
-
+  options.likelihood = likelihood_options();
   const bool unknowns = options.unknowns.young_sd > 0 || options.unknowns.gauge_place_sd > 0;
   if (unknowns)
     models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
@@ -91,7 +72,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
       return runs;
     };
   }
-  auto summary = run_map(problem(), recordings, *study_.recordings, models, options, command_.seed, command_.threads, progress);
+  auto summary = run_map(problem(), recordings(), *study_.recordings, models, options, command_.seed, command_.threads, progress);
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);
   if (!summary.refinement.sentence.empty()) say("map: " + summary.refinement.sentence);

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <iostream>
 
-#include "apps/field_file.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
 #include "base/netcdf_file.hpp"
+#include "forward/mesh/exodus_fields.hpp"
+#include "forward/solver/kernel.hpp"
 
 namespace calomel {
 
@@ -36,63 +37,117 @@ void write_histories(const std::filesystem::path& path, const ModelShape& shape,
   file.commit();
 }
 
+/// Fields of a run that may be cut off and gone on with.
+class RunFields {
+ public:
+  RunFields(std::filesystem::path path, const Mesh& mesh, double interval, SolveOptions& options) : path_(std::move(path)), mesh_(mesh) {
+    options.field_interval = interval;
+    options.on_field = [this, booked = options.booking](const FieldSnapshot& s) {
+      if (!writer_) writer_.emplace(path_, mesh_);
+      writer_->write_step({s.time, s.displacement, s.velocity, s.pressure, s.effective_stress, booked ? s.time_at_cutoff : std::span<const double>{}});
+    };
+    options.checkpoint.before_saving = [this](std::int64_t) {
+      if (writer_) writer_->flush();
+    };
+    options.checkpoint.on_resume = [this](std::int64_t, std::int64_t fields) { writer_.emplace(path_, mesh_, int(fields)); };
+  }
+  void commit() { writer_->commit(); }
+  /// The run was stopped: the fields so far stay for the one that goes on.
+  void leave() {
+    if (writer_) writer_->leave();
+  }
+
+ private:
+  std::filesystem::path path_;
+  const Mesh& mesh_;
+  std::optional<ExodusFieldWriter> writer_;
+};
+
+/// What simulate.json tells of a single run.
+Json of_run(const SolveSummary& s, bool booked) {
+  Json json{{"steps", s.steps},
+            {"time_step_s", s.time_step},
+            {"resumed_from_step", s.resumed_from},
+            {"wall_s", s.wall_seconds},
+            {"processor_s", s.processor_seconds},
+            {"element_steps_per_s", s.element_steps_per_second},
+            {"energy_balance_error", finite(s.energy_balance_error)},
+            {"hourglass_share", finite(s.hourglass_share)},
+            {"energy_in_J", s.energy_in},
+            {"dissipated_J", s.dissipated},
+            {"radiated_J", s.radiated},
+            {"kernel", s.kernel}};
+  if (booked) json.update({{"greatest_wall_stress_Pa", s.greatest_stress}, {"greatest_wall_stress_at_m", s.greatest_stress_at}});
+  return json;
+}
+
 }  // namespace
+
+std::vector<double> Stages::simulate_mean(Json& json) {
+  if (command_.fields)
+    throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
+  const auto& forward = study_.forward;
+  const auto description = model().describe();
+  std::vector<double> theta;
+  for (const auto& p : forward.parameters) theta.push_back(forward.number(p.key));
+  const auto began = std::chrono::steady_clock::now();
+  const BuiltInModel mean_model(forward, model().ensemble(), command_.threads);
+  auto prediction = mean_model.evaluate(theta);
+  if (!prediction.ok) throw NumericsError(prediction.message);
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const double runs = double(prediction.energies.size() * model().shape().conditions.size());
+  json.update({{"steps", description.steps},
+               {"time_step_s", description.time_step},
+               {"wall_s", wall},
+               {"element_steps_per_s", runs * double(description.elements) * double(description.steps) / wall},
+               {"energy_balance_error", nullptr},
+               {"pulse_energies", prediction.energies}});
+  return std::move(prediction.mean);
+}
+
+std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& json) {
+  const auto& m = model();
+  const auto& forward = study_.forward;
+  SolveOptions options = solve_options(forward.solver);
+  options.booking = forward.solver.booking;
+  options.threads = command_.threads;
+  options.stop = &stop_requested();
+  ProgressDisplay display("simulate", "%", progress_style(command_.quiet), std::cerr);
+  options.on_progress = [&](double share) { display.update(std::size_t(100 * share), 100); };
+
+  const double interval = study_.fields.interval.value_or(forward.time.end / 50);
+  if (forward.solver.checkpoint > 0) {
+    options.checkpoint.path = command_.out / "simulate.checkpoint";
+    options.checkpoint.every_seconds = forward.solver.checkpoint;
+    options.checkpoint.identity = fmt::format("{} {} {} fields {}", version, kernels<double>().name, provenance.identity(), command_.fields ? interval : 0);
+    if (command_.fresh) set_aside(options.checkpoint.path);
+  }
+  std::optional<RunFields> fields;
+  if (command_.fields) fields.emplace(command_.out / "fields.exo", m.mesh(), interval, options);
+  options.checkpoint.on_resume = [this, reopen = options.checkpoint.on_resume](std::int64_t step, std::int64_t written) {
+    if (reopen) reopen(step, written);
+    say(fmt::format("simulate: goes on from step {}", step));
+  };
+  try {
+    auto run = m.simulate(options);
+    if (fields) fields->commit();
+    json.update(of_run(run.summary, options.booking));
+    return std::move(run.strain);
+  } catch (const Interrupted&) {
+    if (fields && !options.checkpoint.path.empty()) fields->leave();
+    throw;
+  }
+}
 
 ExitStatus Stages::simulate() {
   const auto& m = model();
   const auto description = m.describe();
-  const auto& forward = study_.forward;
   const Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
   for (const auto& w : description.warnings) say("warning: " + w);
   say_physics();
 
-  std::vector<double> strain;
   Json json{{"elements", description.elements}, {"nodes", description.nodes}};
-  if (command_.mean) {
-    if (command_.fields)
-      throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
-    std::vector<double> theta;
-    for (const auto& p : forward.parameters) theta.push_back(forward.number(p.key));
-    const auto began = std::chrono::steady_clock::now();
-    const BuiltInModel mean_model(forward, m.ensemble(), command_.threads);
-    auto prediction = mean_model.evaluate(theta);
-    if (!prediction.ok) throw NumericsError(prediction.message);
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    const double runs = double(prediction.energies.size() * m.shape().conditions.size());
-    strain = std::move(prediction.mean);
-    json.update({{"steps", description.steps},
-                 {"time_step_s", description.time_step},
-                 {"wall_s", wall},
-                 {"element_steps_per_s", runs * double(description.elements) * double(description.steps) / wall},
-                 {"energy_balance_error", nullptr},
-                 {"pulse_energies", prediction.energies}});
-  } else {
-    SolveOptions options = solve_options(forward.solver);
-    options.booking = forward.solver.booking;
-    options.threads = command_.threads;
-    options.stop = &stop_requested();
-    ProgressDisplay display("simulate", "%", progress_style(command_.quiet), std::cerr);
-    options.on_progress = [&](double share) { display.update(std::size_t(100 * share), 100); };
-    std::optional<FieldFile> fields;
-    if (command_.fields) {
-      fields.emplace(command_.out / "fields.exo", m.mesh());
-      options.field_interval = study_.fields.interval.value_or(forward.time.end / 50);
-      options.on_field = [&](const FieldSnapshot& snapshot) { fields->write(snapshot); };
-    }
-    auto run = m.simulate(options);
-    if (fields) fields->commit();
-    strain = std::move(run.strain);
-    json.update({{"steps", run.summary.steps},
-                 {"time_step_s", run.summary.time_step},
-                 {"wall_s", run.summary.wall_seconds},
-                 {"element_steps_per_s", run.summary.element_steps_per_second},
-                 {"energy_balance_error", finite(run.summary.energy_balance_error)},
-                 {"hourglass_share", finite(run.summary.hourglass_share)},
-                 {"energy_in_J", run.summary.energy_in},
-                 {"dissipated_J", run.summary.dissipated},
-                 {"radiated_J", run.summary.radiated},
-                 {"kernel", run.summary.kernel}});
-  }
+  const auto strain = command_.mean ? simulate_mean(json) : simulate_once(provenance, json);
   json["regularising_viscosity"] = description.viscosity;
   json["deposited_energy_J"] = description.deposited_energy;
   json["warnings"] = description.warnings;

@@ -44,7 +44,8 @@ const BuiltInModel& Stages::model() {
   if (!model_)
     model_ = study_.file.locating([&] {
       const EnsembleOptions ensemble{.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd};
-      return std::make_unique<BuiltInModel>(study_.forward, ensemble, 1);  // the stages run evaluations side by side
+      const bool alone = command_.verb == "simulate" || command_.verb == "check";  // the other stages run evaluations side by side
+      return std::make_unique<BuiltInModel>(study_.forward, ensemble, alone ? command_.threads : 1);
     });
   return *model_;
 }
@@ -95,8 +96,9 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
   if (map) {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
-    if (study_.map.likelihood.floor > 0) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   }
+  if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
+  if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   return p;
 }
 
@@ -162,7 +164,7 @@ ExitStatus Stages::train(Asked asked) {
 ExitStatus Stages::calibrate(const std::string& method) {
   const auto& against = problem();  // before any long work, so that wrong recordings are told at once
   const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
-  if (method == "map" && study_.map.likelihood.floor > 0) need_floor();
+  if (needs_floor(method)) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");
@@ -188,11 +190,7 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
     const Archive archive = read_archive(command_.out / "campaign.nc");
     if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);
-    const Feasibility feasibility(archive);
-    say_failures(archive, feasibility);
-    const auto summary = run_enc(against, GuardedModel(*surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress);
-    write_enc(summary, against, provenance, command_.out);
-    return summary;
+    return calibrate_enc(provenance, *surrogate, archive, progress);
   });
 }
 

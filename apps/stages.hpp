@@ -12,6 +12,7 @@
 #include "forward/built_in_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
+#include "inverse/enc.hpp"
 #include "inverse/map.hpp"
 #include "inverse/problem.hpp"
 
@@ -35,7 +36,8 @@ class Stages {
   ExitStatus simulate();
   ExitStatus campaign();
   ExitStatus train();
-  ExitStatus calibrate(const std::string& method);
+  /// Each method once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
+  ExitStatus calibrate(const std::vector<std::string>& methods);
   ExitStatus report();
 
   /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.
@@ -45,11 +47,29 @@ class Stages {
   void say(const std::string& text) const;
 
  private:
+  ExitStatus calibrate(const std::string& method);
+  /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
+  void compare();
+  /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).
+  std::vector<double> simulate_mean(Json& json);
+  /// One run, gone on with where an earlier one was cut off.
+  std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   void measure_floor();
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
+  /// Whether `method` needs floor.json.
+  [[nodiscard]] bool needs_floor(const std::string& method) const;
+  /// What a likelihood is told of the models' errors; `surrogate` outlives it.
+  MapModels models_with_errors(const Surrogate& surrogate);
+  /// Recordings of the model's sensors, without the warnings, which were said before.
+  [[nodiscard]] Recordings recordings();
+  /// [map.likelihood] with what the case's elements decide.
+  [[nodiscard]] LikelihoodOptions likelihood_options() const;
+  /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
+  Likelihood likelihood_at_nominal(const Surrogate& surrogate);
+  EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
   MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// Says why runs of the campaign failed, if any did, and how well the boundary is known.

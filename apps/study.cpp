@@ -10,8 +10,7 @@ ExitStatus run_study(const CommandLine& command) {
     if (stage == "simulate") status = worse(status, stages.simulate());
     if (stage == "campaign") status = worse(status, stages.campaign());
     if (stage == "train") status = worse(status, stages.train());
-    if (stage == "calibrate")
-      for (const auto& method : stages.study().study.methods) status = worse(status, stages.calibrate(method));
+    if (stage == "calibrate") status = worse(status, stages.calibrate(stages.study().study.methods));
     if (stage == "report") status = worse(status, stages.report());
   }
   return status;

@@ -49,6 +49,7 @@ Json StudyCase::echo() const {
 
 Json StudyCase::model_options() const {
   Json options = forward.echo();
+  options["solver"].erase("checkpoint");  // how often a run is saved changes nothing of it
   Json parameters = Json::object();
   for (const auto& p : forward.parameters) {
     parameters[p.name] = {{"key", p.key}, {"min", p.min}, {"max", p.max}};

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/field_file.hpp"
 #include "base/artefact.hpp"
 #include "base/case_file.hpp"
 #include "forward/campaign/campaign.hpp"
@@ -28,7 +27,16 @@ struct StudyOptions {
   void visit(V& v) {
     v("stages", stages,
       {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
-    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another", .choices = {"enc", "spe", "map"}, .least_size = 1});
+    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
+  }
+};
+
+/// `[fields]` of a case file.
+struct FieldOptions {
+  std::optional<double> interval;
+  template <class V>
+  void visit(V& v) {
+    v("interval", interval, {.unit = "s", .range = above(0), .doc = "time between pictures in fields.exo (default: end / 50)"});
   }
 };
 

@@ -27,11 +27,15 @@ void make_directory(const std::filesystem::path& path) {
     throw InputError({.problem = "the directory cannot be made: " + error.message(), .suggestion = "choose another --out", .file = path.string()});
 }
 
-void rename_durably(const std::filesystem::path& part, const std::filesystem::path& path) {
-  if (const int fd = ::open(part.c_str(), O_RDONLY); fd >= 0) {
+void sync_to_disk(const std::filesystem::path& path) {
+  if (const int fd = ::open(path.c_str(), O_RDONLY); fd >= 0) {
     ::fsync(fd);
     ::close(fd);
   }
+}
+
+void rename_durably(const std::filesystem::path& part, const std::filesystem::path& path) {
+  sync_to_disk(part);
   std::error_code error;
   std::filesystem::rename(part, path, error);
   if (error) throw InputError({.problem = "cannot be written: " + error.message(), .file = path.string()});

@@ -21,6 +21,8 @@ std::string hash_file(const std::filesystem::path& path);
 
 /// Makes the directory and its parents. Errors: InputError naming it.
 void make_directory(const std::filesystem::path& path);
+/// Waits until what the file holds is on disk.
+void sync_to_disk(const std::filesystem::path& path);
 /// Syncs `part` to disk and renames it to `path`, so that `path` is whole or absent at every instant.
 void rename_durably(const std::filesystem::path& part, const std::filesystem::path& path);
 /// Writes `text` to `path` through a temporary file. Errors: InputError.

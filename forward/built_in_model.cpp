@@ -78,6 +78,14 @@ double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
   return std::max(c.mercury.regularising_viscosity, c.mercury.least_mesh_viscosity * c.mercury.density * c.mercury.sound_speed * mesh.liquid_element_size);
 }
 
+/// Element-steps a second of one thread, from quiet measurements with AVX2 (docs/benchmarks/solver_speed.md): one run at 12 000 elements and at
+/// 500 000 or more, between them by the logarithm; groups of eight runs do not depend on the size.
+double measured_rate(bool single, std::size_t elements, bool group) {
+  if (group) return single ? 80e6 : 50e6;
+  const double small = single ? 30e6 : 18e6, large = single ? 45e6 : 21e6;
+  return small + (large - small) * std::clamp(std::log(double(elements) / 12e3) / std::log(500.0 / 12), 0.0, 1.0);
+}
+
 /// How many times the modelled part the whole target is.
 double symmetry_factor(const Mesh& mesh) { return double(1 << mesh.mirrors.size()); }
 
@@ -230,7 +238,12 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) con
   const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
   out.strain.resize(shape_.values());
   for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-    SolveSummary s = solver_->solve(setup(case_, *mesh_, condition, {1.0}), rows, options);
+    SolveOptions own = options;
+    if (condition > 0) {
+      own.field_interval = 0;
+      own.checkpoint.identity += "|" + shape_.conditions[condition];
+    }
+    SolveSummary s = solver_->solve(setup(case_, *mesh_, condition, {1.0}), rows, own);
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
@@ -242,6 +255,7 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) con
       out.summary.wall_seconds += s.wall_seconds;
       out.summary.steps += s.steps;
       out.summary.energy_balance_error = std::max(out.summary.energy_balance_error, s.energy_balance_error);
+      if (s.greatest_stress > out.summary.greatest_stress) out.summary.greatest_stress = s.greatest_stress, out.summary.greatest_stress_at = s.greatest_stress_at;
     }
   }
   return out;
@@ -251,11 +265,17 @@ ModelDescription BuiltInModel::describe() const {
   ModelDescription d;
   d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
-  const int per_output = solver_->steps_per_output(s, solve_options(case_.solver));
+  SolveOptions options = solve_options(case_.solver);
+  options.threads = threads_;
+  const int per_output = solver_->steps_per_output(s, options);
   d.time_step = case_.time.output_interval / per_output;
   d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
-  d.estimated_seconds = double(d.elements) * double(d.steps) / 20e6;
-  d.estimated_bytes = double(d.elements) * (case_.solver.precision == "single" ? 300 : 550);
+  const bool single = case_.solver.precision == "single";
+  const double element_steps = double(d.elements) * double(d.steps);
+  d.estimated_seconds = element_steps / measured_rate(single, d.elements, false);
+  const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
+  d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * element_steps / measured_rate(single, d.elements, true);
+  d.estimated_bytes = double(d.elements) * (single ? 300 : 550);
   d.notes = case_.notes;
   d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());
   if (mesh_->plane_strain) {

@@ -27,7 +27,8 @@ struct ModelDescription {
   bool mesh_decides_viscosity = false;
   double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
   double slice_thickness = 0;    ///< in plane strain [m]
-  double estimated_seconds = 0;  ///< of one run on one core at 20 million element-steps a second
+  double estimated_seconds = 0;       ///< of one run on one thread, at the rate that was measured for this size and precision
+  double estimated_mean_seconds = 0;  ///< of one ensemble mean on one thread
   double estimated_bytes = 0;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
@@ -45,7 +46,7 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
 
-  /// One run at energy 1 with the case's own tables, the first condition unless named; with energy booking and fields as asked.
+  /// One run at energy 1 with the case's own tables for each condition; fields of the first, a checkpoint of the one under way.
   struct Simulation {
     SolveSummary summary;
     std::vector<double> strain;  ///< (condition, sensor, time) [-]

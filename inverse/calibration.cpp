@@ -49,9 +49,9 @@ std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, 
   return spread_out(pool, n, separation, bounds);
 }
 
-Calibration begin_calibration(const Problem& problem, const std::string& objective, const std::string& key) {
+Calibration begin_calibration(const Problem& problem, Objective objective) {
   Calibration out;
-  out.objective = objectives().get(objective, key);
+  out.objective = std::move(objective);
   out.nominal = nominal(problem.shape);
   out.warnings = problem.warnings;
   return out;

@@ -73,9 +73,8 @@ std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t 
 /// The same in order of cost.
 std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds);
 
-/// A calibration before the search: the objective by name, the nominal point, the problem's warnings. `key` names the option.
-/// Errors: InputError for an unknown objective.
-Calibration begin_calibration(const Problem& problem, const std::string& objective, const std::string& key);
+/// A calibration before the search: the objective, the nominal point, the problem's warnings.
+Calibration begin_calibration(const Problem& problem, Objective objective);
 
 /// The objective of a run of the true model where it is not one of its Score alone; not finite: the run does not count.
 using RunObjective = std::function<double(std::span<const double> theta, std::span<const double> values, const Score& score)>;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "inverse/calibration.hpp"
+#include "inverse/enc_agreement.hpp"
+#include "inverse/enc_rounds.hpp"
 
 namespace calomel {
 
@@ -18,6 +20,10 @@ struct EncOptions {
   int candidates = 8;
   double separation = 0.03;
   std::string objective = "paper_enc";
+  std::vector<std::string> compare_optimizers{"cmaes_restarts", gradient_search};
+  std::vector<std::string> compare_objectives{"rrmse"};
+  int compare_rounds = 4;
+  double agreement = 0.05;
 
   template <class V>
   void visit(V& v) {
@@ -28,16 +34,26 @@ struct EncOptions {
     v("candidates", candidates, {.range = between(1, 50), .doc = "best distinct points that are re-run in the true model"});
     v("separation", separation,
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
-    v("objective", objective, {.doc = "formulation of the misfit", .choices = objectives().names()});
+    v("objective", objective,
+      {.doc = "formulation of the misfit; correlated is the log likelihood with errors correlated in time, with the options of [map.likelihood]",
+       .choices = with_another(objectives().names(), correlated_name)});
+    v("compare_optimizers", compare_optimizers,
+      {.doc = "optimisers whose answers are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a gradient",
+       .choices = with_another(calomel::optimizers().names(), gradient_search)});
+    v("compare_objectives", compare_objectives,
+      {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = with_another(objectives().names(), correlated_name)});
+    v("compare_rounds", compare_rounds, {.range = between(1, 1000), .doc = "rounds of each compared optimiser and objective"});
+    v("agreement", agreement,
+      {.range = between(0, 1), .doc = "answers agree when they differ by no more than this, the largest over the parameters in units of their bounds"});
   }
-};
+  /// Whether any objective of these is the correlated one.
+  [[nodiscard]] bool needs_likelihood() const;
 
-struct EncRound {
-  std::string optimizer;
-  std::vector<double> theta;  ///< (n_parameters)
-  double objective = 0;       ///< on the surrogate, in the objective's own sense; NaN when every point failed
-  std::vector<double> trace;  ///< (generations + 1) best objective so far
-  std::size_t evaluations = 0;
+ private:
+  static std::vector<std::string> with_another(std::vector<std::string> names, const std::string& name) {
+    names.push_back(name);
+    return names;
+  }
 };
 
 /// Rounds of one optimiser together.
@@ -51,13 +67,15 @@ struct EncOptimizer {
 struct EncSummary : Calibration {
   std::vector<EncRound> rounds;
   std::vector<EncOptimizer> optimizers;
+  EncAgreement agreement;
+  double agreement_s = 0;  ///< wall time of its searches and runs [s]
 };
 
 /// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`
-/// have the shape of `problem`.
+/// have the shape of `problem`; `likelihood` is needed for the correlated objective only.
 /// Errors: InputError for an unknown optimiser or objective; what the models throw.
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
-                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {});
+                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const Likelihood* likelihood = nullptr);
 
 /// The contents of enc.json.
 Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);

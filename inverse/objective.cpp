@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "inverse/likelihood/likelihood.hpp"
+
 namespace calomel {
 
 double Objective::value(const Score& score) const {
@@ -15,17 +17,39 @@ double Objective::cost(double value) const {
   return maximise ? -value : value;
 }
 
-std::vector<double> Objective::costs(const Problem& problem, const Eigen::MatrixXf& values) const {
+std::vector<double> Objective::costs(const Problem& problem, const Eigen::MatrixXf& values, const Eigen::MatrixXd& thetas) const {
+  if (of_histories) {
+    expect(thetas.cols() == values.cols(), "an objective of whole histories knows their parameters");
+    std::vector<double> out;
+    for (Eigen::Index i = 0; i < values.cols(); ++i) {
+      const Eigen::VectorXd theta = thetas.col(i), history = values.col(i).cast<double>();
+      const bool failed = !history.allFinite();
+      out.push_back(cost(failed ? std::numeric_limits<double>::quiet_NaN() : of_histories({theta.data(), std::size_t(theta.size())}, {history.data(), std::size_t(history.size())}).value));
+    }
+    return out;
+  }
   const BatchScore s = score_batch(problem, values);
   std::vector<double> out(s.mae.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = cost(formula(s.accuracy[i], s.mae[i], s.nrmse[i], s.delta1[i], s.delta2[i]));
   return out;
 }
 
+Objective correlated_objective(const Likelihood& likelihood) {
+  Objective o{.name = correlated_name, .maximise = true, .formula = {}, .of_histories = {}};
+  o.of_histories = [&likelihood](std::span<const double> theta, std::span<const double> values) -> HistoryObjective {
+    const auto slope = [&likelihood, theta, values] {
+      const Eigen::VectorXd g = likelihood.gradient(theta, values);
+      return std::vector<double>(g.begin(), g.end());
+    };
+    return {likelihood.log_likelihood(theta, values), slope};
+  };
+  return o;
+}
+
 const Registry<Objective>& objectives() {
   static const Registry<Objective> all = [] {
     Registry<Objective> r("objective");
-    const auto add = [&](const char* name, const char* summary, bool maximise, auto formula) { r.add(name, summary, {name, maximise, formula}); };
+    const auto add = [&](const char* name, const char* summary, bool maximise, auto formula) { r.add(name, summary, {name, maximise, formula, {}}); };
     add("paper_enc", "accuracy [%] - mae [microstrain], maximised, as published for ENC", true,
         [](double accuracy, double mae, double, double, double) { return accuracy - mae; });
     add("paper_spe", "delta1 + 5 delta2 summed over the sensors, minimised, as published for SPE", false,

@@ -173,7 +173,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   expect(archive.shape.values() == problem.shape.values() && true_model.shape().values() == problem.shape.values() &&
              std::size_t(archive.theta.rows()) == problem.shape.parameters.size(),
          "campaign, true model and problem have one shape");
-  SpeSummary out{begin_calibration(problem, options.objective, "spe.objective")};
+  SpeSummary out{begin_calibration(problem, objectives().get(options.objective, "spe.objective"))};
   const Clock clock;
   const Bounds bounds = bounds_of(problem.shape);
   const UnitBox box(bounds);

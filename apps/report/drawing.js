@@ -89,7 +89,7 @@ function power_of_ten(v) {
   return '10' + String(Math.round(v)).split('').map(c => digits[c]).join('');
 }
 
-/// Lines {label, x, y} with a legend below; `log` draws log10 of y.
+/// Lines {label, x, y} with a legend below, shaded between `low` and `high` where they have them; `log` draws log10 of y.
 function draw_lines(place, data, log) {
   if (!place || !data) return;
   const longest = Math.max(...data.lines.map(l => l.label.length));
@@ -97,8 +97,17 @@ function draw_lines(place, data, log) {
   const root = svg('svg', { class: 'drawing', viewBox: `0 0 800 ${height + 62 + 20 * rows}` }, place);
   const shown = data.lines.map(l => ({ label: l.label, group: l.group, variant: l.variant, x: l.x, y: log ? l.y.map(v => v > 0 ? Math.log10(v) : null) : l.y }));
   const box = { left: 78, top: 10, width: 710, height };
-  const ys = span(shown.flatMap(l => l.y)), xs = span(shown.flatMap(l => l.x));
+  const ys = span(data.span || shown.flatMap(l => l.y)), xs = span(shown.flatMap(l => l.x));
   const scale = axes(root, box, { span: [Math.max(xs[0], 0), xs[1]], label: data.x_label }, { span: ys, label: data.y_label, log });
+  const clip = `${place.id}-clip`;
+  svg('rect', { x: box.left, y: box.top, width: box.width, height: box.height }, svg('clipPath', { id: clip }, svg('defs', {}, root)));
+  data.lines.forEach(line => {
+    if (!line.low) return;
+    const edge = (ys, list) => list.map(k => `${scale.sx(line.x[k]).toFixed(1)},${scale.sy(ys[k]).toFixed(1)}`);
+    const order = line.x.map((_, k) => k);
+    const points = edge(line.high, order).concat(edge(line.low, order.slice().reverse())).join(' ');
+    svg('polygon', { points, fill: palette[line.group % palette.length], opacity: 0.13, 'clip-path': `url(#${clip})` }, root);
+  });
   shown.forEach((line, i) => {
     let path = '', pen = 'M';
     line.x.forEach((x, k) => {
@@ -107,7 +116,7 @@ function draw_lines(place, data, log) {
       pen = 'L';
     });
     const style = { fill: 'none', stroke: palette[line.group % palette.length], 'stroke-width': 2, 'stroke-dasharray': dashes[line.variant % dashes.length] };
-    svg('title', {}, svg('path', Object.assign({ d: path }, style), root), line.label);
+    svg('title', {}, svg('path', Object.assign({ d: path, 'clip-path': `url(#${clip})` }, style), root), line.label);
     const lx = box.left + (i % columns) * (box.width / columns), ly = height + 68 + 20 * Math.floor(i / columns);
     svg('line', Object.assign({ x1: lx, x2: lx + 34, y1: ly - 4, y2: ly - 4 }, style), root);
     svg('text', { x: lx + 42, y: ly }, root, line.label);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/report/comparison_tables.hpp"
+#include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
 
@@ -161,10 +163,23 @@ std::string score_section(const Study& study, const ReportInput& input) {
   return "<div class=\"pair\"><div>" + accuracy.html() + "</div><div>" + mae.html() + "</div></div>\n";
 }
 
+std::string optimizer_comparison_section(const Study& study) {
+  const Json figures = decay_json(study);
+  std::string s;
+  for (std::size_t i = 0; i < figures.size(); ++i)
+    s += figure("decay-plot-" + std::to_string(i),
+                "Best value so far against evaluations on " + escape_html(figures[i]["title"].get<std::string>()) +
+                    ": mean of the trials, shaded three standard deviations to either side, cut at the frame.",
+                "Decay of the optimisers");
+  if (const Table t = trial_table(study); !t.empty()) s += t.html();
+  return s;
+}
+
 std::string convergence_section(const Study& study, const ReportInput& input) {
+  const std::string compared = optimizer_comparison_section(study);
   const auto* enc = study.calibration("enc");
   if (!enc)
-    return missing("Optimiser rounds belong to the evolutionary neural calibration, which has not been run (enc.json).",
+    return compared + missing("Optimiser rounds belong to the evolutionary neural calibration, which has not been run (enc.json).",
                    "Run it with " + command(input, "calibrate", "--method enc") + ".");
   std::string s;
   const Table table = optimizer_table(study);
@@ -172,8 +187,12 @@ std::string convergence_section(const Study& study, const ReportInput& input) {
     s += figure("convergence-plot", "Best objective so far by generation, in the best round of each optimiser.", "Convergence of each optimiser");
   else
     s += missing("enc.json holds no traces of the optimisers.", "");
-  if (!table.empty()) s += table.html();
-  return s;
+  if (const Table rivals = rival_table(study); !rivals.empty())
+    s += rivals.html();
+  else if (!table.empty())
+    s += table.html();
+  if (const Table formulations = formulation_table(study, input); !formulations.empty()) s += formulations.html();
+  return s + compared;
 }
 
 std::string candidate_section(const Study& study, const ReportInput& input) {
@@ -198,8 +217,20 @@ std::string candidate_section(const Study& study, const ReportInput& input) {
   return s;
 }
 
+/// What SPE's own surrogates are worth; empty where it has not been run.
+std::string polynomial_section(const Study& study, const ReportInput& input) {
+  std::string s;
+  if (const Table t = polynomial_error_table(study); !t.empty()) s += t.html();
+  if (const Table t = lambda_table(study); !t.empty()) s += t.html();
+  if (const Table t = mode_table(study, input); !t.empty()) s += t.html();
+  if (const Table t = polynomial_table(study); !t.empty())
+    s += "<details><summary>All " + std::to_string(t.rows.size()) + " polynomial surrogates</summary>" + t.html() + "</details>\n";
+  return s;
+}
+
 std::string surrogate_section(const Study& study, const ReportInput& input) {
-  if (!study.train) return missing("No surrogate has been trained (train.json).", "Train one with " + command(input, "train") + ".");
+  const std::string polynomials = polynomial_section(study, input);
+  if (!study.train) return polynomials + missing("No surrogate has been trained (train.json).", "Train one with " + command(input, "train") + ".");
   const Table table = surrogate_table(study, input);
   std::string s = table.empty() ? missing("train.json lists no surrogates.", "") : table.html();
   if (!loss_table(study).empty())
@@ -207,7 +238,7 @@ std::string surrogate_section(const Study& study, const ReportInput& input) {
         "loss-plot",
         "Training and test loss by epoch, logarithmic. Losses of different networks are of different quantities: compare their shapes, not their heights.",
         "Training loss");
-  return s;
+  return s + polynomials;
 }
 
 std::string campaign_section(const Study& study, const ReportInput& input) {
@@ -288,6 +319,8 @@ std::string sections_html(const Study& study, const ReportInput& input) {
                           ? missing("The case has no parameters to infer.", "Add a table <code>[parameter.NAME]</code> with min and max to the case file.")
                           : parameters.html();
   if (study.calibrations.empty() && !parameters.empty()) first += no_calibration(input, "Only nominal values and bounds are known.");
+  for (const Table& t : {agreement_table(study), effort_table(study)})
+    if (!t.empty()) first += t.html();
   return section("parameters", "Parameters", first) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
          section("scores", "Accuracy and error by sensor", score_section(study, input)) +

@@ -14,6 +14,7 @@
   attempt('histories-plots', () => draw_histories(data.histories));
   attempt('convergence-plot', () => draw_lines(document.getElementById('convergence-plot'), data.convergence, false));
   attempt('loss-plot', () => draw_lines(document.getElementById('loss-plot'), data.loss, true));
+  (data.decay || []).forEach((figure, i) => attempt(`decay-plot-${i}`, () => draw_lines(document.getElementById(`decay-plot-${i}`), figure, false)));
   attempt('ridge-plot', () => draw_ridge(document.getElementById('ridge-plot'), data.ridge));
   attempt('design-plot', () => draw_design(document.getElementById('design-plot'), data.design));
   attempt('target-view', () => draw_target(document.getElementById('target-view'), document.getElementById('target-note'), data.target));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/comparison_tables.hpp"
 #include "apps/report/page.hpp"
 #include "apps/report/surface.hpp"
 #include "apps/report/tables.hpp"
@@ -156,6 +157,7 @@ Json page_data(const Study& study, const ReportInput& input, std::size_t samples
             {"convergence", nullptr},
             {"ridge", ridge_json(study, input, points)},
             {"loss", nullptr},
+            {"decay", decay_json(study)},
             {"design", design_json(study, input, points)}};
   if (!data["histories"].is_null()) data["histories"]["scores"] = score_lines(study, input);
   if (const Table t = convergence_table(study); !t.empty()) {

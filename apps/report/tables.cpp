@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "apps/report/comparison_tables.hpp"
+
 namespace calomel {
 
 DisplayUnit display_unit(const ReportInput& input) {
@@ -77,8 +79,11 @@ bool as_good(const std::string& key, double calibrated, double nominal) { return
 Table parameter_table(const Study& study, const ReportInput& input) {
   Table t{.id = "parameters", .caption = "Calibrated parameters beside the nominal ones."};
   t.columns = {{"parameter", "Parameter", 4, true}, {"unit", "Unit", 4, true}};
-  for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, 5});
   t.columns.push_back({"nominal", "Nominal", 5});
+  for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, 5});
+  const Comparison compared = comparison_of(study);
+  const bool sds = study.calibration("map") != nullptr;
+  if (sds) t.columns.push_back({"map_sd", "sd by MAP", 3});
   for (const auto& c : study.calibrations) t.columns.push_back({c.method + "_change_percent", c.label + " against nominal [%]", -1});
   t.columns.push_back({"min", "Lower bound", 5});
   t.columns.push_back({"max", "Upper bound", 5});
@@ -92,8 +97,12 @@ Table parameter_table(const Study& study, const ReportInput& input) {
   const auto add = [&](const std::string& name, const std::string& unit, const std::vector<std::optional<double>>& found, std::optional<double> nominal,
                        std::optional<double> low, std::optional<double> high) {
     std::vector<Cell> row{name, unit};
-    for (const auto& x : found) row.emplace_back(x);
     row.emplace_back(nominal);
+    for (const auto& x : found) row.emplace_back(x);
+    if (sds) {
+      const auto of = std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
+      row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->map_sd);
+    }
     for (const auto& x : found) row.emplace_back(x && nominal && *nominal != 0 ? std::optional(100 * (*x / *nominal - 1)) : std::nullopt);
     row.emplace_back(low);
     row.emplace_back(high);
@@ -145,7 +154,7 @@ Table sensor_table(const ReportInput& input) {
   for (const auto& s : input.sensors) {
     std::vector<Cell> row{s.name};
     for (const double x : s.placed) row.emplace_back(x);
-    for (const double x : s.direction) row.emplace_back(x);
+    for (const double x : s.direction) row.emplace_back(std::abs(x) < 1e-9 ? 0 : x);
     row.emplace_back(s.moved);
     row.emplace_back(s.gauge_length);
     t.rows.push_back(std::move(row));
@@ -159,9 +168,8 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
   Table t{.id = key,
           .caption =
               mae ? "Mean absolute error against the mean record [" + unit.name + "]." : "Accuracy: share of samples strictly inside the measured band [%]."};
-  t.columns = {{"sensor", "Sensor", 4, true}};
+  t.columns = {{"sensor", "Sensor", 4, true}, {"nominal", "Nominal", -1}};
   for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, -1});
-  t.columns.push_back({"nominal", "Nominal", -1});
 
   // The order of the case, then what only an artefact names.
   std::vector<std::string> names;
@@ -177,7 +185,7 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
     for (const auto& s : list_at(c.summary, "sensors")) add_name(text_at(s, "name"));
 
   const auto row_of = [&](const std::string& title, auto&& part) {
-    std::vector<Cell> row{Cell(title)};
+    std::vector<Cell> row{Cell(title), Cell()};
     std::optional<double> nominal;
     for (const auto& c : study.calibrations) {
       const Json& j = part(c);
@@ -185,7 +193,7 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
       if (!nominal) nominal = n;
       row.emplace_back(x, x && n && as_good(key, *x, *n));
     }
-    row.emplace_back(nominal);
+    row[1] = Cell(nominal);
     return row;
   };
   for (const auto& name : names)
@@ -282,9 +290,10 @@ Table surrogate_table(const Study& study, const ReportInput& input) {
                {"mae", "Mean absolute error [" + unit.name + "]", 4},
                {"rmse", "Root mean square error [" + unit.name + "]", 4},
                {"r2", "R\u00b2", 5}};
+  const auto shown = [&](const std::optional<double>& x) { return x ? std::optional(unit.factor * *x) : std::nullopt; };
   if (study.train)
     for (const auto& s : list_at(*study.train, "surrogates"))
-      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), number_at(s, "mae"), number_at(s, "rmse"),
+      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), shown(number_at(s, "mae")), shown(number_at(s, "rmse")),
                         number_at(s, "r2")});
   if (!t.rows.empty()) t.note = "R\u00b2 is pooled over all outputs: 1 \u2212 \u03a3 error\u00b2 / \u03a3 (value \u2212 mean over runs)\u00b2.";
   return t;

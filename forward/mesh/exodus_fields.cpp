@@ -3,6 +3,7 @@
 #include <exodusII.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/artefact.hpp"
 #include "base/errors.hpp"
@@ -11,6 +12,11 @@
 
 namespace calomel {
 namespace {
+
+/// Which fields a step holds.
+std::array<bool, 5> fields_of(const FieldStep& s) {
+  return {!s.displacement.empty(), !s.velocity.empty(), !s.pressure.empty(), !s.effective_stress.empty(), !s.time_at_cutoff.empty()};
+}
 
 int side_of_face(const Mesh& mesh, const Face& face) { return file_order::exodus_side[std::size_t(side_of(face_id(mesh.elements, face)))]; }
 
@@ -23,6 +29,7 @@ ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mes
   id_ = ex_create(part_.c_str(), EX_CLOBBER | EX_LARGE_MODEL, &memory, &file);
   if (id_ < 0) throw InputError({.problem = "the fields cannot be written", .suggestion = "check the path and the free space", .file = part_.string()});
   try {
+    number_elements();
     write_mesh();
     write_sets();
   } catch (...) {
@@ -31,6 +38,25 @@ ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mes
     std::filesystem::remove(part_, ignored);
     throw;
   }
+}
+
+ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mesh, int steps)
+    : path_(std::move(path)), part_(path_.string() + ".part"), mesh_(mesh), steps_(steps) {
+  ex_opts(0);
+  int memory = sizeof(double), file = 0;
+  float version = 0;
+  id_ = ex_open(part_.c_str(), EX_WRITE, &memory, &file, &version);
+  const auto size = [&](ex_inquiry what) { return id_ < 0 ? -1 : ex_inquire_int(id_, what); };
+  const char* problem = id_ < 0 ? "the fields of the run so far are gone or broken"
+                        : size(EX_INQ_NODES) != std::int64_t(mesh.nodes.size()) || size(EX_INQ_ELEM) != std::int64_t(mesh.elements.size())
+                            ? "the fields so far are of another mesh"
+                        : size(EX_INQ_TIME) < steps ? "the fields so far end before the checkpoint"
+                                                    : nullptr;
+  if (problem) {
+    if (id_ >= 0) ex_close(id_);
+    throw InputError({.problem = problem, .suggestion = "begin the run anew", .file = part_.string()});
+  }
+  number_elements();
 }
 
 ExodusFieldWriter::~ExodusFieldWriter() {
@@ -45,13 +71,16 @@ void ExodusFieldWriter::check(int status, const char* doing) const {
     throw InputError({.problem = std::string("the fields cannot be written (") + doing + ")", .suggestion = "check the free space", .file = part_.string()});
 }
 
-void ExodusFieldWriter::write_mesh() {
-  const std::size_t nodes = mesh_.nodes.size(), elements = mesh_.elements.size();
-  position_.resize(elements);
-  for (std::size_t e = 0; e < elements; ++e) block_[std::size_t(mesh_.region[e])].push_back(std::int32_t(e));
+void ExodusFieldWriter::number_elements() {
+  position_.resize(mesh_.elements.size());
+  for (std::size_t e = 0; e < position_.size(); ++e) block_[std::size_t(mesh_.region[e])].push_back(std::int32_t(e));
   std::int32_t at = 0;
   for (const auto& block : block_)
     for (const auto e : block) position_[std::size_t(e)] = ++at;
+}
+
+void ExodusFieldWriter::write_mesh() {
+  const std::size_t nodes = mesh_.nodes.size(), elements = mesh_.elements.size();
   int node_sets = 0, side_sets = 0;
   for (int k = 0; k < 3; ++k) node_sets += std::any_of(mesh_.fixed.begin(), mesh_.fixed.end(), [&](auto f) { return f >> k & 1; });
   for (const auto* faces : {&mesh_.outer, &mesh_.wetted, &mesh_.rear, &mesh_.loaded}) side_sets += !faces->empty();
@@ -107,8 +136,7 @@ void ExodusFieldWriter::write_side_set(int id, const char* name, const std::vect
   check(ex_put_name(id_, EX_SIDE_SET, id, name), "name of a side set");
 }
 
-void ExodusFieldWriter::define_variables(const FieldStep& step) {
-  written_ = {!step.displacement.empty(), !step.velocity.empty(), !step.pressure.empty(), !step.effective_stress.empty()};
+void ExodusFieldWriter::define_variables() {
   std::vector<const char*> nodal, element;
   if (written_[0])
     for (const char* name : {"displacement_x", "displacement_y", "displacement_z"}) nodal.push_back(name);
@@ -116,6 +144,7 @@ void ExodusFieldWriter::define_variables(const FieldStep& step) {
     for (const char* name : {"velocity_x", "velocity_y", "velocity_z"}) nodal.push_back(name);
   if (written_[2]) element.push_back("pressure");
   if (written_[3]) element.push_back("effective_stress");
+  if (written_[4]) element.push_back("time_at_cutoff");
   for (const auto& [kind, names] : {std::pair{EX_NODAL, &nodal}, std::pair{EX_ELEM_BLOCK, &element}}) {
     if (names->empty()) continue;
     check(ex_put_variable_param(id_, kind, int(names->size())), "number of fields");
@@ -125,9 +154,10 @@ void ExodusFieldWriter::define_variables(const FieldStep& step) {
 
 void ExodusFieldWriter::write_step(const FieldStep& step) {
   expect(id_ >= 0, "no step is written after commit()");
-  if (steps_ == 0) define_variables(step);
-  expect(written_ == std::array{!step.displacement.empty(), !step.velocity.empty(), !step.pressure.empty(), !step.effective_stress.empty()},
-         "every step of a file has the same fields");
+  if (!begun_) written_ = fields_of(step);
+  if (steps_ == 0) define_variables();
+  begun_ = true;
+  expect(written_ == fields_of(step), "every step of a file has the same fields");
   ++steps_;
   check(ex_put_time(id_, steps_, &step.time), "time");
   int nodal = 0, element = 0;
@@ -141,7 +171,7 @@ void ExodusFieldWriter::write_step(const FieldStep& step) {
       check(ex_put_var(id_, steps_, EX_NODAL, ++nodal, 1, std::int64_t(values.size()), values.data()), "nodal field");
     }
   }
-  for (const auto field : {step.pressure, step.effective_stress}) {
+  for (const auto field : {step.pressure, step.effective_stress, step.time_at_cutoff}) {
     if (field.empty()) continue;
     expect(field.size() == mesh_.elements.size(), "an element field has a value per element");
     ++element;
@@ -156,11 +186,20 @@ void ExodusFieldWriter::write_step(const FieldStep& step) {
   check(ex_update(id_), "flush");
 }
 
+void ExodusFieldWriter::flush() {
+  check(ex_update(id_), "flush");
+  sync_to_disk(part_);
+}
+
+void ExodusFieldWriter::close() {
+  expect(id_ >= 0, "a file is closed once");
+  check(ex_close(std::exchange(id_, -1)), "close");
+}
+
+void ExodusFieldWriter::leave() { close(); }
+
 void ExodusFieldWriter::commit() {
-  expect(id_ >= 0, "commit() comes once");
-  const int id = id_;
-  id_ = -1;
-  check(ex_close(id), "close");
+  close();
   rename_durably(part_, path_);
 }
 

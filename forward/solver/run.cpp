@@ -285,6 +285,7 @@ FieldSnapshot Run<R>::snapshot(std::int64_t n) const {
 
 template <class R>
 void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
+  const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
   const std::size_t count = mesh_.elements.size(), lanes = packed_.lanes(), copies = packed_.runs ? run_lanes : 1;
   f.pressure.resize(count), f.effective_stress.resize(count), f.time_at_cutoff.assign(count, 0);
   for (std::size_t b = 0; b < blocks_.size(); ++b)
@@ -300,12 +301,14 @@ void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
         rate += Eigen::Map<const Eigen::Vector3d>(f.velocity[n].data()).dot(g.gradient.col(k));
       }
       if (blocks_[b].liquid) {
+        const double strain = finite ? (grad + Eigen::Matrix3d::Identity()).determinant() - 1 : grad.trace();
         f.pressure[e] = blocks_[b].law.advance ? memory_[b][blocks_[b].law.points + slot * copies]
-                                               : setup_.liquid.pressure(setup_.p0.empty() ? 0 : setup_.p0[e] * share, grad.trace(), rate);
+                                               : setup_.liquid.pressure(setup_.p0.empty() ? 0 : setup_.p0[e] * share, strain, rate);
         if (stateful_ && !packed_.runs)
           f.time_at_cutoff[e] = double(state_[b][(slot / lanes * element_state + state_time_at_cutoff) * lanes + slot % lanes]);
       } else {
-        const Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
+        Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
+        if (finite) strain += 0.5 * grad.transpose() * grad;
         const Eigen::Matrix3d stress = setup_.steel.lambda * strain.trace() * Eigen::Matrix3d::Identity() + 2 * setup_.steel.mu * strain;
         f.pressure[e] = -stress.trace() / 3;
         f.effective_stress[e] = std::sqrt(1.5) * (stress - stress.trace() / 3 * Eigen::Matrix3d::Identity()).norm();

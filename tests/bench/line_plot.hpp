@@ -34,7 +34,7 @@ inline std::string line_plot(const std::string& solid_name, const std::string& d
     s += fmt::format(R"(<path d="M{} {:.1f}H{}" stroke="#ddd"/><text x="{}" y="{:.1f}" text-anchor="end">0</text>)", left, y(0), width - right, left - 5, y(0) + 4);
     for (const double v : {low, high})
       if (std::abs(v) > 0.15 * span) s += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{:.3g}</text>)", left - 5, y(v) + 4, v);
-    s += fmt::format(R"(<text x="{}" y="{}" text-anchor="end">{}</text>)", width - right - 5, y0 + 14, panel.title);
+    s += fmt::format(R"(<text x="{}" y="{}" text-anchor="end">{}</text>)", width - right, y0 - 5, panel.title);
     for (const bool solid : {true, false}) {
       const auto& values = solid ? panel.solid : panel.dashed;
       s += solid ? R"(<path fill="none" stroke="#1f6f8b" stroke-width="2" d=")" : R"(<path fill="none" stroke="#c0392b" stroke-width="1.5" stroke-dasharray="4 3" d=")";

@@ -47,6 +47,8 @@ struct Edit {
   std::string case_old, case_now;  ///< change of the case file
 };
 
+void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
+
 /// The line that element `number` stands in.
 std::string element_line(int number) {
   const auto& mesh = good_mesh();

@@ -28,6 +28,8 @@ const std::vector<std::string>& items() {
                                             "Taylor plate",
                                             "Bleich-Sandler",
                                             "Water hammer",
+                                            "Bubble collapse",
+                                            "Bubbly dispersion",
                                             "Rear face",
                                             "Reproducibility"};
   return all;

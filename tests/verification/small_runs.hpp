@@ -160,12 +160,12 @@ inline Eigen::VectorXd masses(const Mesh& mesh, const RunSetup& setup) {
 
 /// Accelerations [m/s^2] (3 n + c) that a displacement field meets at rest, read off one step of the solver itself:
 /// u1 - u0 = a dt^2 / 2.
-inline Eigen::VectorXd accelerations(const ExplicitSolver& solver, RunSetup setup, const std::vector<Vec3>& displacement) {
+inline Eigen::VectorXd accelerations(const ExplicitSolver& solver, RunSetup setup, const std::vector<Vec3>& displacement, const SolveOptions& options = {}) {
   const Mesh& mesh = solver.mesh();
-  const double dt = 0.5 * solver.stable_step(setup);
+  const double dt = 0.5 * solver.stable_step(setup, options);
   setup.initial_displacement = displacement;
   setup.end = setup.output_interval = dt;
-  const auto s = solver.solve(setup, all_components(mesh), {});
+  const auto s = solver.solve(setup, all_components(mesh), options);
   expect(s.steps == 1, "one step is taken");
   Eigen::VectorXd a(Eigen::Index(3 * mesh.nodes.size()));
   for (Eigen::Index i = 0; i < a.size(); ++i) a[i] = (s.observations[std::size_t(2 * i + 1)] - s.observations[std::size_t(2 * i)]) * 2 / (dt * dt);

@@ -95,6 +95,7 @@ TEST(CommandLine, WhatTheParserRefusesIsAnInputError) {
 TEST(CommandLine, VerbsHaveTheirOwnOptions) {
   EXPECT_THAT(parsed({"calibrate", "case.toml"}).methods, testing::ElementsAre("enc"));
   EXPECT_THAT(parsed({"calibrate", "case.toml", "--method", "map"}).methods, testing::ElementsAre("map"));
+  EXPECT_THAT(parsed({"calibrate", "case.toml", "--method", "all"}).methods, testing::ElementsAre("all"));
   EXPECT_TRUE(parsed({"simulate", "case.toml", "--fields"}).fields);
   EXPECT_THAT(parsed({"import", "a.csv", "b.csv", "--out", "x"}).files, testing::ElementsAre("a.csv", "b.csv"));
 }

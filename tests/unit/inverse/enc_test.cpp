@@ -25,6 +25,7 @@ struct Case {
 EncOptions small() {
   EncOptions o;
   o.rounds = 8, o.generations = 40, o.population = 30, o.candidates = 5;
+  o.compare_optimizers = {}, o.compare_objectives = {};  // see enc_agreement_test.cpp
   return o;
 }
 
@@ -49,7 +50,7 @@ TEST(Enc, RecoversTheTruth) {
 TEST(Enc, OneAndTwoThreadsGiveTheSame) {
   Case c;
   auto a = run_enc(c.problem, c.model, c.model, small(), 1, 1), b = run_enc(c.problem, c.model, c.model, small(), 1, 2);
-  for (auto* s : {&a, &b}) s->search_s = s->model_s = 0;
+  for (auto* s : {&a, &b}) s->search_s = s->model_s = s->agreement_s = 0;
   EXPECT_EQ(enc_json(a, c.problem, {}).dump(), enc_json(b, c.problem, {}).dump());
   EXPECT_EQ(a.calibrated, b.calibrated);
   const auto other = run_enc(c.problem, c.model, c.model, small(), 2, 1);

@@ -109,3 +109,43 @@ TEST(ExodusFieldWriter, LeavesNothingBehindWithoutCommit) {
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
   EXPECT_THROW(ExodusFieldWriter("/proc/nowhere/fields.exo", m), InputError);
 }
+
+// Left behind at any step, closed or not, a file is gone on with: steps after the agreed one are written over.
+TEST(ExodusFieldWriter, GoesOnWithAFileThatWasLeft) {
+  const Mesh m = make_mesh(half_box());
+  const auto path = scratch("gone_on_with.exo");
+  std::filesystem::remove(path);
+  std::vector<double> p(m.elements.size());
+  const auto write = [&](ExodusFieldWriter& w, int step, double value) {
+    std::fill(p.begin(), p.end(), value);
+    w.write_step({.time = 1e-6 * step, .displacement = {}, .velocity = {}, .pressure = p, .effective_stress = {}, .time_at_cutoff = p});
+  };
+  {
+    ExodusFieldWriter first(path, m);
+    for (const int step : {1, 2, 3}) write(first, step, step);
+    first.flush();
+    first.leave();
+  }
+  {
+    ExodusFieldWriter second(path, m, 2);
+    write(second, 3, 30);
+    write(second, 4, 40);
+    second.commit();
+  }
+  const NetcdfReader r(path);
+  EXPECT_THAT(names_in(path, "name_elem_var"), ::testing::ElementsAre("pressure", "time_at_cutoff"));
+  ASSERT_EQ(r.doubles("time_whole").size(), 4u);
+  const auto values = r.doubles("vals_elem_var2eb2");
+  const std::size_t mercury = values.size() / 4;
+  for (std::size_t t = 0; t < 4; ++t) EXPECT_EQ(values[t * mercury], (std::array{1.0, 2.0, 30.0, 40.0}[t]));
+  EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+
+  { ExodusFieldWriter(path, m).leave(); }
+  EXPECT_THROW(ExodusFieldWriter(path, m, 1), InputError);  // fewer steps than agreed
+  GeometryOptions other = half_box();
+  other.element_size = 0.005;
+  const Mesh n = make_mesh(other);
+  EXPECT_THROW(ExodusFieldWriter(path, n, 0), InputError);
+  std::filesystem::remove(path.string() + ".part");
+  EXPECT_THROW(ExodusFieldWriter(path, m, 0), InputError);
+}

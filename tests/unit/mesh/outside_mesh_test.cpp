@@ -54,8 +54,11 @@ void expect_same_faces(const std::vector<Face>& a, const std::vector<Face>& b) {
   }
 }
 
-void expect_same(const Mesh& a, const Mesh& b) {
-  EXPECT_EQ(a.nodes, b.nodes);
+/// Positions within `tolerance` [m]; all else equal.
+void expect_same(const Mesh& a, const Mesh& b, double tolerance = 0) {
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  for (std::size_t n = 0; n < a.nodes.size(); ++n)
+    for (int i = 0; i < 3; ++i) ASSERT_NEAR(a.nodes[n][i], b.nodes[n][i], tolerance) << "node " << n;
   EXPECT_EQ(a.elements, b.elements);
   EXPECT_EQ(a.region, b.region);
   EXPECT_EQ(a.fixed, b.fixed);
@@ -133,7 +136,8 @@ TEST(OutsideMesh, ComesBackTheSameThroughBothFormats) {
       const auto path = scratch(name + ending);
       write_mesh(before, path);
       const Mesh after = make_mesh(from(path, g.wetted));
-      expect_same(before, after);
+      // Abaqus reads at most 20 characters of a number: the last digit of a small coordinate may be rounded.
+      expect_same(before, after, ending == std::string(".inp") ? 1e-17 : 0);
       if (g.kind != "bar") expect_sound(after, 0.2);
       EXPECT_THAT(after.notes, ::testing::IsEmpty());
     }

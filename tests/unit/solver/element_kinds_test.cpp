@@ -48,6 +48,62 @@ TEST(BBarElement, AgreesWithTheFastOneInAThickBlock) {
   }
 }
 
+// Bent as u = (k x z, 0, -k x^2 / 2), one element through: the assumed strain is exact whatever the shape of the element; the B-bar
+// element's energy over the exact one is (2 mu / E') (2/3 + (l/h)^2 / 2), its parasitic shear included, by hand.
+TEST(BBarElement, IsTooStiffInBendingByItsParasiticShear) {
+  const double h = 0.002, curvature = 1e-3, plane_modulus = young / (1 - poisson * poisson);
+  for (const double aspect : {1.0, 2.0, 4.0}) {
+    const double l = aspect * h;
+    const Mesh mesh = block({5, 1, 1}, {0, 0, 0}, {5 * l, h, h}, Region::steel);
+    const ExplicitSolver solver(mesh, steel());
+    const RunSetup s = linear_setup(0, 0);
+    const auto bent = field(mesh, [&](const Vec3& x) { return Vec3{curvature * x[0] * (x[2] - h / 2), 0, -curvature * x[0] * x[0] / 2}; });
+    const auto m = masses(mesh, s);
+    const auto energy = [&](const char* element) {
+      const auto a = accelerations(solver, s, bent, {.steel_element = element});
+      double e = 0;
+      for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+        for (std::size_t c = 0; c < 3; ++c) e -= 0.5 * m[Eigen::Index(n)] * a[Eigen::Index(3 * n + c)] * bent[n][c];
+      return e;
+    };
+    const double exact = plane_modulus / 2 * curvature * curvature * h * h / 12 * 5 * l * h * h;
+    const double by_hand = 2 * steel().mu / plane_modulus * (2.0 / 3 + aspect * aspect / 2);
+    measured("assumed_strain_at_aspect_" + std::to_string(int(aspect)), energy("assumed_strain") / exact);
+    measured("b_bar_at_aspect_" + std::to_string(int(aspect)), energy("b_bar") / exact);
+    EXPECT_NEAR(energy("assumed_strain") / exact, 1, 1e-8);
+    EXPECT_NEAR(energy("b_bar") / exact, by_hand, 1e-8);
+  }
+}
+
+// Irons' patch test for the elements that the table of docs/verification does not hold.
+TEST(ElementKinds, LinearFieldsLeaveTheInnerNodesOfADistortedPatchAtRest) {
+  Mesh mesh = block({4, 4, 4}, {0, 0, 0}, {0.008, 0.008, 0.008}, Region::steel);
+  const auto inner = [](const Vec3& x) { return std::all_of(x.begin(), x.end(), [](double c) { return c > 1e-4 && c < 0.0079; }); };
+  RandomStream random(7, 0);
+  for (auto& x : mesh.nodes)
+    if (inner(x)) {
+      for (auto& c : x) c += random.uniform(-0.0005, 0.0005);
+    }
+  const ExplicitSolver solver(mesh, steel());
+  const RunSetup s = linear_setup(0, 0);
+  const Eigen::Matrix3d gradient = (Eigen::Matrix3d() << 1.1, 0.3, -0.7, 0.2, -0.4, 0.5, 0.9, -0.6, 0.8).finished() * 0.1;
+  const auto share = [&](const SolveOptions& o, bool bent) {
+    const auto u = field(mesh, [&](const Vec3& x) { return bent ? Vec3{10 * x[0] * x[0], 0, 0} : hexahedron::vec3(gradient * hexahedron::point(x)); });
+    const auto a = accelerations(solver, s, u, o);
+    double in = 0, all = 0;
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+      const double size = a.segment<3>(Eigen::Index(3 * n)).norm();
+      all = std::max(all, size);
+      if (inner(mesh.nodes[n])) in = std::max(in, size);
+    }
+    return in / all;
+  };
+  for (const SolveOptions& o : {SolveOptions{.steel_element = "b_bar"}, SolveOptions{.kinematics = "finite"}}) {
+    EXPECT_LT(share(o, false), 1e-10) << o.steel_element << ' ' << o.kinematics;
+    EXPECT_GT(share(o, true), 1e-3) << o.steel_element << ' ' << o.kinematics;
+  }
+}
+
 TEST(BBarElement, IsOneOfSmallStrain) {
   const Mesh mesh = thick_block(0);
   const ExplicitSolver solver(mesh, steel());
@@ -70,7 +126,9 @@ TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
         s.initial_velocity = field(mesh, [&](const Vec3& x) { return Vec3{load * 1e5 * x[0] * x[2], load * 2e4 * x[1] * x[0], -load * 3e2 * x[2]}; });
         const double d = difference(histories(solver, s, rows, "assumed_strain", "finite"), histories(solver, s, rows, "assumed_strain", "small"));
         measured("finite_against_small_" + std::to_string(with_liquid) + (distortion > 0 ? "_distorted_" : "_") + std::to_string(load), d);
-        if (before > 0) EXPECT_NEAR(before / d, 10, 1.5);
+        if (before > 0) {
+          EXPECT_NEAR(before / d, 10, 1.5);
+        }
         before = d;
       }
     }
@@ -99,4 +157,39 @@ TEST(FiniteStrain, ARotatedBodyIsAtRest) {
       EXPECT_LT(moved("finite"), 1e-12);
       EXPECT_GT(moved("small"), 1e-5);
     }
+}
+
+// Stretched by far and turned, each face of a block bears the exact traction: P N with P = F S, S = lambda tr(E) + 2 mu E, E = (F^T F - 1) / 2 in the
+// steel, and P = -p cof F, p = -K (det F - 1) in the liquid.
+TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockBearTheExactTraction) {
+  const double side = 0.006;
+  const Eigen::Matrix3d stretch = (Eigen::Matrix3d() << 1.25, 0.05, 0, 0.05, 0.85, -0.04, 0, -0.04, 1.1).finished();
+  const Eigen::Matrix3d f = Eigen::AngleAxisd(0.7, Eigen::Vector3d(2, -1, 1).normalized()).toRotationMatrix() * stretch, identity = Eigen::Matrix3d::Identity();
+  for (const Region region : {Region::steel, Region::mercury}) {
+    const Mesh mesh = block({3, 3, 3}, {0, 0, 0}, {side, side, side}, region);
+    const ExplicitSolver solver(mesh, steel());
+    const RunSetup s = linear_setup(0, 0);
+    const auto u = field(mesh, [&](const Vec3& x) { return hexahedron::vec3((f - identity) * hexahedron::point(x)); });
+    const Eigen::Matrix3d green = 0.5 * (f.transpose() * f - identity);
+    const Eigen::Matrix3d p = region == Region::steel ? Eigen::Matrix3d(f * (steel().lambda * green.trace() * identity + 2 * steel().mu * green))
+                                                      : Eigen::Matrix3d(s.liquid.bulk_modulus * (f.determinant() - 1) * f.determinant() * f.inverse().transpose());
+    const auto m = masses(mesh, s);
+    const auto error = [&](const SolveOptions& o) {
+      const auto a = accelerations(solver, s, u, o);
+      double worst = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        // Inside a face only that face pulls: its four inner nodes carry a ninth of the area each.
+        for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+          const Vec3& x = mesh.nodes[n];
+          const auto within = [&](int k) { return x[std::size_t(k)] > 1e-9 && x[std::size_t(k)] < side - 1e-9; };
+          if (!plane(axis, side)(x) || !within((axis + 1) % 3) || !within((axis + 2) % 3)) continue;
+          const Eigen::Vector3d exact = -p.col(axis) * side * side / 9, force = m[Eigen::Index(n)] * a.segment<3>(Eigen::Index(3 * n));
+          worst = std::max(worst, (force - exact).norm() / (p.norm() * side * side / 9));
+        }
+      }
+      return worst;
+    };
+    EXPECT_LT(error({.kinematics = "finite"}), 1e-8);
+    EXPECT_GT(error({}), 0.1);  // small strain
+  }
 }

@@ -1,0 +1,192 @@
+// `calomel simulate` as a whole: a run that is killed goes on and ends the same; what simulate.json and fields.exo hold.
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "base/artefact.hpp"
+#include "base/netcdf_file.hpp"
+#include "tests/regression/program.hpp"
+
+using namespace calomel::testing;
+using calomel::NetcdfReader;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string slice = R"(
+[geometry]
+kind = "box"
+length = 0.08
+width = 0.05
+height = 0.04
+wall = 0.003
+rear = "non_reflecting"
+plane_strain = true
+element_size = 0.0005
+[material.steel]
+density = 7960.0
+young = 193e9
+poisson = 0.29
+[material.mercury]
+law = "riemer"
+density = 13500.0
+sound_speed = 1450.0
+tensile_cutoff = 1.5e5
+[load]
+policy = "fixed"
+peak_pressure = 25e6
+profile = { center = [0.0, 0.02], widths = [0.1, 0.01], decay = 0.13 }
+[time]
+end = 1.2e-4
+output_interval = 1e-6
+[solver]
+checkpoint = 0.001
+[fields]
+interval = 4e-6
+[[sensor]]
+name = "A"
+position = [0.02, 0.0, 0.04]
+direction = [1, 0, 0]
+)";
+
+struct Folder {
+  fs::path path = fs::path(::testing::TempDir()) / ("calomel_simulate_" + std::to_string(::getpid()));
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+    std::ofstream(path / "case.toml") << slice;
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+/// Starts the program and kills it once it has left `saves` new checkpoints. Whether it was still at work.
+bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves) {
+  const fs::path checkpoint = dir / "killed" / "simulate.checkpoint";
+  const auto stamp = [&] {
+    std::error_code none;
+    const auto t = fs::last_write_time(checkpoint, none);
+    return none ? fs::file_time_type::min() : t;
+  };
+  auto last = stamp();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::vector<char*> argv{const_cast<char*>(CALOMEL_PROGRAM)};
+    for (const char* w : words) argv.push_back(const_cast<char*>(w));
+    argv.push_back(nullptr);
+    if (::chdir(dir.c_str()) == 0) ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  for (int seen = 0; seen < saves;) {
+    if (::waitpid(child, &status, WNOHANG) == child) return false;
+    if (const auto now = stamp(); now != last && now != fs::file_time_type::min()) last = now, ++seen;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  ::kill(child, SIGKILL);
+  ::waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
+}  // namespace
+
+TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
+  const Folder dir;
+  ASSERT_EQ(run(dir.path, "simulate case.toml --fields --out whole --set solver.checkpoint=0").status, 0);
+  EXPECT_FALSE(fs::exists(dir.path / "whole" / "simulate.checkpoint"));
+  for (const int saves : {5, 1, 17})
+    ASSERT_TRUE(kill_after(dir.path, {"simulate", "case.toml", "--fields", "--out", "killed", "--quiet"}, saves)) << "it ended before it could be killed";
+  EXPECT_FALSE(fs::exists(dir.path / "killed" / "simulate.nc"));
+
+  // Another case does not go on with it; --fields belongs to the run as well.
+  for (const char* other : {"--fields --set load.peak_pressure=26e6", ""}) {
+    const auto refused = run(dir.path, std::string("simulate case.toml --out killed ") + other);
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.said, HasSubstr("the checkpoint is of another run"));
+  }
+  const auto last = run(dir.path, "simulate case.toml --fields --out killed --threads 2");
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  EXPECT_FALSE(fs::exists(dir.path / "killed" / "simulate.checkpoint"));
+  EXPECT_FALSE(fs::exists(dir.path / "killed" / "fields.exo.part"));
+
+  const NetcdfReader a(dir.path / "whole" / "simulate.nc"), b(dir.path / "killed" / "simulate.nc");
+  EXPECT_EQ(a.doubles("strain"), b.doubles("strain"));
+  const NetcdfReader f(dir.path / "whole" / "fields.exo"), g(dir.path / "killed" / "fields.exo");
+  ASSERT_EQ(f.doubles("time_whole").size(), 31u);
+  for (const char* variable :
+       {"time_whole", "coordx", "connect1", "vals_nod_var1", "vals_nod_var6", "vals_elem_var1eb2", "vals_elem_var2eb1", "vals_elem_var3eb2"})
+    EXPECT_EQ(f.doubles(variable), g.doubles(variable)) << variable;
+  const auto whole = calomel::read_json(dir.path / "whole" / "simulate.json"), killed = calomel::read_json(dir.path / "killed" / "simulate.json");
+  EXPECT_GT(killed["resumed_from_step"].get<int>(), 0);
+  for (const char* key : {"steps", "energy_balance_error", "energy_in_J", "dissipated_J", "radiated_J", "greatest_wall_stress_Pa", "greatest_wall_stress_at_m"})
+    EXPECT_EQ(whole[key], killed[key]) << key;
+}
+
+TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
+  const Folder dir;
+  ASSERT_TRUE(kill_after(dir.path, {"simulate", "case.toml", "--fields", "--out", "killed", "--quiet"}, 3));
+  fs::remove(dir.path / "killed" / "fields.exo.part");
+  const auto lost = run(dir.path, "simulate case.toml --fields --out killed");
+  EXPECT_EQ(lost.status, 2);
+  EXPECT_THAT(lost.said, HasSubstr("gone or broken"));
+  const auto fresh = run(dir.path, "simulate case.toml --fields --out killed --fresh --set time.end=1e-5");
+  EXPECT_EQ(fresh.status, 0) << fresh.said;
+  EXPECT_TRUE(fs::exists(dir.path / "killed" / "simulate.checkpoint.old-1"));
+}
+
+// The greatest stress and the time at the cutoff are told where they are, and only of runs that were booked.
+TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
+  const Folder dir;
+  const std::string coarse = "simulate case.toml --fields --set geometry.element_size=0.001 --set time.end=4e-5 --set fields.interval=1e-6";
+  ASSERT_EQ(run(dir.path, coarse + " --out booked").status, 0);
+  const auto json = calomel::read_json(dir.path / "booked" / "simulate.json");
+  const double greatest = json["greatest_wall_stress_Pa"];
+  const auto at = json["greatest_wall_stress_at_m"].get<std::vector<double>>();
+  ASSERT_EQ(at.size(), 3u);
+  const NetcdfReader fields(dir.path / "booked" / "fields.exo");
+  const auto times = fields.doubles("time_whole");
+  ASSERT_EQ(times.size(), 41u);
+
+  // The pictures, an output interval apart, come near the greatest of all steps, at the same element.
+  const auto stress = fields.doubles("vals_elem_var2eb1");
+  const auto most = std::max_element(stress.begin(), stress.end());
+  EXPECT_LE(*most, greatest * (1 + 1e-6));
+  EXPECT_GT(*most, 0.8 * greatest);
+  const auto corners = fields.integers("connect1");
+  const auto x = fields.doubles("coordx"), z = fields.doubles("coordz");
+  const std::size_t elements = corners.size() / 8;
+  double nearest = 1, there = 0;
+  for (std::size_t e = 0; e < elements; ++e) {
+    double dx = -at[0], dz = -at[2];
+    for (std::size_t k = 0; k < 8; ++k) dx += x[std::size_t(corners[8 * e + k] - 1)] / 8, dz += z[std::size_t(corners[8 * e + k] - 1)] / 8;
+    if (std::hypot(dx, dz) > nearest) continue;
+    nearest = std::hypot(dx, dz), there = 0;
+    for (std::size_t t = 0; t < times.size(); ++t) there = std::max(there, stress[t * elements + e]);
+  }
+  EXPECT_LT(nearest, 1e-6);
+  EXPECT_GT(there, 0.8 * greatest);
+
+  // Time at the cutoff never falls, grows no faster than the clock, and is 0 in the steel; the pressure there is that of the cutoff.
+  const auto cutoff = fields.doubles("vals_elem_var3eb2"), pressure = fields.doubles("vals_elem_var1eb2");
+  const std::size_t liquid = cutoff.size() / times.size();
+  std::size_t grown = 0, held = 0;
+  for (std::size_t t = 1; t < times.size(); ++t)
+    for (std::size_t e = 0; e < liquid; ++e) {
+      const double grows = cutoff[t * liquid + e] - cutoff[(t - 1) * liquid + e];
+      EXPECT_GE(grows, 0);
+      EXPECT_LE(grows, (times[t] - times[t - 1]) * 1.001);
+      if (grows < 0.999 * (times[t] - times[t - 1])) continue;
+      ++grown, held += std::abs(pressure[t * liquid + e] + 1.5e5) < 1e3;
+    }
+  EXPECT_GT(grown, 100u);
+  EXPECT_GT(double(held), 0.95 * double(grown));
+  for (const double v : fields.doubles("vals_elem_var3eb1")) EXPECT_EQ(v, 0);
+
+  ASSERT_EQ(run(dir.path, coarse + " --out bare --set solver.booking=false").status, 0);
+  const auto bare = calomel::read_json(dir.path / "bare" / "simulate.json");
+  EXPECT_TRUE(bare["energy_balance_error"].is_null());
+  EXPECT_FALSE(bare.contains("greatest_wall_stress_Pa"));
+  EXPECT_FALSE(NetcdfReader(dir.path / "bare" / "fields.exo").has("vals_elem_var3eb2"));
+}

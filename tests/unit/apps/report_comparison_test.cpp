@@ -1,0 +1,160 @@
+#include <gmock/gmock.h>
+
+#include "apps/report/comparison_tables.hpp"
+#include "apps/report/spe_tables.hpp"
+#include "apps/report/tables.hpp"
+#include "report_study.hpp"
+
+namespace calomel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing_report::input;
+using testing_report::scratch;
+using testing_report::write_calibration;
+
+/// enc.json and map.json of one case; MAP with standard deviations 1000, 400 and 50, without correlation.
+std::filesystem::path two_methods(const std::string& name) {
+  const auto dir = scratch(name);
+  for (const char* method : {"enc", "map"}) write_calibration(dir, input(), method);
+  Json map = read_json(dir / "map.json");
+  map["parameters"] = {"tensile_cutoff", "density", "sound_speed"};
+  map["covariance"] = {{1e6, 0, 0}, {0, 1.6e5, 0}, {0, 0, 2500}};
+  write_json(dir / "map.json", map);
+  return dir;
+}
+
+Json comparison_of_optimizers(double last) {
+  const auto method = [&](const char* name, double end) {
+    return Json{{"name", name}, {"evaluations", {26, 52, 78}}, {"mean", {140.0, 120.0, end}}, {"sd", {9.0, 4.0, 1.0}}, {"best", end - 1}, {"worst", end + 2}};
+  };
+  return {{"trials", 50}, {"targets", {{{"name", "total_degree 15"}, {"methods", {method("dgs", last), method("de", last + 1)}}},
+                                       {{"name", "total_degree 16"}, {"methods", {method("dgs", last + 5)}}}}}};
+}
+
+TEST(ReportComparison, TheParameterTableHasTheNominalValuesFirstAndMapsStandardDeviations) {
+  const auto dir = two_methods("sds");
+  const Table t = parameter_table(read_study(dir), input());
+  std::vector<std::string> keys;
+  for (const auto& c : t.columns) keys.push_back(c.key);
+  EXPECT_THAT(keys, testing::ElementsAre("parameter", "unit", "nominal", "enc", "map", "map_sd", "enc_change_percent", "map_change_percent", "min", "max"));
+  EXPECT_EQ(std::get<double>(t.rows[1][5].value), 400);
+  for (const auto& row : t.rows) EXPECT_EQ(row.size(), t.columns.size());
+}
+
+TEST(ReportComparison, DifferencesBeyondTwoStandardDeviationsAreBold) {
+  const auto dir = two_methods("apart");
+  const Table t = agreement_table(read_study(dir));  // cutoff 85642 and 53300, density 10345 and 7720, sound speed 2020 and 2449
+  ASSERT_EQ(t.columns.size(), 3u);
+  EXPECT_NEAR(std::get<double>(t.rows[1][2].value), (7720 - 10345) / 400.0, 1e-12);
+  EXPECT_TRUE(t.rows[1][2].strong);
+  EXPECT_THAT(t.note, HasSubstr("disagree"));
+  Json map = read_json(dir / "map.json");
+  map["theta"] = read_json(dir / "enc.json")["theta"];
+  map["theta"]["density"] = 10345 + 300;
+  write_json(dir / "map.json", map);
+  const Table near = agreement_table(read_study(dir));
+  EXPECT_NEAR(std::get<double>(near.rows[1][2].value), 0.75, 1e-12);
+  EXPECT_FALSE(near.rows[1][2].strong);
+  EXPECT_THAT(near.note, testing::AllOf(HasSubstr("agree"), Not(HasSubstr("disagree"))));
+}
+
+TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
+  const auto dir = two_methods("rivals");
+  EXPECT_TRUE(rival_table(read_study(dir)).empty());
+  EXPECT_TRUE(formulation_table(read_study(dir), input()).empty());
+  Json enc = read_json(dir / "enc.json");
+  const auto rival = [](const char* name, double best) {
+    return Json{{"name", name}, {"rounds", 4}, {"mean", best - 1}, {"sd", 0.5}, {"best", best}, {"shortfall", 66 - best}, {"distance", 0.01}, {"share_of_rounds", 0.75}};
+  };
+  const auto formulation = [&](const char* name, double accuracy) {
+    return Json{{"name", name}, {"theta", enc["theta"]}, {"distance", 0.2}, {"accuracy", accuracy}, {"mae", 17.0}, {"objectives_model", {{"paper_enc", accuracy - 17}, {"rrmse", 0.25}}}};
+  };
+  enc["agreement"] = {{"sentence", "The optimisers agree."}, {"optimizers", {rival("de", 66), rival("gradient", 65)}},
+                      {"objectives", {formulation("paper_enc", 80), formulation("rrmse", 70)}}};
+  write_json(dir / "enc.json", enc);
+  const Study study = read_study(dir);
+  const Table rivals = rival_table(study), formulations = formulation_table(study, input());
+  ASSERT_EQ(rivals.rows.size(), 2u);
+  EXPECT_EQ(std::get<double>(rivals.rows[1][5].value), 1);
+  EXPECT_EQ(rivals.note, "The optimisers agree.");
+  ASSERT_EQ(formulations.rows.size(), 2u);
+  for (const auto& row : formulations.rows) ASSERT_EQ(row.size(), formulations.columns.size());
+  EXPECT_EQ(formulations.columns.back().key, "value_rrmse");
+  EXPECT_EQ(std::get<double>(formulations.rows[1][7].value), 53);  // paper_enc at the answer of rrmse
+  write_report(dir, input());
+  EXPECT_THAT(read_text(dir / "report.html"), testing::AllOf(HasSubstr("The optimisers agree."), HasSubstr("Distance [bounds]")));
+}
+
+TEST(ReportTables, ErrorsOfSurrogatesAreInMicrostrain) {
+  const auto dir = scratch("surrogates");
+  testing_report::write_train(dir);
+  const Table t = surrogate_table(read_study(dir), input());
+  EXPECT_THAT(t.columns[4].title, HasSubstr("\u00b5\u03b5"));
+  EXPECT_NEAR(std::get<double>(t.rows[0][4].value), 15.9, 1e-12);
+  EXPECT_NEAR(std::get<double>(t.rows[1][5].value), 1.6 * 3.1, 1e-12);
+}
+
+TEST(ReportPolynomials, ErrorsChoicesOfLambdaAndModesAreShown) {
+  const auto dir = scratch("polynomials");
+  write_calibration(dir, input(), "spe");
+  EXPECT_TRUE(polynomial_table(read_study(dir)).empty() && lambda_table(read_study(dir)).empty() && polynomial_error_table(read_study(dir)).empty());
+  Json spe = read_json(dir / "spe.json");
+  spe["surrogates"] = {{{"name", "total_degree 10"}, {"terms", 286}, {"nonzero", 40}, {"lambda", 50.0}, {"lambda_max", 2000.0}, {"train", {{"rrmse", 0.02}, {"r2", 0.99}}},
+                        {"validation", {{"rrmse", 0.06}, {"r2", 0.95}}}, {"optima", 2}, {"best", 60.0}},
+                       {{"name", "total_degree 10"}, {"terms", 286}, {"nonzero", 0}, {"lambda", 2000.0}, {"lambda_max", 2000.0}, {"train", {{"rrmse", 0.5}, {"r2", 0.0}}},
+                        {"validation", {{"rrmse", 0.5}, {"r2", 0.0}}}, {"failure", "every coefficient vanishes"}}};
+  spe["lambda_choices"] = {{{"name", "total_degree 10"}, {"terms", 286}, {"lambda_max", 2000.0}, {"validation", {{"lambda", 40.0}, {"fraction", 0.02}, {"mean_squared_error", 7.0}}},
+                            {"cross_validation", {{"lambda", 60.0}, {"fraction", 0.03}, {"mean_squared_error", 8.0}}}}};
+  spe["modes"] = {{{"theta", spe["theta"]}, {"objective_surrogate", 61.0}, {"density", 0.4}, {"optima", 30}}};
+  spe["validation_rrmse"] = {{"min", 0.04}, {"mean", 0.06}, {"max", 0.1}};
+  write_json(dir / "spe.json", spe);
+  const Study study = read_study(dir);
+  const Table polynomials = polynomial_table(study), lambdas = lambda_table(study);
+  ASSERT_EQ(polynomials.rows.size(), 2u);
+  EXPECT_DOUBLE_EQ(std::get<double>(polynomials.rows[0][4].value), 0.025);
+  EXPECT_EQ(std::get<std::string>(polynomials.rows[1][10].value), "every coefficient vanishes");
+  for (const auto& row : lambdas.rows) ASSERT_EQ(row.size(), lambdas.columns.size());
+  EXPECT_EQ(std::get<double>(lambdas.rows[0][7].value), 0.03);
+  EXPECT_EQ(std::get<double>(polynomial_error_table(study).rows[0][2].value), 6);
+  write_report(dir, input());
+  EXPECT_THAT(read_text(dir / "report.html"), testing::AllOf(HasSubstr("All 2 polynomial surrogates"), HasSubstr("cross-validation"), HasSubstr("densest first")));
+}
+
+TEST(ReportComparison, OneCalibrationIsNotCompared) {
+  const auto dir = scratch("one");
+  write_calibration(dir, input(), "enc");
+  EXPECT_TRUE(agreement_table(read_study(dir)).empty());
+  EXPECT_TRUE(effort_table(read_study(dir)).empty());
+}
+
+TEST(ReportComparison, TheDecayOfOptimisersIsPickedUpWhereItStands) {
+  const auto dir = two_methods("decay");
+  EXPECT_TRUE(decay_json(read_study(dir)).is_null());
+  EXPECT_TRUE(trial_table(read_study(dir)).empty());
+  write_json(dir / "optimizer_comparison.json", comparison_of_optimizers(100));
+  const Study study = read_study(dir);
+  const Json figures = decay_json(study);
+  ASSERT_EQ(figures.size(), 2u);
+  EXPECT_EQ(figures[0]["lines"].size(), 2u);
+  EXPECT_EQ(figures[0]["lines"][0]["high"][1], 132);
+  EXPECT_EQ(figures[0]["lines"][0]["low"][2], 97);
+  EXPECT_EQ(figures[0]["span"][0], 99);
+  EXPECT_EQ(figures[0]["span"][1], 120);
+  EXPECT_EQ(decay_table(study).rows.size(), 9u);
+  EXPECT_EQ(std::get<double>(trial_table(study).rows[1][3].value), 101);
+  write_report(dir, input());
+  const std::string page = read_text(dir / "report.html");
+  EXPECT_THAT(page, testing::AllOf(HasSubstr("id=\"decay-plot-0\""), HasSubstr("id=\"decay-plot-1\""), Not(HasSubstr("id=\"decay-plot-2\""))));
+}
+
+TEST(ReportComparison, AMalformedComparisonDrawsNothing) {
+  const auto dir = two_methods("malformed");
+  write_json(dir / "optimizer_comparison.json", {{"targets", {{{"name", "a"}, {"methods", {{{"name", "dgs"}, {"evaluations", {1, 2}}, {"mean", {3}}}}}}}}});
+  EXPECT_TRUE(decay_json(read_study(dir)).is_null());
+  EXPECT_NO_THROW(write_report(dir, input()));
+}
+
+}  // namespace
+}  // namespace calomel
