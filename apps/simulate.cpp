@@ -69,6 +69,7 @@ Json of_run(const SolveSummary& s, bool booked) {
             {"time_step_s", s.time_step},
             {"resumed_from_step", s.resumed_from},
             {"wall_s", s.wall_seconds},
+            {"processor_s", s.processor_seconds},
             {"element_steps_per_s", s.element_steps_per_second},
             {"energy_balance_error", finite(s.energy_balance_error)},
             {"hourglass_share", finite(s.hourglass_share)},
@@ -83,7 +84,8 @@ Json of_run(const SolveSummary& s, bool booked) {
 }  // namespace
 
 std::vector<double> Stages::simulate_mean(Json& json) {
-  if (command_.fields) throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
+  if (command_.fields)
+    throw InputError({.problem = "fields are of one run, --mean is of several", .key = "--fields", .suggestion = "leave one of the two out"});
   const auto& forward = study_.forward;
   const auto description = model().describe();
   std::vector<double> theta;

@@ -44,7 +44,8 @@ const BuiltInModel& Stages::model() {
   if (!model_)
     model_ = study_.file.locating([&] {
       const EnsembleOptions ensemble{.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd};
-      return std::make_unique<BuiltInModel>(study_.forward, ensemble, 1);  // the stages run evaluations side by side
+      const bool alone = command_.verb == "simulate" || command_.verb == "check";  // the other stages run evaluations side by side
+      return std::make_unique<BuiltInModel>(study_.forward, ensemble, alone ? command_.threads : 1);
     });
   return *model_;
 }

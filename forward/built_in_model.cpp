@@ -265,7 +265,9 @@ ModelDescription BuiltInModel::describe() const {
   ModelDescription d;
   d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
-  const int per_output = solver_->steps_per_output(s, solve_options(case_.solver));
+  SolveOptions options = solve_options(case_.solver);
+  options.threads = threads_;
+  const int per_output = solver_->steps_per_output(s, options);
   d.time_step = case_.time.output_interval / per_output;
   d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";

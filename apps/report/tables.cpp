@@ -154,7 +154,7 @@ Table sensor_table(const ReportInput& input) {
   for (const auto& s : input.sensors) {
     std::vector<Cell> row{s.name};
     for (const double x : s.placed) row.emplace_back(x);
-    for (const double x : s.direction) row.emplace_back(x);
+    for (const double x : s.direction) row.emplace_back(std::abs(x) < 1e-9 ? 0 : x);
     row.emplace_back(s.moved);
     row.emplace_back(s.gauge_length);
     t.rows.push_back(std::move(row));

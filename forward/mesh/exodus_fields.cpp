@@ -47,11 +47,11 @@ ExodusFieldWriter::ExodusFieldWriter(std::filesystem::path path, const Mesh& mes
   float version = 0;
   id_ = ex_open(part_.c_str(), EX_WRITE, &memory, &file, &version);
   const auto size = [&](ex_inquiry what) { return id_ < 0 ? -1 : ex_inquire_int(id_, what); };
-  const char* problem = id_ < 0                                                       ? "the fields of the run so far are gone or broken"
-                        : size(EX_INQ_NODES) != std::int64_t(mesh.nodes.size()) ||
-                                  size(EX_INQ_ELEM) != std::int64_t(mesh.elements.size()) ? "the fields so far are of another mesh"
-                        : size(EX_INQ_TIME) < steps                                   ? "the fields so far end before the checkpoint"
-                                                                                      : nullptr;
+  const char* problem = id_ < 0 ? "the fields of the run so far are gone or broken"
+                        : size(EX_INQ_NODES) != std::int64_t(mesh.nodes.size()) || size(EX_INQ_ELEM) != std::int64_t(mesh.elements.size())
+                            ? "the fields so far are of another mesh"
+                        : size(EX_INQ_TIME) < steps ? "the fields so far end before the checkpoint"
+                                                    : nullptr;
   if (problem) {
     if (id_ >= 0) ex_close(id_);
     throw InputError({.problem = problem, .suggestion = "begin the run anew", .file = part_.string()});

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <optional>
 
 #include "base/parallel.hpp"
 #include "forward/solver/stable_step.hpp"
@@ -34,6 +35,21 @@ ElementKind kind_of(const SolveOptions& o) {
   return ElementKind::finite;
 }
 
+/// Everything that the stable step of a mesh follows from.
+struct StepKey {
+  std::array<double, 8> numbers;
+  bool single, group;
+  ElementKind kind;
+  bool operator==(const StepKey&) const = default;
+};
+
+StepKey step_key(const RunSetup& s, const SolveOptions& o) {
+  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid.viscosity, s.hourglass, s.steel_stiffness_damping},
+          .single = o.precision == "single",
+          .group = s.energies.size() > 1,
+          .kind = kind_of(o)};
+}
+
 }  // namespace
 
 struct ExplicitSolver::Parts {
@@ -48,6 +64,7 @@ struct ExplicitSolver::Parts {
   mutable std::mutex lock;
   mutable std::unique_ptr<PackedMesh<float>> single[6];
   mutable std::unique_ptr<PackedMesh<double>> twice[6];
+  mutable std::optional<std::pair<StepKey, double>> last_step;  ///< a case is described and then run: the step is looked for once
   int threads;
 
   template <class R>
@@ -118,13 +135,21 @@ double ExplicitSolver::element_step(const RunSetup& s) const {
 
 double ExplicitSolver::stable_step(const RunSetup& setup, const SolveOptions& options) const {
   const double bound = element_step(setup);
-  const ElementKind kind = kind_of(options);
+  const StepKey key = step_key(setup, options);
+  const ElementKind kind = key.kind;
+  {
+    const std::lock_guard guard(parts_->lock);
+    if (parts_->last_step && parts_->last_step->first == key) return parts_->last_step->second;
+  }
   const double global = Parts::in_precision(options, [&](auto zero) {
     using R = decltype(zero);
     const Run<R> run(parts_->packed<R>(setup.energies.size() > 1, kind), *parts_->mesh, parts_->volumes, setup, {.heated_rear = false}, bound);
     return global_stable_step(run, options.threads);
   });
-  return kind == ElementKind::b_bar ? global : std::max(bound, global);
+  const double step = kind == ElementKind::b_bar ? global : std::max(bound, global);
+  const std::lock_guard guard(parts_->lock);
+  parts_->last_step = {key, step};
+  return step;
 }
 
 int ExplicitSolver::steps_per_output(const RunSetup& s, const SolveOptions& options) const {

@@ -113,6 +113,7 @@ struct SolveSummary {
   std::int64_t steps = 0;
   double time_step = 0;                    ///< [s]
   double wall_seconds = 0;                 ///< of the time loop
+  double processor_seconds = 0;            ///< of the threads in it
   double element_steps_per_second = 0;     ///< elements x runs x steps / wall
   double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without booking
   double hourglass_share = 0;              ///< greatest hourglass energy / energy put in

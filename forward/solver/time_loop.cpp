@@ -8,6 +8,7 @@
 #include <barrier>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <mutex>
 #include <thread>
@@ -46,6 +47,13 @@ struct Balance {
     boundary += sum.boundary_after, dissipated += sum.damped_after;
   }
 };
+
+/// Processor time of the calling thread [s].
+double thread_seconds() {
+  std::timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
 
 constexpr char magic[] = "calomel checkpoint 1\n";
 
@@ -109,6 +117,13 @@ class TimeLoop {
   }
 
   void work(int t) {
+    const double began = thread_seconds();
+    step_to_end(t);
+    const std::lock_guard guard(lock_);
+    out_.processor_seconds += thread_seconds() - began;
+  }
+
+  void step_to_end(int t) {
     const FlushDenormals flush;
     const auto me = std::size_t(t), all = std::size_t(threads_);
     for (std::int64_t n = first_step_;; ++n) {

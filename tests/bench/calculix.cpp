@@ -5,6 +5,7 @@
 //
 // `ccx` must be in the path (Debian: calculix-ccx); nothing is compared without it.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <filesystem>
@@ -50,11 +51,18 @@ struct Case {
 struct Result {
   std::vector<double> time;
   std::vector<std::vector<double>> strain;  ///< (gauge, time)
-  double speed = 0;                         ///< [element-steps/s]
+  double speed = 0;                         ///< [element-steps/s] of processor time, one thread
   double steps = 0;
 };
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// Processor time of all finished children [s].
+double children_seconds() {
+  rusage use{};
+  ::getrusage(RUSAGE_CHILDREN, &use);
+  return double(use.ru_utime.tv_sec + use.ru_stime.tv_sec) + 1e-6 * double(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+}
 
 NodeId nearest(const Mesh& mesh, const Vec3& x) {
   NodeId best = 0;
@@ -133,8 +141,9 @@ Result run_own(const Case& c) {
   for (const auto& g : c.gauges) rows.push_back(row_of(c.mesh, g));
   const ExplicitSolver solver(c.mesh, s.steel, 1, 0);  // elements at inner corners as they are
   const auto summary = solver.solve(s, rows, {});
-  Result r{.time = summary.times, .strain = {}, .speed = summary.element_steps_per_second, .steps = double(summary.steps)};
-  for (const double begin = now(); now() < begin + 1;) r.speed = std::max(r.speed, solver.solve(s, rows, {}).element_steps_per_second);
+  Result r{.time = summary.times, .strain = {}, .speed = 0, .steps = double(summary.steps)};
+  for (const double begin = now(); now() < begin + 1;)
+    r.speed = std::max(r.speed, double(c.mesh.elements.size()) * r.steps / solver.solve(s, rows, {}).processor_seconds);
   for (std::size_t g = 0; g < rows.size(); ++g) {
     const auto first = summary.observations.begin() + std::ptrdiff_t(g * r.time.size());
     r.strain.emplace_back(first, first + std::ptrdiff_t(r.time.size()));
@@ -198,12 +207,12 @@ std::map<long, std::map<NodeId, Vec3>> read_displacements(const std::filesystem:
   return all;
 }
 
-/// Wall seconds of one call.
+/// Processor seconds of one call.
 double call_ccx(const std::filesystem::path& folder) {
   std::filesystem::remove(folder / "deck.dat");
-  const double begin = now();
+  const double begin = children_seconds();
   const int status = std::system(("cd '" + folder.string() + "' && OMP_NUM_THREADS=1 CCX_NPROC_RESULTS=1 ccx deck > deck.log 2>&1").c_str());
-  const double seconds = now() - begin;
+  const double seconds = children_seconds() - begin;
   if (status != 0 || read_text(folder / "deck.log").find("*ERROR") != std::string::npos)
     throw NumericsError("ccx failed: " + read_text(folder / "deck.log").substr(0, 2000));
   return seconds;

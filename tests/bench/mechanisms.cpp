@@ -100,7 +100,8 @@ int main(int argc, char** argv) {
   const std::size_t gauge = shape.sensors.size() > 1 ? 1 : 0;
   fmt::print("{} elements, {} steps; gauge {} in the picture\n\n", base.describe().elements, base.describe().steps, shape.sensors[gauge]);
   fmt::print("| mechanism | steps | difference, first 100 us | difference, whole | cost, one run | cost, eight in the lanes |\n|---|---|---|---|---|---|\n");
-  fmt::print("| none: another set of energies | {} | {:.1f} % | {:.1f} % | 1 | 1 |\n", base.describe().steps, 100 * relative(shape, other, plain, 1e-4), 100 * relative(shape, other, plain, 1));
+  fmt::print("| none: another set of energies | {} | {:.1f} % | {:.1f} % | 1 | 1 |\n", base.describe().steps, 100 * relative(shape, other, plain, 1e-4),
+             100 * relative(shape, other, plain, 1));
 
   const auto difference = [&](const std::vector<double>& a) {
     std::vector<double> d;

@@ -115,7 +115,8 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
   EXPECT_EQ(a.doubles("strain"), b.doubles("strain"));
   const NetcdfReader f(dir.path / "whole" / "fields.exo"), g(dir.path / "killed" / "fields.exo");
   ASSERT_EQ(f.doubles("time_whole").size(), 31u);
-  for (const char* variable : {"time_whole", "coordx", "connect1", "vals_nod_var1", "vals_nod_var6", "vals_elem_var1eb2", "vals_elem_var2eb1", "vals_elem_var3eb2"})
+  for (const char* variable :
+       {"time_whole", "coordx", "connect1", "vals_nod_var1", "vals_nod_var6", "vals_elem_var1eb2", "vals_elem_var2eb1", "vals_elem_var3eb2"})
     EXPECT_EQ(f.doubles(variable), g.doubles(variable)) << variable;
   const auto whole = calomel::read_json(dir.path / "whole" / "simulate.json"), killed = calomel::read_json(dir.path / "killed" / "simulate.json");
   EXPECT_GT(killed["resumed_from_step"].get<int>(), 0);

@@ -31,8 +31,15 @@ double slow_speed(const KellerMiksis& bubble, double alpha0) {
 
 void verify_size(const std::string& quantity, const std::string& unit, double reference, double measured, double tolerance, const std::string& source,
                  const std::string& control, double control_value) {
-  verify({.item = "Bubble collapse", .quantity = quantity, .unit = unit, .reference = reference, .source = source, .measured = measured,
-          .tolerance = tolerance * reference, .control = control, .control_value = control_value});
+  verify({.item = "Bubble collapse",
+          .quantity = quantity,
+          .unit = unit,
+          .reference = reference,
+          .source = source,
+          .measured = measured,
+          .tolerance = tolerance * reference,
+          .control = control,
+          .control_value = control_value});
 }
 
 }  // namespace
@@ -40,7 +47,8 @@ void verify_size(const std::string& quantity, const std::string& unit, double re
 TEST(Bubble, AnEmptyCavityCollapsesInRayleighsTime) {
   const KellerMiksis empty{.density = 998, .sound_speed = unbounded, .radius = 1e-4, .ambient = 0, .polytropic = 1.4, .surface_tension = 0, .viscosity = 0};
   const double p = 1e6, expected = 0.91468 * empty.radius * std::sqrt(empty.density / p), got = empties(empty, p, expected);
-  verify_size("empty cavity in water, 1 MPa", "us", 1e6 * expected, 1e6 * got, 1e-3, "0.91468 R0 sqrt(rho / p) (Rayleigh 1917)", "pressure +1 %", 1e6 * empties(empty, 1.01 * p, expected));
+  verify_size("empty cavity in water, 1 MPa", "us", 1e6 * expected, 1e6 * got, 1e-3, "0.91468 R0 sqrt(rho / p) (Rayleigh 1917)", "pressure +1 %",
+              1e6 * empties(empty, 1.01 * p, expected));
 }
 
 // Collapse time, least radius and rebound against an independent computation. The law's own sub-steps, then finer ones; looked at
@@ -76,16 +84,30 @@ TEST(Bubble, SwingsAtMinnaertsFrequency) {
     const auto f = [&](double surface_tension) { return std::sqrt(helium(kappa, surface_tension).natural_squared()) / (2e3 * M_PI); };
     const bool heat = kappa == 1.16;
     const std::string source = heat ? "with conduction of heat, He at 330 K" : "Minnaert with surface tension";
-    verify({.item = "Bubbly dispersion", .quantity = fmt::format("f0, kappa {:.4g}", kappa), .unit = "kHz", .reference = published, .source = source, .measured = f(0.47),
-            .tolerance = (heat ? 2.2e-3 : 1e-3) * published, .control = "ten times the surface tension", .control_value = f(4.7)});
+    verify({.item = "Bubbly dispersion",
+            .quantity = fmt::format("f0, kappa {:.4g}", kappa),
+            .unit = "kHz",
+            .reference = published,
+            .source = source,
+            .measured = f(0.47),
+            .tolerance = (heat ? 2.2e-3 : 1e-3) * published,
+            .control = "ten times the surface tension",
+            .control_value = f(4.7)});
   }
 }
 
 // Slow strain of a light gas: 1/K + alpha0/p_a, isothermal at 0.3 MPa.
 TEST(BubblyLiquid, SlowSoundIsWoods) {
   for (const auto& [alpha0, published] : {std::pair{1e-5, 1042.}, {1e-4, 448.}, {1e-3, 148.}, {1e-2, 47.}})
-    verify({.item = "Bubbly dispersion", .quantity = fmt::format("slow sound, alpha {:.0e}", alpha0), .unit = "m/s", .reference = published, .source = "Wood 1930, isothermal, 0.3 MPa",
-            .measured = slow_speed(helium(1, 0, 0.5), alpha0), .tolerance = 0.01 * published, .control = "kappa = 1.16", .control_value = slow_speed(helium(1.16, 0, 0.5), alpha0)});
+    verify({.item = "Bubbly dispersion",
+            .quantity = fmt::format("slow sound, alpha {:.0e}", alpha0),
+            .unit = "m/s",
+            .reference = published,
+            .source = "Wood 1930, isothermal, 0.3 MPa",
+            .measured = slow_speed(helium(1, 0, 0.5), alpha0),
+            .tolerance = 0.01 * published,
+            .control = "kappa = 1.16",
+            .control_value = slow_speed(helium(1.16, 0, 0.5), alpha0)});
 }
 
 TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
@@ -95,8 +117,15 @@ TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
     for (const auto& [f, published] : {std::pair{1e3, slow}, {10e3, fast}}) {
       const double c = phase_speed(law, f, 1e-9);
       EXPECT_NEAR(c, commander_prosperetti(bubble, 1e-4, f), 0.003 * c);
-      verify({.item = "Bubbly dispersion", .quantity = fmt::format("speed at {:.0f} kHz, kappa {:.3g}", f / 1e3, kappa), .unit = "m/s", .reference = published,
-              .source = "Commander and Prosperetti 1989", .measured = c, .tolerance = 0.005 * published, .control = "alpha -3 %", .control_value = phase_speed(fewer, f, 1e-9)});
+      verify({.item = "Bubbly dispersion",
+              .quantity = fmt::format("speed at {:.0f} kHz, kappa {:.3g}", f / 1e3, kappa),
+              .unit = "m/s",
+              .reference = published,
+              .source = "Commander and Prosperetti 1989",
+              .measured = c,
+              .tolerance = 0.005 * published,
+              .control = "alpha -3 %",
+              .control_value = phase_speed(fewer, f, 1e-9)});
     }
     // Without bubbles sound keeps the speed of the liquid.
     EXPECT_NEAR(phase_speed(BubblyLiquid(mercury, bubble, 1e-12), 1e3, 1e-9), mercury_speed, 1e-3);
@@ -107,7 +136,8 @@ TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
 // 10 kHz than either limit is; slow sound is isothermal, and they miss it.
 TEST(BubblyLiquid, TheDefaultsStandForConductionOfHeatNearResonanceOnly) {
   const double alpha0 = 1e-4, at_1_khz = 451.9, at_10_khz = 348.7;
-  const BubblyLiquid law(mercury, helium(1.16, 0.47, 0.5 + 1.3e-3), alpha0), isothermal(mercury, helium(1), alpha0), adiabatic(mercury, helium(5.0 / 3), alpha0);
+  const BubblyLiquid law(mercury, helium(1.16, 0.47, 0.5 + 1.3e-3), alpha0), isothermal(mercury, helium(1), alpha0),
+      adiabatic(mercury, helium(5.0 / 3), alpha0);
   const auto miss = [](const BubblyLiquid& l, double f, double with_heat) { return std::abs(phase_speed(l, f, 1e-9) / with_heat - 1); };
   measured("error_at_10_kHz", miss(law, 10e3, at_10_khz)), measured("error_at_1_kHz", miss(law, 1e3, at_1_khz));
   EXPECT_LT(miss(law, 10e3, at_10_khz), 0.3 * std::min(miss(isothermal, 10e3, at_10_khz), miss(adiabatic, 10e3, at_10_khz)));

@@ -11,7 +11,8 @@ inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// The bubble in a liquid whose pressure stays at p.
 inline KellerMiksis::State under(const KellerMiksis& b, KellerMiksis::State s, double p, double span, double greatest_step = unbounded) {
-  return advance_bubble(b, s, span, greatest_step, [p](double, double) { return p; }, [](double) { return 0.0; });
+  return advance_bubble(
+      b, s, span, greatest_step, [p](double, double) { return p; }, [](double) { return 0.0; });
 }
 
 struct Collapse {
@@ -35,11 +36,17 @@ inline Collapse collapse(const KellerMiksis& b, double p, double interval, doubl
 }
 
 // Mercury at 333 K, no regularising viscosity, never at its cutoff.
-inline const Riemer mercury{mercury_density * mercury_speed* mercury_speed, unbounded, 0};
+inline const Riemer mercury{mercury_density * mercury_speed * mercury_speed, unbounded, 0};
 
 /// Helium at 0.3 MPa in mercury, R0 100 um (physics.md section 4).
 inline KellerMiksis helium(double kappa, double surface_tension = 0.47, double viscosity = 1.3e-3) {
-  return {.density = mercury_density, .sound_speed = mercury_speed, .radius = 1e-4, .ambient = 3e5, .polytropic = kappa, .surface_tension = surface_tension, .viscosity = viscosity};
+  return {.density = mercury_density,
+          .sound_speed = mercury_speed,
+          .radius = 1e-4,
+          .ambient = 3e5,
+          .polytropic = kappa,
+          .surface_tension = surface_tension,
+          .viscosity = viscosity};
 }
 
 /// One point of a law, driven by its strain.
