@@ -3,6 +3,7 @@
 
 #include "apps/interrupt.hpp"
 #include "apps/stages.hpp"
+#include "apps/unknowns.hpp"
 #include "forward/campaign/added_runs.hpp"
 #include "inverse/feasibility.hpp"
 
@@ -51,6 +52,10 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   models.surrogate = &guarded;
   MapOptions options = study_.map;
   options.likelihood = likelihood_options();
+  const bool unknowns = options.unknowns.young_sd > 0 || options.unknowns.gauge_place_sd > 0;
+  if (unknowns)
+    models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
+
   const auto finer = options.mesh_pairs > 0 ? finer_model(model()) : nullptr;
   std::optional<AddedRuns> added;
   if (options.added_runs > 0 || finer) {

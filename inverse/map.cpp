@@ -148,6 +148,14 @@ MapSummary run_map(const Problem& problem, const Recordings& recordings, const R
   // 2. Runs of the true model, and of the finer mesh, where they tell most, until the optimum stays.
   if (!optima.empty()) {
     if (search.on_surrogate() && models.add_runs) optima = refine_search(out, search, current, models, design, std::move(optima), likelihood, seed, progress);
+    if (models.unknown_directions) {
+      current.unknowns = models.unknown_directions(space.theta(optima[0].x));
+      likelihood.emplace(search.likelihood(space.theta(optima[0].x), true));
+      std::vector<Eigen::VectorXd> starts;
+      for (const auto& o : optima) starts.push_back(o.x);
+      if (auto again = search.optima(*likelihood, starts, std::vector<Eigen::VectorXd>(starts.size(), 0.5 * optima[0].covariance.diagonal().cwiseSqrt()), progress); !again.empty())
+        optima = std::move(again);
+    }
     if (physical) likelihood.emplace(with_discrepancy(out, search, problem, *likelihood, models, options, optima));
     if (search.on_surrogate()) out.gradient = exact_slope(search.model(), *likelihood, space, optima[0]);
   }

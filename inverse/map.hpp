@@ -15,6 +15,18 @@
 
 namespace calomel {
 
+/// `[map.unknowns]`: what no case file tells exactly and moves the records as much as the parameters do.
+struct UnknownOptions {
+  double young_sd = 0.015;
+  double gauge_place_sd = 0.0004;
+
+  template <class V>
+  void visit(V& v) {
+    v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's; marginalised by secants of the model"});
+    v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised likewise"});
+  }
+};
+
 /// `[map]` of a case file.
 struct MapOptions {
   std::string product = "tuned";
@@ -29,9 +41,12 @@ struct MapOptions {
   std::optional<double> mesh_error;
   int added_runs = 18;
   int mesh_pairs = 12;
+  double mesh_beyond = 1;
+  double mesh_beyond_sd = 0.5;
   double stable = 0.25;
   LikelihoodOptions likelihood;
   DiscrepancyOptions discrepancy;
+  UnknownOptions unknowns;
 
   template <class V>
   void visit(V& v) {
@@ -54,9 +69,13 @@ struct MapOptions {
     v("mesh_pairs", mesh_pairs,
       {.range = between(0, 20),
        .doc = "at most so many of them paired with a run of half the element size, 8 times as costly (16 in three dimensions): they tell the mesh's error; 0 takes mesh_error for granted"});
+    v("mesh_beyond", mesh_beyond,
+      {.range = between(0, 3), .doc = "how far beyond the finer mesh the records lie, in units of (finer - working): 0 on it, 1 at vanishing elements where errors fall with the element size"});
+    v("mesh_beyond_sd", mesh_beyond_sd, {.range = between(0, 3), .doc = "standard deviation of that multiple; marginalised"});
     v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
     v.table("likelihood", likelihood, "covariance of data and model");
     v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
+    v.table("unknowns", unknowns, "nuisances of the target and its gauges");
   }
 };
 
@@ -118,6 +137,9 @@ struct MapModels {
   /// Runs points (n_parameters, n) of the true model, those on the finer mesh too where `with_fine` says so; empty: none can be added.
   std::function<std::vector<AddedRun>(const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine)> add_runs;
   std::shared_ptr<const class RefinedModel> refined;  ///< set while runs are added
+  /// Changes of the true model's values by one sd of each unknown at a point, (values, unknowns); empty: none are taken into account.
+  std::function<Eigen::MatrixXd(std::span<const double> theta)> unknown_directions;
+  Eigen::MatrixXd unknowns;   ///< these at the best explanation, set by the search
   bool has_finer = false;     ///< whether there is a finer mesh
   Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
 };

@@ -137,12 +137,13 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
       current.surrogate_variance = [refined = current.refined](std::span<const double> theta) { return refined->error_variance(theta); };
       record.base_ratio = current.refined->base_ratio();
     }
-    if (learnt.pair_theta.cols() >= 2) current.mesh = MeshError(space.parameters(), learnt.pair_theta, learnt.difference);
+    if (learnt.pair_theta.cols() >= 2) current.mesh = MeshError(space.parameters(), learnt.pair_theta, learnt.difference, {.mean = options.mesh_beyond, .sd = options.mesh_beyond_sd});
 
     // 3. The search anew, from the old optima too.
     std::vector<Eigen::VectorXd> also;
     for (const auto& o : optima) also.push_back(o.x);
     const Eigen::VectorXd before = optima[0].x;
+    if (models.unknown_directions && record.rounds.size() < 2) current.unknowns = models.unknown_directions(space.theta(before));
     likelihood.emplace(search.likelihood(space.theta(before), true));
     if (auto found = search.global(likelihood, design, also, progress); !found.empty()) optima = std::move(found);
     const Eigen::VectorXd sd = optima[0].covariance.diagonal().cwiseSqrt();

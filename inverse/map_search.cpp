@@ -34,7 +34,7 @@ Likelihood MapSearch::likelihood(std::span<const double> theta, bool with_surrog
   ModelError e;
   const Prediction p = model().evaluate(theta);
   const auto vector = [](const std::vector<double>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size()))); };
-  e.mesh = models_.mesh;
+  e.mesh = models_.mesh, e.unknowns = models_.unknowns;
   if (p.ok && !p.energy_slope.empty()) e.energy_slope = vector(p.energy_slope);
   if (models_.floor_variance.size())
     e.floor_variance = models_.floor_variance;

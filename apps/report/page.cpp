@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
 
@@ -216,8 +217,20 @@ std::string candidate_section(const Study& study, const ReportInput& input) {
   return s;
 }
 
+/// What SPE's own surrogates are worth; empty where it has not been run.
+std::string polynomial_section(const Study& study, const ReportInput& input) {
+  std::string s;
+  if (const Table t = polynomial_error_table(study); !t.empty()) s += t.html();
+  if (const Table t = lambda_table(study); !t.empty()) s += t.html();
+  if (const Table t = mode_table(study, input); !t.empty()) s += t.html();
+  if (const Table t = polynomial_table(study); !t.empty())
+    s += "<details><summary>All " + std::to_string(t.rows.size()) + " polynomial surrogates</summary>" + t.html() + "</details>\n";
+  return s;
+}
+
 std::string surrogate_section(const Study& study, const ReportInput& input) {
-  if (!study.train) return missing("No surrogate has been trained (train.json).", "Train one with " + command(input, "train") + ".");
+  const std::string polynomials = polynomial_section(study, input);
+  if (!study.train) return polynomials + missing("No surrogate has been trained (train.json).", "Train one with " + command(input, "train") + ".");
   const Table table = surrogate_table(study, input);
   std::string s = table.empty() ? missing("train.json lists no surrogates.", "") : table.html();
   if (!loss_table(study).empty())
@@ -225,7 +238,7 @@ std::string surrogate_section(const Study& study, const ReportInput& input) {
         "loss-plot",
         "Training and test loss by epoch, logarithmic. Losses of different networks are of different quantities: compare their shapes, not their heights.",
         "Training loss");
-  return s;
+  return s + polynomials;
 }
 
 std::string campaign_section(const Study& study, const ReportInput& input) {

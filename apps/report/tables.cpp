@@ -154,7 +154,7 @@ Table sensor_table(const ReportInput& input) {
   for (const auto& s : input.sensors) {
     std::vector<Cell> row{s.name};
     for (const double x : s.placed) row.emplace_back(x);
-    for (const double x : s.direction) row.emplace_back(x);
+    for (const double x : s.direction) row.emplace_back(std::abs(x) < 1e-9 ? 0 : x);
     row.emplace_back(s.moved);
     row.emplace_back(s.gauge_length);
     t.rows.push_back(std::move(row));
@@ -290,9 +290,10 @@ Table surrogate_table(const Study& study, const ReportInput& input) {
                {"mae", "Mean absolute error [" + unit.name + "]", 4},
                {"rmse", "Root mean square error [" + unit.name + "]", 4},
                {"r2", "R\u00b2", 5}};
+  const auto shown = [&](const std::optional<double>& x) { return x ? std::optional(unit.factor * *x) : std::nullopt; };
   if (study.train)
     for (const auto& s : list_at(*study.train, "surrogates"))
-      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), number_at(s, "mae"), number_at(s, "rmse"),
+      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), shown(number_at(s, "mae")), shown(number_at(s, "rmse")),
                         number_at(s, "r2")});
   if (!t.rows.empty()) t.note = "R\u00b2 is pooled over all outputs: 1 \u2212 \u03a3 error\u00b2 / \u03a3 (value \u2212 mean over runs)\u00b2.";
   return t;

@@ -23,6 +23,7 @@ struct Expected {
   double least_accuracy = 0;             ///< [%] mean over the sensors
   double least_gain = 0;                 ///< [%] accuracy, calibrated less nominal
   double greatest_mae_ratio = 1;         ///< calibrated over nominal
+  bool compared = false;                 ///< comparison.json holds all three methods
 };
 
 /// One line a check; counts the failed ones.
@@ -37,6 +38,29 @@ class Checks {
  private:
   int failed_ = 0;
 };
+
+/// comparison.json repeats what the three calibrations say, each of them beats the nominal parameters by its own objective, and the report shows their differences.
+void check_comparison(const std::filesystem::path& out, Checks& holds) {
+  const Json comparison = read_json(out / "comparison.json");
+  holds(comparison.at("methods") == Json({"enc", "spe", "map"}), "comparison.json: enc, spe and map");
+  for (const auto& method : comparison.at("methods")) {
+    const auto name = method.get<std::string>();
+    const Json summary = read_json(out / (name + ".json"));
+    bool same = true;
+    for (const auto& row : comparison.at("parameters"))
+      same = same && row.at(name) == (row.at("name") == "impedance" ? summary.at("impedance").at("value") : summary.at("theta").at(row.at("name").get<std::string>()));
+    for (const char* table : {"accuracy", "mae"}) same = same && comparison.at(table).back().at(name) == summary.at(table);
+    holds(same, fmt::format("comparison.json: the parameters and scores of {} are those of {}.json", name, name));
+    const Json& objective = summary.at("objective");
+    const double value = objective.at("value").get<double>(), nominal = objective.at("nominal").get<double>();
+    holds(objective.at("sense") == "minimise" ? value < nominal : value > nominal,
+          fmt::format("{}: {} {:.5g}, nominal {:.5g}", name, objective.at("name").get<std::string>(), value, nominal));
+  }
+  bool sds = true;
+  for (const auto& pair : comparison.at("agreement")) sds = sds && pair.at("largest_in_map_sd").is_number();
+  holds(sds && comparison.at("agreement").size() == 3, comparison.at("sentence").get<std::string>());
+  holds(read_text(out / "report.html").find("How far the calibrations lie apart") != std::string::npos, "report.html shows how far they lie apart");
+}
 
 int check(const std::filesystem::path& out, const std::filesystem::path& truth_path, const Expected& expected) {
   Checks holds;
@@ -79,6 +103,7 @@ int check(const std::filesystem::path& out, const std::filesystem::path& truth_p
   bool named = page.find("</html>") != std::string::npos;
   for (const auto& s : enc.at("sensors")) named = named && page.find('"' + s.at("name").get<std::string>() + '"') != std::string::npos;
   holds(named, fmt::format("report.html is whole and names every sensor ({} bytes)", page.size()));
+  if (expected.compared) check_comparison(out, holds);
   return holds.failed();
 }
 
@@ -95,6 +120,7 @@ int main(int argc, char** argv) try {
   app.add_option("--least-accuracy", expected.least_accuracy, "[%]")->required();
   app.add_option("--least-gain", expected.least_gain, "[%] of accuracy over nominal")->required();
   app.add_option("--greatest-mae-ratio", expected.greatest_mae_ratio, "MAE over the nominal one")->required();
+  app.add_flag("--compared", expected.compared, "hold comparison.json against the three calibrations, too");
   CLI11_PARSE(app, argc, argv);
   for (const auto& text : within) {
     const auto equals = text.find('=');

@@ -150,6 +150,10 @@ Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, con
   if (e.floor_variance.size() && options.floor > 0)
     add("repeatability floor", options.floor * options.floor * along_records(e.floor_variance, grid_, options));
   if (e.surrogate_variance.size()) add("surrogate", along_records(e.surrogate_variance, grid_, options));
+  if (e.unknowns.size()) {
+    const Eigen::MatrixXd moved = grid_.apply(e.unknowns);
+    add("unknowns", moved * moved.transpose());
+  }
   if (e.mesh_known.size()) {
     const Eigen::MatrixXd spread = grid_.apply(e.mesh_known);
     add("mesh", spread * spread.transpose());

@@ -50,6 +50,7 @@ struct ModelError {
   Eigen::VectorXd surrogate_variance;  ///< of (model - surrogate); empty for the true model
   Eigen::VectorXd energy_slope;        ///< secant of the mean by relative pulse energy
   MeshError mesh;                      ///< its shift is added to predictions
+  Eigen::MatrixXd unknowns;            ///< (values, k): change by one sd of each nuisance of the target and its gauges
   Eigen::MatrixXd mesh_known;          ///< MeshError::Spread::known where the likelihood is used
 };
 

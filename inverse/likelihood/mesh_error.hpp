@@ -11,7 +11,7 @@ namespace calomel {
 /// How far beyond the finer mesh the answer lies, in units of (fine - coarse): the shift goes to 1 + mean, and its sd is `sd`. Errors that fall with the
 /// first power of the element size sum to 1 beyond a mesh of half the size; what is recorded may stop short of that.
 struct BeyondFiner {
-  double mean = 0.5, sd = 0.5;
+  double mean = 1, sd = 0.5;
   double remainder = 0.4;  ///< what no multiple of the difference takes away, over its local amplitude
 };
 
