@@ -134,7 +134,7 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
     json.update(of_run(run.summary, options.booking));
     return std::move(run.strain);
   } catch (const Interrupted&) {
-    if (fields && !options.checkpoint.path.empty()) fields->leave();
+    if (fields && std::filesystem::exists(options.checkpoint.path)) fields->leave();
     throw;
   }
 }

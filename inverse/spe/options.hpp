@@ -16,6 +16,7 @@ struct SpeOptions {
   std::vector<int> total_degree{10, 11, 12, 13, 14, 15, 16, 17, 18};
   std::vector<int> tensor_product{5, 6, 7, 8, 9, 10, 11};
   std::vector<int> hyperbolic_cross{};
+  std::vector<int> adaptive{};
   int most_terms = 10000;
   std::string lambda_scale = "cross_validation";
   std::vector<double> lambdas{0.25, 0.5, 1, 2, 4};
@@ -39,6 +40,8 @@ struct SpeOptions {
     v("total_degree", total_degree, {.range = between(1, 40), .doc = "orders of the total-degree spaces"});
     v("tensor_product", tensor_product, {.range = between(1, 40), .doc = "orders of the tensor-product spaces"});
     v("hyperbolic_cross", hyperbolic_cross, {.range = between(1, 1000), .doc = "orders of the hyperbolic-cross spaces, for many parameters"});
+    v("adaptive", adaptive,
+      {.range = between(1, 100), .doc = "rounds of adaptive spaces, which grow where the fit puts its weight and keep the set with the least cross-validated error"});
     v("most_terms", most_terms, {.range = between(10, 1e5), .doc = "spaces with more terms than this are left out with a warning"});
     v("lambda_scale", lambda_scale,
       {.doc = "what spe.lambdas are multiples of: 1 (absolute, as published), the least value at which every coefficient vanishes, or the best value of each "

@@ -61,32 +61,48 @@ struct Folder {
   ~Folder() { fs::remove_all(path); }
 };
 
-/// Starts the program and kills it once it has left `saves` new checkpoints. Whether it was still at work.
-bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves) {
-  const fs::path checkpoint = dir / "killed" / "simulate.checkpoint";
-  const auto stamp = [&] {
-    std::error_code none;
-    const auto t = fs::last_write_time(checkpoint, none);
-    return none ? fs::file_time_type::min() : t;
-  };
-  auto last = stamp();
+/// The program as a child in the folder `dir`, its output to `killed`.
+pid_t start(const fs::path& dir, std::vector<const char*> words) {
+  words.insert(words.begin(), {CALOMEL_PROGRAM, "simulate", "case.toml", "--out", "killed", "--quiet"});
   const pid_t child = ::fork();
   if (child == 0) {
-    std::vector<char*> argv{const_cast<char*>(CALOMEL_PROGRAM)};
+    std::vector<char*> argv;
     for (const char* w : words) argv.push_back(const_cast<char*>(w));
     argv.push_back(nullptr);
     if (::chdir(dir.c_str()) == 0) ::execv(argv[0], argv.data());
     ::_exit(127);
   }
+  return child;
+}
+
+/// Waits until `seen()` has told true as often as said, or the child has ended; sends the signal. How the child ended, or -1 by itself.
+template <class Seen>
+int stop(pid_t child, int signal, int times, Seen&& seen) {
   int status = 0;
-  for (int seen = 0; seen < saves;) {
-    if (::waitpid(child, &status, WNOHANG) == child) return false;
-    if (const auto now = stamp(); now != last && now != fs::file_time_type::min()) last = now, ++seen;
+  while (times > 0) {
+    if (::waitpid(child, &status, WNOHANG) == child) return -1;
+    times -= seen();
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  ::kill(child, SIGKILL);
+  ::kill(child, signal);
   ::waitpid(child, &status, 0);
-  return WIFSIGNALED(status);
+  return status;
+}
+
+/// Starts the program and kills it once it has left `saves` new checkpoints. Whether it was still at work.
+bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves) {
+  const auto stamp = [checkpoint = dir / "killed" / "simulate.checkpoint"] {
+    std::error_code none;
+    const auto t = fs::last_write_time(checkpoint, none);
+    return none ? fs::file_time_type::min() : t;
+  };
+  auto last = stamp();
+  return WIFSIGNALED(stop(start(dir, words), SIGKILL, saves, [&] {
+    const auto now = stamp();
+    const bool fresh = now != last && now != fs::file_time_type::min();
+    last = now;
+    return fresh;
+  }));
 }
 
 }  // namespace
@@ -95,8 +111,7 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
   const Folder dir;
   ASSERT_EQ(run(dir.path, "simulate case.toml --fields --out whole --set solver.checkpoint=0").status, 0);
   EXPECT_FALSE(fs::exists(dir.path / "whole" / "simulate.checkpoint"));
-  for (const int saves : {5, 1, 17})
-    ASSERT_TRUE(kill_after(dir.path, {"simulate", "case.toml", "--fields", "--out", "killed", "--quiet"}, saves)) << "it ended before it could be killed";
+  for (const int saves : {5, 1, 17}) ASSERT_TRUE(kill_after(dir.path, {"--fields"}, saves)) << "it ended before it could be killed";
   EXPECT_FALSE(fs::exists(dir.path / "killed" / "simulate.nc"));
 
   // Another case does not go on with it; --fields belongs to the run as well.
@@ -124,9 +139,29 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
     EXPECT_EQ(whole[key], killed[key]) << key;
 }
 
+// Asked to stop it saves where it is, however far off the next checkpoint, and leaves the fields to be gone on with.
+TEST(Simulate, AskedToStopItSavesAndGoesOn) {
+  const Folder dir;
+  ASSERT_EQ(run(dir.path, "simulate case.toml --fields --out whole").status, 0);
+  const auto grown = [part = dir.path / "killed" / "fields.exo.part"] {  // a third of 25 MB
+    std::error_code none;
+    const auto size = fs::file_size(part, none);
+    return !none && size > 8'000'000;
+  };
+  const int status = stop(start(dir.path, {"--fields", "--set", "solver.checkpoint=1000.0"}), SIGINT, 1, grown);
+  ASSERT_TRUE(status != -1 && WIFEXITED(status)) << "it ended before it could be stopped";
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_TRUE(fs::exists(dir.path / "killed" / "simulate.checkpoint"));
+  const auto last = run(dir.path, "simulate case.toml --fields --out killed");
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
+    EXPECT_EQ(NetcdfReader(dir.path / "whole" / file).doubles(variable), NetcdfReader(dir.path / "killed" / file).doubles(variable)) << file;
+}
+
 TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
   const Folder dir;
-  ASSERT_TRUE(kill_after(dir.path, {"simulate", "case.toml", "--fields", "--out", "killed", "--quiet"}, 3));
+  ASSERT_TRUE(kill_after(dir.path, {"--fields"}, 3));
   fs::remove(dir.path / "killed" / "fields.exo.part");
   const auto lost = run(dir.path, "simulate case.toml --fields --out killed");
   EXPECT_EQ(lost.status, 2);

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <set>
 
 #include "base/case_file.hpp"
 #include "base/netcdf_file.hpp"
 #include "forward/campaign/campaign.hpp"
+#include "inverse/spe/adaptive_space.hpp"
 #include "oscillations.hpp"
 #include "scratch.hpp"
 
@@ -269,6 +271,43 @@ TEST(Spe, TheChosenLambdasComeNearTheBestOfThePathOnFreshPoints) {
   EXPECT_LT(validated, 1.3 * best);  // 24 held-out values choose less surely than five folds of 96
   EXPECT_GT(strong, 1.5 * best);     // so the choice matters
   EXPECT_GT(weak, 1.5 * best);
+}
+
+TEST(AdaptiveSpace, GrowsWhereTheFunctionVariesAndOnlyThere) {
+  // degree 9 in the first coordinate, 1 in the second, none in the third
+  const auto function = [](const Eigen::VectorXd& u) { return 5 + 3 * std::exp(2.5 * (2 * u[0] - 1)) + 2 * (2 * u[1] - 1); };
+  RandomStream random(11, 0);
+  ScatteredData data;
+  data.units = Eigen::MatrixXd::NullaryExpr(3, 100, [&] { return 0.5 * (1 - std::cos(M_PI * random.uniform())); });
+  data.values.resize(100), data.weights = Eigen::VectorXd::Ones(100);
+  for (Eigen::Index i = 0; i < 100; ++i) data.values[i] = function(data.units.col(i)), (i % 5 == 0 ? data.validation : data.train).push_back(std::size_t(i));
+  const Eigen::MatrixXi degrees = adaptive_degrees(data, 12, 500, false, 5, 1);
+  EXPECT_GE(degrees.row(0).maxCoeff(), 7);
+  EXPECT_LE(degrees.row(1).maxCoeff(), 3);
+  EXPECT_LE(degrees.row(2).maxCoeff(), 2);
+  std::set<std::vector<int>> terms;
+  for (Eigen::Index j = 0; j < degrees.cols(); ++j) terms.insert({degrees(0, j), degrees(1, j), degrees(2, j)});
+  EXPECT_EQ(terms.size(), std::size_t(degrees.cols()));
+  for (auto t : terms)  // downward closed
+    for (std::size_t k = 0; k < 3; ++k)
+      if (t[k] > 0) {
+        auto before = t;
+        --before[k];
+        EXPECT_TRUE(terms.contains(before));
+      }
+  SpeOptions o;
+  o.tensor_product = {}, o.lambdas = {1};
+  const auto error = [&](std::vector<int> adaptive, std::vector<int> total) {
+    o.adaptive = std::move(adaptive), o.total_degree = std::move(total);
+    return fit_sparse_polynomials(data, o, 1, 1).surrogates.at(0).validation.rrmse;
+  };
+  const double grown = error({12}, {});
+  EXPECT_LT(grown, 2e-3);
+  EXPECT_GT(error({1}, {}), 10 * grown);  // growth is what does it
+  EXPECT_GT(error({}, {4}), 5 * grown);   // 35 terms of every direction
+  EXPECT_LT(degrees.cols(), 60);
+  o.most_terms = 12;
+  EXPECT_LE(fit_sparse_polynomials(data, (o.adaptive = {12}, o.total_degree = {}, o), 1, 1).spaces.at(0).terms, 12u);
 }
 
 TEST(Spe, TheHeldOutRunsTakeNoPartInTheFitOfTheirErrors) {
