@@ -202,6 +202,8 @@ TEST(Likelihood, EveryTermStandsWhereItShould) {
   ModelError e;
   e.floor_variance = Eigen::VectorXd::Constant(80, 9);
   e.surrogate_variance = Eigen::VectorXd::Constant(80, 4);
+  e.unknowns = Eigen::MatrixXd::Zero(80, 2);  // one that all gauges share, one of the second gauge alone
+  e.unknowns.col(0).setConstant(3), e.unknowns.col(1).tail(40).setConstant(5);
   const Likelihood l(s.problem, s.recordings, {}, options, e);
   const auto& grid = l.grid();
   Eigen::MatrixXd expected = std::pow(0.02, 2) * l.data() * l.data().transpose();
@@ -214,6 +216,9 @@ TEST(Likelihood, EveryTermStandsWhereItShould) {
                                     std::pow(0.05, 2) * l.data().segment(at, n) * l.data().segment(at, n).transpose() +
                                     Eigen::MatrixXd::Constant(n, n, std::pow(2 * noise.sd(), 2));
   }
+  const auto second = Eigen::Index(grid.offset(1)), rest = Eigen::Index(grid.size()) - second;
+  expected.array() += 9;
+  expected.block(second, second, rest, rest).array() += 25;
   EXPECT_LT((l.covariance() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.maxCoeff());
   double total = 0;
   for (const auto& [source, share] : l.shares()) total += share;
