@@ -5,6 +5,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include <algorithm>
 #include <barrier>
 #include <chrono>
 #include <cmath>
