@@ -267,7 +267,7 @@ ModelDescription BuiltInModel::describe() const {
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
   SolveOptions options = solve_options(case_.solver);
   options.threads = threads_;
-  const int per_output = solver_->steps_per_output(s, options);
+  const int per_output = solver_->stepping(s, options).per_output;
   d.time_step = case_.time.output_interval / per_output;
   d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
