@@ -23,6 +23,7 @@ struct StableSteps {
 struct Stepping {
   int per_output = 1;  ///< steps, a multiple of `subcycles`
   int subcycles = 1;   ///< of them in a step of the slow elements
+  double work = 1;     ///< estimated share of the work that these steps would take with every element in each
 };
 
 /// Per element: 1 where it takes long steps, that is mercury with at least `buffer` layers of elements between it and steel, slip pairs,

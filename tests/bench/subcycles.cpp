@@ -1,11 +1,16 @@
 // What sub-cycling gains and what it changes: processor time, strain and energy balance for 1, 2, 3, 4 and 6 sub-cycles at most, runs
 // taken in turn in the same minutes.
 //
-//   bench_subcycles [--buffer LAYERS] CASE.toml [key=value ...]
+//   bench_subcycles [--buffer LAYERS] [--reference STRAINS.csv] CASE.toml [key=value ...]
+//
+// The reference has a column for each gauge, in the case's own order and times, after one of time.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <numeric>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -35,6 +40,23 @@ std::vector<double> mean_of(const SolveSummary& s, std::size_t runs) {
   return mean;
 }
 
+/// (gauge, time) from a table with a heading.
+std::vector<double> read_reference(const std::string& path) {
+  std::ifstream in(path);
+  std::string line, cell;
+  std::vector<std::vector<double>> columns;
+  for (std::getline(in, line); std::getline(in, line);) {
+    std::size_t k = 0;
+    for (std::stringstream s(line); std::getline(s, cell, ','); ++k) {
+      if (k == columns.size()) columns.emplace_back();
+      columns[k].push_back(std::stod(cell));
+    }
+  }
+  std::vector<double> out;
+  for (std::size_t k = 1; k < columns.size(); ++k) out.insert(out.end(), columns[k].begin(), columns[k].end());
+  return out;
+}
+
 /// Relative L2 between two records, gauge by gauge.
 std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b, std::size_t times) {
   std::vector<double> out;
@@ -46,7 +68,7 @@ std::vector<double> differences(const std::vector<double>& a, const std::vector<
   return out;
 }
 
-void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std::vector<ObservationRow>& rows, bool lanes, SolveOptions options) {
+void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std::vector<ObservationRow>& rows, bool lanes, const std::vector<double>& reference, SolveOptions options) {
   const RunSetup setup = model.setup(model.forward_case(), model.mesh(), 0, lanes ? pulse_energies({}) : std::vector<double>{1.0});
   const std::size_t runs = setup.energies.size();
   std::vector<Result> results(allowed.size());
@@ -69,11 +91,14 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
     }
     const double seconds = median(r.seconds), rate = double(model.mesh().elements.size() * runs) * double(r.last.steps) / seconds / 1e6;
     const auto d = differences(r.mean, results[0].mean, r.last.times.size());
-    double sum = 0;
-    for (const double x : d) sum += x;
-    fmt::print("    at most {}: {} used, {:6} steps of {:.3e} s, {:8.3f} s, {:6.1f} M/s nominal, {:4.2f} times; difference {:5.2f} % (worst {:5.2f} %); balance {:.1e}\n", allowed[i],
-               r.last.subcycles, r.last.steps, r.last.time_step, seconds, rate, median(results[0].seconds) / seconds, 100 * sum / double(d.size()),
-               100 * *std::max_element(d.begin(), d.end()), balance);
+    std::string error;
+    if (reference.size() == r.mean.size()) {
+      const auto e = differences(r.mean, reference, r.last.times.size());
+      error = fmt::format("; error {:.2f} %", 100 * std::accumulate(e.begin(), e.end(), 0.0) / double(e.size()));
+    }
+    fmt::print("    at most {}: {} used, {:6} steps of {:.3e} s, {:8.3f} s, {:6.1f} M/s nominal, {:4.2f} times; difference {:5.2f} % (worst {:5.2f} %); balance {:.1e}{}\n", allowed[i],
+               r.last.subcycles, r.last.steps, r.last.time_step, seconds, rate, median(results[0].seconds) / seconds, 100 * std::accumulate(d.begin(), d.end(), 0.0) / double(d.size()),
+               100 * *std::max_element(d.begin(), d.end()), balance, error);
     std::fflush(stdout);
   }
 }
@@ -83,7 +108,9 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
 int main(int argc, char** argv) {
   int buffer = default_subcycle_buffer;
   if (argc > 2 && std::string(argv[1]) == "--buffer") buffer = std::stoi(argv[2]), argc -= 2, argv += 2;
-  if (argc < 2) return fmt::print("usage: bench_subcycles [--buffer LAYERS] CASE.toml [key=value ...]\n"), 2;
+  std::vector<double> reference;
+  if (argc > 2 && std::string(argv[1]) == "--reference") reference = read_reference(argv[2]), argc -= 2, argv += 2;
+  if (argc < 2) return fmt::print("usage: bench_subcycles [--buffer LAYERS] [--reference STRAINS.csv] CASE.toml [key=value ...]\n"), 2;
   CaseFile file(argv[1], std::vector<std::string>(argv + 2, argv + argc));
   const BuiltInModel model(ForwardCase::read(file));
   const ForwardCase& c = model.forward_case();
@@ -98,5 +125,5 @@ int main(int argc, char** argv) {
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
   SolveOptions options = solve_options(c.solver);
   options.subcycle_buffer = buffer;
-  for (const bool lanes : {false, true}) measure(model, solver, rows, lanes, options);
+  for (const bool lanes : {false, true}) measure(model, solver, rows, lanes, reference, options);
 }
