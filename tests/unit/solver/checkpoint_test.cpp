@@ -29,7 +29,7 @@ class Creeping : public LiquidLaw {
 struct Stopped {
   Mesh mesh = block({10, 2, 4}, {0, 0, 0}, {0.02, 0.004, 0.008}, [](const Vec3& x) { return x[2] > 0.006 ? Region::steel : Region::mercury; });
   ExplicitSolver solver{mesh, steel()};
-  RunSetup setup = linear_setup(4e-5, 1e-6);
+  RunSetup setup = linear_setup(4e-5, 2e-6);
   std::vector<ObservationRow> rows{component(nearest(mesh, {0.02, 0, 0.008}), 0), component(nearest(mesh, {0, 0, 0}), 2)};
   std::filesystem::path path;
   int subcycles = 1;

@@ -161,7 +161,8 @@ TEST(Subcycles, OneIsTheRunWithoutThem) {
 TEST(Subcycles, ThreadsAndLanesDoNotMatter) {
   const Mesh mesh = box(false);
   const ExplicitSolver solver(mesh, steel());
-  RunSetup s = heated(mesh, 4e-5);
+  RunSetup s = heated(mesh, 3.8e-5);
+  s.output_interval = 1.9e-6;  // 12 steps of the steel: 3 of 4
   std::vector<ObservationRow> rows;
   for (std::size_t n = 0; n < mesh.nodes.size(); n += 41) rows.push_back(component(NodeId(n), mesh.fixed[n] & 1 ? 2 : 0));
   for (const char* precision : {"double", "single"}) {
@@ -261,11 +262,19 @@ TEST(Subcycles, NoModeGrowsBesideALayerOfFastMercury) {
 TEST(Subcycles, NoModeOfAColumnGrowsWhateverTheStep) {
   const Mesh mesh = column();
   const ExplicitSolver solver(mesh, steel());
-  for (int k = 0; k <= 12; ++k) {
-    const double balance = balance_of_noise(mesh, solver, 0, 3.1e-6 + 0.15e-6 * k, 2000, cycled(3));
-    EXPECT_LT(balance, 0.04) << k;
-  }
-  EXPECT_THROW((void)balance_of_noise(mesh, solver, 0, 4e-6, 4000, cycled(4, 0)), NumericsError);
+  const auto greatest = [&](int buffer) {
+    double balance = 0;
+    for (int k = 0; k <= 12; ++k) try {
+        balance = std::max(balance, balance_of_noise(mesh, solver, 0, 3.1e-6 + 0.15e-6 * k, 2000, cycled(3, buffer)));
+      } catch (const NumericsError&) {
+        balance = std::numeric_limits<double>::infinity();
+      }
+    return balance;
+  };
+  const double with = greatest(1), without = greatest(0);
+  measured("balance_with_a_layer", with), measured("balance_without", without);
+  EXPECT_LT(with, 0.04);
+  EXPECT_GT(without, 1);
 }
 
 // The long step's own limit is that of the liquid alone.
