@@ -25,6 +25,7 @@ ExitStatus Stages::check() {
   for (const auto& n : d.notes) say("note: " + n);
   say(fmt::format("model: {} elements, {} nodes, {} steps of {:.3g} s, {} sensors at {} times, about {:.0f} MB", d.elements, d.nodes, d.steps, d.time_step,
                   shape.sensors.size(), shape.times.size(), d.estimated_bytes / 1e6));
+  if (d.subcycles > 1) say(fmt::format("sub-cycling: mercury away from the steel takes one step in {}", d.subcycles));
   say_physics();
   const auto& q = model().mesh().quality;
   say(fmt::format(

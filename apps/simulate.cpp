@@ -67,6 +67,7 @@ class RunFields {
 Json of_run(const SolveSummary& s, bool booked) {
   Json json{{"steps", s.steps},
             {"time_step_s", s.time_step},
+            {"subcycles", s.subcycles},
             {"resumed_from_step", s.resumed_from},
             {"wall_s", s.wall_seconds},
             {"processor_s", s.processor_seconds},
@@ -97,6 +98,7 @@ std::vector<double> Stages::simulate_mean(Json& json) {
   const double runs = double(prediction.energies.size() * model().shape().conditions.size());
   json.update({{"steps", description.steps},
                {"time_step_s", description.time_step},
+               {"subcycles", description.subcycles},
                {"wall_s", wall},
                {"element_steps_per_s", runs * double(description.elements) * double(description.steps) / wall},
                {"energy_balance_error", nullptr},

@@ -267,11 +267,11 @@ ModelDescription BuiltInModel::describe() const {
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
   SolveOptions options = solve_options(case_.solver);
   options.threads = threads_;
-  const int per_output = solver_->steps_per_output(s, options);
-  d.time_step = case_.time.output_interval / per_output;
-  d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
+  const Stepping stepping = solver_->stepping(s, options);
+  d.time_step = case_.time.output_interval / stepping.per_output, d.subcycles = stepping.subcycles;
+  d.steps = std::int64_t(stepping.per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
-  const double element_steps = double(d.elements) * double(d.steps);
+  const double element_steps = double(d.elements) * double(d.steps) * stepping.work;
   d.estimated_seconds = element_steps / measured_rate(single, d.elements, false);
   const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
   d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * element_steps / measured_rate(single, d.elements, true);

@@ -23,6 +23,7 @@ struct ModelDescription {
   std::size_t elements = 0, nodes = 0, slip_pairs = 0;
   double time_step = 0;  ///< [s], at the case's own parameters
   std::int64_t steps = 0;
+  int subcycles = 1;     ///< steps in one of the mercury away from the steel
   double viscosity = 0;  ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
   double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
