@@ -90,8 +90,8 @@ int stop(pid_t child, int signal, int times, Seen&& seen) {
 }
 
 /// Starts the program and kills it once it has left `saves` new checkpoints. Whether it was still at work.
-bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves) {
-  const auto stamp = [checkpoint = dir / "killed" / "simulate.checkpoint"] {
+bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves, const std::string& name = "simulate.checkpoint") {
+  const auto stamp = [checkpoint = dir / "killed" / name] {
     std::error_code none;
     const auto t = fs::last_write_time(checkpoint, none);
     return none ? fs::file_time_type::min() : t;
@@ -157,6 +157,46 @@ TEST(Simulate, AskedToStopItSavesAndGoesOn) {
   EXPECT_THAT(last.said, HasSubstr("goes on from step"));
   for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
     EXPECT_EQ(NetcdfReader(dir.path / "whole" / file).doubles(variable), NetcdfReader(dir.path / "killed" / file).doubles(variable)) << file;
+}
+
+// With several conditions those that were finished are kept, in whichever one the run was cut off.
+TEST(Simulate, KilledInAnyConditionItRepeatsNone) {
+  const Folder dir;
+  std::ofstream(dir.path / "case.toml", std::ios::app) << R"(
+[[condition]]
+name = "low"
+peak_pressure = 10e6
+[[condition]]
+name = "middle"
+peak_pressure = 20e6
+[[condition]]
+name = "high"
+peak_pressure = 30e6
+)";
+  const std::string coarser = " --fields --set geometry.element_size=0.001";
+  const std::vector<const char*> words{"--fields", "--set", "geometry.element_size=0.001"};
+  ASSERT_EQ(run(dir.path, "simulate case.toml --out whole --set solver.checkpoint=0" + coarser).status, 0);
+  const fs::path killed = dir.path / "killed";
+  for (const char* condition : {"0", "1", "2"}) ASSERT_TRUE(kill_after(dir.path, words, 3, std::string("simulate.checkpoint.") + condition)) << condition;
+  EXPECT_FALSE(fs::exists(killed / "simulate.nc"));
+  EXPECT_TRUE(fs::exists(killed / "fields.exo"));  // whole since the first condition was
+
+  const auto untouched = fs::last_write_time(killed / "fields.exo");
+  const auto last = run(dir.path, "simulate case.toml --out killed" + coarser);
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_THAT(last.said, HasSubstr("condition low is finished and kept"));
+  EXPECT_THAT(last.said, HasSubstr("condition middle is finished and kept"));
+  EXPECT_THAT(last.said, HasSubstr("condition high goes on from step"));
+  EXPECT_EQ(fs::last_write_time(killed / "fields.exo"), untouched);
+  for (const char* condition : {"0", "1", "2"}) EXPECT_FALSE(fs::exists(killed / (std::string("simulate.checkpoint.") + condition)));
+
+  const NetcdfReader a(dir.path / "whole" / "simulate.nc"), b(killed / "simulate.nc");
+  EXPECT_EQ(a.doubles("strain"), b.doubles("strain"));
+  EXPECT_EQ(NetcdfReader(dir.path / "whole" / "fields.exo").doubles("vals_nod_var1"), NetcdfReader(killed / "fields.exo").doubles("vals_nod_var1"));
+  const auto whole = calomel::read_json(dir.path / "whole" / "simulate.json"), json = calomel::read_json(killed / "simulate.json");
+  for (const char* key : {"steps", "energy_balance_error", "greatest_wall_stress_Pa"}) EXPECT_EQ(whole[key], json[key]) << key;
+  // Two of three conditions were not run again.
+  EXPECT_GT(json["resumed_from_step"].get<double>(), whole["steps"].get<double>() * 2 / 3);
 }
 
 TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
