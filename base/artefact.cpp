@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/identity.hpp"
+
 namespace calomel {
 
 const char* const version = CALOMEL_VERSION;
@@ -93,7 +95,7 @@ Json telling_options(const Json& written) {
 }
 }  // namespace
 
-std::string Provenance::identity_of(const Json& written) {
+std::string identity_of(const Json& written) {
   Json options = telling_options(written);
   if (options == written.value("options", Json::object())) return written.value("identity", "");
   return Provenance{.stage = written.value("stage", ""),
@@ -130,7 +132,7 @@ Reuse reusable(const std::filesystem::path& path, const Provenance& now) {
 }
 
 void expect_same_provenance(const Json& before, const Provenance& now, const std::filesystem::path& file) {
-  if (Provenance::identity_of(before) == now.identity()) return;
+  if (identity_of(before) == now.identity()) return;
   auto keys = changed_keys(telling_options(before), now.options);
   for (const auto& k : changed_keys(before.value("inputs", Json::object()), Json(now.inputs))) keys.push_back("the input " + k);
   if (before.value("seed", std::uint64_t{0}) != now.seed) keys.push_back("the seed");

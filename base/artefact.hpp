@@ -43,8 +43,6 @@ struct Provenance {
 
   /// Hash over stage, options, seed and inputs.
   [[nodiscard]] std::string identity() const;
-  /// That of a provenance as an artefact holds it; solver.booking, which once was part of it in every stage, counts in simulate alone.
-  [[nodiscard]] static std::string identity_of(const Json& written);
   /// {program, version, stage, seed, options, inputs, identity}
   [[nodiscard]] Json json() const;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/identity.hpp"
 #include "base/netcdf_file.hpp"
 
 using namespace calomel;
@@ -55,7 +56,7 @@ TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
     now.options["solver"].erase("booking");
     write_json(dir / "old.json", {{"provenance", before.json()}});
     const bool counts = before.stage == "simulate";
-    EXPECT_EQ(Provenance::identity_of(before.json()) == now.identity(), !counts);
+    EXPECT_EQ(identity_of(before.json()) == now.identity(), !counts);
     if (counts)
       EXPECT_THROW((void)reusable(dir / "old.json", now), InputError);
     else
