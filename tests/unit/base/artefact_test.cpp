@@ -49,7 +49,7 @@ TEST(Artefact, ReuseNamesTheChangedKey) {
 
 // Archives made when solver.booking was part of every identity stand; where it decides what is written it still counts.
 TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
-  const auto dir = scratch("booking");
+  const auto dir = scratch("older");
   for (const char* stage : {"campaign", "simulate"}) {
     Provenance before{.stage = stage, .options = {{"solver", {{"precision", "double"}, {"booking", true}}}}, .seed = 3, .inputs = {{"sensors", "x"}}};
     Provenance now = before;
