@@ -225,7 +225,7 @@ TEST(Report, TellsTheRepeatabilityFloorOrHowToMeasureIt) {
   // Without a campaign that of check --floor; without that, the way to it.
   std::filesystem::remove(dir / "campaign.json");
   EXPECT_THAT(markup(report_of(dir, in)), HasSubstr("calomel check slice.toml --floor"));
-  write_json(dir / "floor.json", floor(in));
+  write_json(dir / "floor.json", repeatability(in));
   EXPECT_THAT(markup(report_of(dir, in)), HasSubstr("9.2\u00a0% at the worst"));
 }
 
