@@ -31,16 +31,17 @@ std::string key_of(std::string text) {
 
 const Json& comparisons_of(const Study& study) { return list_at(study.floor, "comparisons"); }
 
-/// How many digits a share of the signal needs, in percent: single precision moves far less than the mesh.
-constexpr int share_digits = 2;
+/// Digits of a share of the signal in percent, see Column: two significant ones, since single precision may move far less than the mesh; a decimal where
+/// a column holds shares of one kind.
+constexpr int any_share = 2, alike_shares = -1;
 
 }  // namespace
 
 Table floor_table(const Study& study) {
   Table t{.id = "floor", .caption = "How far the simulated strain moves, in percent of its root mean square over the whole record."};
   if (study.floor.is_null()) return t;
-  t.columns = {{"what", "What is changed", 4, true}, {"mean", "Mean over gauges [%]", share_digits, false, percent}, {"worst", "Worst gauge [%]", share_digits, false, percent},
-               {"compared", "What is told", 4, true}};
+  t.columns = {{"what", "What is changed", 4, true}, {"mean", "Mean over gauges [%]", any_share, false, percent}, {"worst", "Worst gauge [%]", any_share, false, percent},
+               {"compared", "Measured as", 4, true}};
   t.rows.push_back({Cell("Repeatability floor", true), Cell(number_at(study.floor, "mean"), true), Cell(number_at(study.floor, "worst"), true),
                     fmt::format("standard deviation of the ensemble mean over {} jitters of mesh, viscosity and energies", list_at(study.floor, "members").size())});
   for (const auto& c : comparisons_of(study)) {
@@ -54,11 +55,11 @@ Table floor_sensor_table(const Study& study) {
   Table t{.id = "floor_by_gauge", .caption = "The same by gauge [% of its signal]."};
   const Json& records = list_at(study.floor, "sensors");
   if (records.empty()) return t;
-  t.columns = {{"gauge", "Gauge", 4, true}, {"floor", "Repeatability floor", share_digits, false, percent}};
+  t.columns = {{"gauge", "Gauge", 4, true}, {"floor", "Repeatability floor", alike_shares, false, percent}};
   std::vector<const Json*> shown;
   for (const auto& c : comparisons_of(study))
     if (list_at(c, "sensors").size() == records.size()) {
-      t.columns.push_back({text_at(c, "name"), title_of(c), share_digits, false, percent});
+      t.columns.push_back({text_at(c, "name"), title_of(c), text_at(c, "name") == "precision" ? any_share : alike_shares, false, percent});
       shown.push_back(&list_at(c, "sensors"));
     }
   for (std::size_t row = 0; row < records.size(); ++row) {
@@ -74,7 +75,7 @@ Table floor_window_table(const Study& study, const ReportInput& input) {
   Table t{.id = "floor_by_window", .caption = "Repeatability floor by stretch of the record: standard deviation of the ensemble mean [" + unit.name + "]."};
   const Json &records = list_at(study.floor, "sensors"), &begin = list_at(study.floor, "window_begin_s"), &end = list_at(study.floor, "window_end_s");
   t.columns = {{"begin_s", "From [\u00b5s]", 4, false, 1e6}, {"end_s", "To [\u00b5s]", 4, false, 1e6}};
-  for (const auto& r : records) t.columns.push_back({key_of(record_name(r, records)), record_name(r, records), 2, false, unit.factor});
+  for (const auto& r : records) t.columns.push_back({key_of(record_name(r, records)), record_name(r, records), -1, false, unit.factor});
   for (std::size_t w = 0; w < std::min(begin.size(), end.size()); ++w) {
     std::vector<Cell> cells{begin[w].get<double>(), end[w].get<double>()};
     for (const auto& r : records) {
@@ -97,8 +98,8 @@ std::string floor_section(const Study& study, const ReportInput& input, const st
       "A difference between simulation and record that is smaller than this says nothing about the target; no parameter and no mechanism may be chosen by it.</p>\n",
       number_html(percent * mean, 2), number_html(percent * most, 2), worst == records.end() ? "" : " (" + escape_html(record_name(*worst, records)) + ")");
   s += floor_table(study).html();
-  s += "<p class=\"note\">Single runs scatter more than their mean: the ensemble mean, not a single run, is what a mean record is compared with. Half the element size "
-       "tells what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision is good enough while its row "
+  s += "<p class=\"note\">Single runs: what chaos alone makes of a change of nothing; the ensemble mean, with which a mean record is compared, evens it out. Half the element "
+       "size: what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision is good enough while its row "
        "stays below the floor.</p>\n";
   s += floor_sensor_table(study).html();
   if (const Table t = floor_window_table(study, input); !t.empty())
