@@ -4,7 +4,7 @@
 
 #include "base/netcdf_file.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "tests/unit/campaign/scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using ::testing::ElementsAre;

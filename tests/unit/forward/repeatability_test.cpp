@@ -1,10 +1,8 @@
 #include "forward/repeatability.hpp"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
-#include <filesystem>
-
+#include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
@@ -23,12 +21,6 @@ const FloorComparison& comparison(const RepeatabilityFloor& floor, const std::st
   for (const auto& c : floor.comparisons)
     if (c.name == name) return c;
   throw std::runtime_error("no comparison " + name);
-}
-
-std::filesystem::path journal_path(const std::string& name) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / ("calomel_floor_" + name + std::to_string(::getpid()));
-  std::filesystem::remove(path);
-  return path;
 }
 
 }  // namespace
@@ -129,7 +121,7 @@ TEST(Floor, SaysWhyAComparisonIsLeftOut) {
 TEST(Floor, StoppedItGoesOnFromItsJournalToTheSameNumbers) {
   const Provenance provenance{.stage = "floor", .options = {{"a", 1}}};
   const auto whole = measure_floor(small_case(), {}, beside(), 7, 1);
-  const auto path = journal_path("stopped");
+  const auto path = scratch("floor_stopped") / "floor.journal";
   std::atomic<bool> stop{false};
   std::size_t before = 0, after = 0;
   {
