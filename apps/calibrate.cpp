@@ -4,7 +4,7 @@
 
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
-#include "forward/repeatability.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 #include "inverse/comparison.hpp"
 #include "inverse/feasibility.hpp"
 

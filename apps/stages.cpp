@@ -8,7 +8,6 @@
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
 #include "forward/campaign/archive.hpp"
-#include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/feasibility.hpp"
@@ -129,12 +128,18 @@ ExitStatus Stages::campaign(Asked asked) {
   if (!finished && asked == Asked::upstream) say("no finished campaign in " + command_.out.string() + ": running it first");
   CampaignSummary summary;
   {
-    ProgressDisplay display("campaign", "runs", progress_style(command_.quiet || finished), std::cerr);
+    std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command_.quiet || finished), std::cerr);
+    FloorSource floor;
+    if (study_.campaign.floor && (asked == Asked::by_user || !finished)) floor = [&] {
+      display.reset();
+      need_floor();
+      return read_floor(read_json(command_.out / "floor.json"));
+    };
     summary = study_.file.locating([&] {
       return run_campaign(
           m, study_.campaign, command_.seed, command_.threads, provenance, command_.out,
-          [&](std::size_t done, std::size_t failed, std::size_t runs) { display.update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
-          &stop_requested());
+          [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
+          &stop_requested(), floor);
     });
   }
   if (asked == Asked::by_user || !finished)

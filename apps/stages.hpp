@@ -10,6 +10,7 @@
 #include "apps/study_case.hpp"
 #include "base/artefact.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
@@ -54,7 +55,9 @@ class Stages {
   std::vector<double> simulate_mean(Json& json);
   /// One run, gone on with where an earlier one was cut off.
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
+  /// Measures the floor, run by run kept in floor.journal, and writes floor.json.
   void measure_floor();
+  void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;
   /// Makes floor.json first, saying so, where there is none of this model.

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/floor_tables.hpp"
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
@@ -327,6 +328,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +
          section("candidates", "Candidates and the \u03c1\u2013c ridge", candidate_section(study, input)) +
          section("surrogate", "Surrogate quality", surrogate_section(study, input)) + section("campaign", "Campaign", campaign_section(study, input)) +
+         section("floor", "Repeatability floor", floor_section(study, input, "Measure it with " + command(input, "check", "--floor") + ".")) +
          section("provenance", "Provenance", provenance_section(study, input));
 }
 

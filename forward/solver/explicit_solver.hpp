@@ -88,7 +88,9 @@ struct Checkpoint {
   double every_seconds = 120;   ///< wall time
   std::string identity;         ///< of everything that decides the run; a file of another identity is an error
   std::function<void(std::int64_t fields)> before_saving;   ///< called with the number of snapshots handed out so far
-  std::function<void(std::int64_t step, std::int64_t fields)> on_resume;  ///< the run goes on from this step, this many snapshots done
+  bool keep = false;            ///< a run that came to its end leaves a last one, from which it is told again without a step; else it leaves none
+  /// The run goes on from this step, this many snapshots done; at its end when `finished`.
+  std::function<void(std::int64_t step, std::int64_t fields, bool finished)> on_resume;
 };
 
 struct SolveOptions {

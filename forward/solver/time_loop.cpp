@@ -228,8 +228,8 @@ class TimeLoop {
     if (!in) fail("the checkpoint ends early");
     first_step_ = field_due_ = numbers[0], fields_ = numbers[1];
     // A snapshot of that very step was handed out before the checkpoint was written.
-    if (field_every_ > 0 && first_step_ % field_every_ == 0) ++field_due_;
-    if (options_.checkpoint.on_resume) options_.checkpoint.on_resume(first_step_, fields_);
+    if (field_every_ > 0 && (first_step_ % field_every_ == 0 || first_step_ == steps_)) ++field_due_;
+    if (options_.checkpoint.on_resume) options_.checkpoint.on_resume(first_step_, fields_, first_step_ == steps_);
   }
 
   void finish() {
@@ -245,7 +245,10 @@ class TimeLoop {
     const bool end_load = !setup_.end_stress.time.empty();  // a bar has no rear face: what goes out there is the load's work
     out_.energy_in = b.heat + b.initial - (end_load ? b.boundary : 0);
     out_.dissipated = b.dissipated, out_.radiated = end_load ? 0 : b.boundary;
-    if (!options_.checkpoint.path.empty()) {
+    if (options_.checkpoint.path.empty()) return;
+    if (options_.checkpoint.keep) {
+      if (first_step_ < steps_) save(steps_);
+    } else {
       std::error_code ignored;
       std::filesystem::remove(options_.checkpoint.path, ignored);
     }

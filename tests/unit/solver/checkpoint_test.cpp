@@ -90,6 +90,32 @@ TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
       }
 }
 
+TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
+  Stopped s("kept");
+  SolveOptions o = s.options("double", true);
+  o.checkpoint.every_seconds = 1e9, o.checkpoint.keep = true;
+  int pictures = 0;
+  o.field_interval = 7e-6;  // does not divide the end
+  o.on_field = [&](const FieldSnapshot&) { ++pictures; };
+  const auto whole = s.solver.solve(s.setup, s.rows, o);
+  const int all = pictures;
+  ASSERT_TRUE(std::filesystem::exists(s.path));
+  bool ended = false;
+  o.checkpoint.on_resume = [&](std::int64_t step, std::int64_t fields, bool finished) {
+    EXPECT_EQ(step, whole.steps);
+    EXPECT_EQ(fields, all);
+    ended = finished;
+  };
+  const auto again = s.solver.solve(s.setup, s.rows, o);
+  EXPECT_TRUE(ended);
+  EXPECT_EQ(pictures, all);  // none is handed out twice
+  EXPECT_EQ(again.resumed_from, whole.steps);
+  EXPECT_EQ(again.observations, whole.observations);
+  EXPECT_EQ(again.energy_balance_error, whole.energy_balance_error);
+  EXPECT_EQ(again.greatest_stress, whole.greatest_stress);
+  EXPECT_TRUE(std::filesystem::exists(s.path));
+}
+
 TEST(Checkpoint, OfAnotherRunIsAnError) {
   Stopped s("another");
   s.stop_at(0.5, s.options("double", true));
