@@ -63,11 +63,14 @@ class SpeRounds {
     best_ = best;
   }
 
-  /// A smaller box about what is known, and new runs in it where they are likely to come through.
+  /// A smaller box about what is known, or, after the rounds of zoom, one that goes where the best lies at the edge; and new runs in it where they are
+  /// likely to come through.
   void zoom(int round) {
+    const bool smaller = round < options_.zoom;
+    if (options_.zoom == 0 || (!smaller && !at_edge(bounds_, box_, best_.theta))) return;
     Eigen::MatrixXd optima(bounds_.low.size(), Eigen::Index(out_.optima.size()));
     for (std::size_t i = 0; i < out_.optima.size(); ++i) optima.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(out_.optima[i].theta.data(), optima.rows());
-    box_ = shrunken(bounds_, box_, known_.ranked(campaign), optima), whole_ = false;
+    box_ = next_box(bounds_, box_, known_.ranked(campaign), optima, smaller), whole_ = false;
     const auto feasibility = known_.feasibility();
     const Eigen::MatrixXd drawn = points_in(box_, problem_.shape.parameters, std::size_t(options_.zoom_runs), seed_ + zoom_stream + std::uint64_t(round));
     std::vector<std::vector<double>> points;
@@ -130,7 +133,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
     ranked = rounds.search(threads, progress);
     if (round == rounds.rounds()) break;
     rounds.ask(ranked, round);
-    if (round < options.zoom) rounds.zoom(round);
+    rounds.zoom(round);
   }
   out.runs_added = rounds.known().added();
   out.warnings.insert(out.warnings.end(), out.fit_warnings.begin(), out.fit_warnings.end());

@@ -1,6 +1,7 @@
 #include "inverse/spe/zoom.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "forward/campaign/campaign.hpp"
 
@@ -9,27 +10,38 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t best_runs = 6;
-constexpr double margin = 0.1, least_share = 0.5, largest_share = 0.75;
+constexpr double margin = 0.1, least_share = 0.5, largest_share = 0.75, edge = 0.1;
+
+/// Whether `x` lies at an end of [low, high] that is not one of the bounds.
+bool at_end(double x, double low, double high, double bound_low, double bound_high) {
+  const double near = edge * (high - low);
+  return (x < low + near && low > bound_low) || (x > high - near && high < bound_high);
+}
 
 }  // namespace
 
-Bounds shrunken(const Bounds& bounds, const Bounds& now, std::span<const Proposal> ranked, const Eigen::MatrixXd& optima) {
+bool at_edge(const Bounds& bounds, const Bounds& now, const std::vector<double>& best) {
+  for (Eigen::Index k = 0; k < now.low.size(); ++k)
+    if (at_end(best[std::size_t(k)], now.low[k], now.high[k], bounds.low[k], bounds.high[k])) return true;
+  return false;
+}
+
+Bounds next_box(const Bounds& bounds, const Bounds& now, std::span<const Proposal> ranked, const Eigen::MatrixXd& optima, bool smaller) {
   expect(!ranked.empty(), "a box is drawn about runs");
   Bounds box = now;
   for (Eigen::Index k = 0; k < now.low.size(); ++k) {
     const double best = ranked[0].theta[std::size_t(k)];
-    double low = best, high = best;
-    for (const auto& p : ranked.first(std::min(best_runs, ranked.size()))) low = std::min(low, p.theta[std::size_t(k)]), high = std::max(high, p.theta[std::size_t(k)]);
+    double reach = 0;
+    for (const auto& p : ranked.first(std::min(best_runs, ranked.size()))) reach = std::max(reach, std::abs(p.theta[std::size_t(k)] - best));
     if (optima.cols() > 0) {
-      std::vector<double> row;
-      for (Eigen::Index i = 0; i < optima.cols(); ++i) row.push_back(optima(k, i));
+      std::vector<double> row(optima.row(k).begin(), optima.row(k).end());
       std::sort(row.begin(), row.end());
-      low = std::min(low, row[row.size() / 4]), high = std::max(high, row[(3 * row.size()) / 4]);
+      reach = std::max({reach, best - row[row.size() / 4], row[(3 * row.size()) / 4] - best});
     }
-    const double former = now.high[k] - now.low[k];
-    const double side = std::clamp((1 + 2 * margin) * (high - low), least_share * former, largest_share * former);
-    const double least = std::max(bounds.low[k], best - side), most = std::min(bounds.high[k] - side, best);
-    box.low[k] = std::clamp((low + high - side) / 2, std::min(least, most), most);
+    double side = now.high[k] - now.low[k];
+    if (smaller && !at_end(best, now.low[k], now.high[k], bounds.low[k], bounds.high[k]))
+      side = std::clamp(2 * (1 + 2 * margin) * reach, least_share * side, largest_share * side);
+    box.low[k] = std::clamp(best - side / 2, bounds.low[k], bounds.high[k] - side);
     box.high[k] = box.low[k] + side;
   }
   return box;

@@ -31,28 +31,39 @@ SpeOptions small() {
 
 const Bounds square{Eigen::Vector2d(0, 0), Eigen::Vector2d(10, 1)};
 
-TEST(SpeZoom, TheBoxKeepsAtLeastHalfAndHoldsTheBest) {
+TEST(SpeZoom, TheBoxKeepsAtLeastHalfAboutTheBest) {
   const std::vector<Proposal> close{{1, {9.8, 0.5}}, {2, {9.7, 0.52}}, {3, {9.9, 0.48}}};
-  const Bounds b = shrunken(square, square, close, Eigen::MatrixXd(2, 0));
-  EXPECT_DOUBLE_EQ(b.high[0] - b.low[0], 5);    // never below half
+  const Eigen::MatrixXd none(2, 0);
+  const Bounds b = next_box(square, square, close, none, true);
+  EXPECT_DOUBLE_EQ(b.high[0] - b.low[0], 5);  // never below half
   EXPECT_DOUBLE_EQ(b.high[1] - b.low[1], 0.5);
-  EXPECT_DOUBLE_EQ(b.high[0], 10);              // inside the bounds
+  EXPECT_DOUBLE_EQ(b.high[0], 10);  // inside the bounds
   EXPECT_NEAR((b.high[1] + b.low[1]) / 2, 0.5, 1e-12);
   std::vector<Proposal> wide = close;
   wide.push_back({4, {0.1, 0.5}});
-  const Bounds w = shrunken(square, square, wide, Eigen::MatrixXd(2, 0));
+  const Bounds w = next_box(square, square, wide, none, true);
   EXPECT_DOUBLE_EQ(w.high[0] - w.low[0], 7.5);  // shrinks all the same
   EXPECT_GE(w.high[0], 9.8);
   // The middle half of the optima counts, single ones do not.
   Eigen::MatrixXd optima(2, 8);
-  optima << 0, 6, 6, 6, 6, 6, 6, 0, 0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1;
-  const Bounds o = shrunken(square, square, close, optima);
-  EXPECT_LE(o.low[0], 6);
-  EXPECT_GT(o.low[0], 3);
-  // A later box may leave the one before, not the bounds.
-  const Bounds later = shrunken(square, {Eigen::Vector2d(0, 0), Eigen::Vector2d(5, 0.5)}, close, Eigen::MatrixXd(2, 0));
-  EXPECT_GE(later.high[0], 9.8);
-  EXPECT_LE(later.high[0], 10);
+  optima << 9, 9, 9, 9, 9, 9, 0, 0, 0.5, 0.5, 0.5, 0.2, 0.2, 0.5, 0.5, 1;
+  const Bounds o = next_box(square, square, close, optima, true);
+  EXPECT_DOUBLE_EQ(o.high[0] - o.low[0], 5);
+  EXPECT_NEAR(o.high[1] - o.low[1], 2.4 * 0.3, 1e-12);
+}
+
+TEST(SpeZoom, WhereTheBestLiesAtTheEdgeTheBoxMoves) {
+  const Bounds now{Eigen::Vector2d(2, 0), Eigen::Vector2d(6, 0.5)};
+  const std::vector<Proposal> edge{{1, {5.9, 0.02}}};
+  EXPECT_TRUE(at_edge(square, now, {5.9, 0.2}));
+  EXPECT_FALSE(at_edge(square, now, {4, 0.02}));  // 0 is a bound: nothing lies beyond
+  EXPECT_TRUE(at_edge(square, now, {4, 0.48}));
+  const Bounds b = next_box(square, now, edge, Eigen::MatrixXd(2, 0), true);
+  EXPECT_NEAR(b.low[0], 3.9, 1e-12);
+  EXPECT_NEAR(b.high[0], 7.9, 1e-12);
+  EXPECT_NEAR(b.high[1], 0.25, 1e-12);
+  const Bounds same = next_box(square, now, std::vector<Proposal>{{1, {4, 0.3}}}, Eigen::MatrixXd(2, 0), false);
+  EXPECT_NEAR(same.high[1] - same.low[1], 0.5, 1e-12);
 }
 
 TEST(SpeZoom, NewRunsLieInTheBox) {
@@ -75,13 +86,13 @@ TEST(SpeZoom, FindsWhatPolynomialsOfTheWholeBoxMiss) {
   const auto zoomed = run_spe(c.problem, archive, c.model, o, 1, 2);
   EXPECT_LT(*zoomed.best.objective_model, 0.5 * *plain.best.objective_model);
   EXPECT_LT(std::abs(zoomed.theta[1] / truth[1] - 1), 0.01);
-  ASSERT_EQ(zoomed.zooms.size(), 3u);
+  ASSERT_GE(zoomed.zooms.size(), 3u);
   const auto& last = zoomed.zooms.back();
-  EXPECT_LE(last.high[1] - last.low[1], 0.43 * 1000);
+  EXPECT_LT(last.high[1] - last.low[1], 0.8 * 1000);
   EXPECT_GE(last.high[1] - last.low[1], 0.125 * 1000 - 1e-9);
   EXPECT_GE(last.runs, last.made);
   EXPECT_GT(last.made, 30u);
-  EXPECT_EQ(spe_json(zoomed, c.problem, {}).at("zoom").size(), 3u);
+  EXPECT_EQ(spe_json(zoomed, c.problem, {}).at("zoom").size(), zoomed.zooms.size());
   // With one thread or two, the same.
   EXPECT_EQ(run_spe(c.problem, archive, c.model, o, 1, 1).theta, zoomed.theta);
 }
