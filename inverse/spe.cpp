@@ -68,9 +68,7 @@ class SpeRounds {
   void zoom(int round) {
     const bool smaller = round < options_.zoom;
     if (options_.zoom == 0 || (!smaller && !at_edge(bounds_, box_, best_.theta))) return;
-    Eigen::MatrixXd optima(bounds_.low.size(), Eigen::Index(out_.optima.size()));
-    for (std::size_t i = 0; i < out_.optima.size(); ++i) optima.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(out_.optima[i].theta.data(), optima.rows());
-    box_ = next_box(bounds_, box_, known_.ranked(campaign), optima, smaller), whole_ = false;
+    box_ = next_box(bounds_, box_, best_.theta, smaller), whole_ = false;
     const auto feasibility = known_.feasibility();
     const Eigen::MatrixXd drawn = points_in(box_, problem_.shape.parameters, std::size_t(options_.zoom_runs), seed_ + zoom_stream + std::uint64_t(round));
     std::vector<std::vector<double>> points;

@@ -34,8 +34,8 @@ struct SpeOptions {
   int refinements = 2;
   double separation = 0.03;
   int known_candidates = 2;
-  int zoom = 3;
-  int zoom_runs = 30;
+  int zoom = 4;
+  int zoom_runs = 25;
   int mesh_pairs = 6;
   double mesh_beyond = 0;
 
@@ -75,7 +75,7 @@ struct SpeOptions {
     v("known_candidates", known_candidates, {.range = between(0, 20), .doc = "best runs of the campaign that are candidates too, which costs no run; 0 as published"});
     v("zoom", zoom,
       {.range = between(0, 10),
-       .doc = "rounds in which the box shrinks about the best that is known, to no less than half of each side, and the surrogates are fitted to the runs inside; 0 as published"});
+       .doc = "rounds in which the box shrinks to half of each side about the best run that is known, and the surrogates are fitted to the runs inside; 0 as published"});
     v("zoom_runs", zoom_runs, {.range = between(10, 1000), .doc = "new runs of the true model in the box of each of these rounds"});
     v("mesh_pairs", mesh_pairs, mesh_pairs_info());
     v("mesh_beyond", mesh_beyond, mesh_beyond_info());

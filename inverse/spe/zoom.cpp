@@ -1,7 +1,6 @@
 #include "inverse/spe/zoom.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "forward/campaign/campaign.hpp"
 
@@ -9,8 +8,7 @@ namespace calomel {
 
 namespace {
 
-constexpr std::size_t best_runs = 6;
-constexpr double margin = 0.1, least_share = 0.5, largest_share = 0.75, edge = 0.1;
+constexpr double edge = 0.1;  ///< of a side
 
 /// Whether `x` lies at an end of [low, high] that is not one of the bounds.
 bool at_end(double x, double low, double high, double bound_low, double bound_high) {
@@ -26,22 +24,13 @@ bool at_edge(const Bounds& bounds, const Bounds& now, const std::vector<double>&
   return false;
 }
 
-Bounds next_box(const Bounds& bounds, const Bounds& now, std::span<const Proposal> ranked, const Eigen::MatrixXd& optima, bool smaller) {
-  expect(!ranked.empty(), "a box is drawn about runs");
+Bounds next_box(const Bounds& bounds, const Bounds& now, const std::vector<double>& best, bool smaller) {
   Bounds box = now;
   for (Eigen::Index k = 0; k < now.low.size(); ++k) {
-    const double best = ranked[0].theta[std::size_t(k)];
-    double reach = 0;
-    for (const auto& p : ranked.first(std::min(best_runs, ranked.size()))) reach = std::max(reach, std::abs(p.theta[std::size_t(k)] - best));
-    if (optima.cols() > 0) {
-      std::vector<double> row(optima.row(k).begin(), optima.row(k).end());
-      std::sort(row.begin(), row.end());
-      reach = std::max({reach, best - row[row.size() / 4], row[(3 * row.size()) / 4] - best});
-    }
-    double side = now.high[k] - now.low[k];
-    if (smaller && !at_end(best, now.low[k], now.high[k], bounds.low[k], bounds.high[k]))
-      side = std::clamp(2 * (1 + 2 * margin) * reach, least_share * side, largest_share * side);
-    box.low[k] = std::clamp(best - side / 2, bounds.low[k], bounds.high[k] - side);
+    const double x = best[std::size_t(k)];
+    const bool moves = !smaller || at_end(x, now.low[k], now.high[k], bounds.low[k], bounds.high[k]);
+    const double side = (moves ? 1.0 : 0.5) * (now.high[k] - now.low[k]);
+    box.low[k] = std::clamp(x - side / 2, bounds.low[k], bounds.high[k] - side);
     box.high[k] = box.low[k] + side;
   }
   return box;
