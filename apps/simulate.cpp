@@ -91,8 +91,7 @@ std::vector<double> Stages::simulate_mean(Json& json) {
   std::vector<double> theta;
   for (const auto& p : forward.parameters) theta.push_back(forward.number(p.key));
   const auto began = std::chrono::steady_clock::now();
-  const BuiltInModel mean_model(forward, model().ensemble(), command_.threads);
-  auto prediction = mean_model.evaluate(theta);
+  auto prediction = model().evaluate(theta);
   if (!prediction.ok) throw NumericsError(prediction.message);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const double runs = double(prediction.energies.size() * model().shape().conditions.size());

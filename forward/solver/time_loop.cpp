@@ -5,6 +5,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include <algorithm>
 #include <barrier>
 #include <chrono>
 #include <cmath>
@@ -211,7 +212,7 @@ class TimeLoop {
     std::array<std::int64_t, 3> numbers{};
     in.read(head, sizeof(head));
     in.read(reinterpret_cast<char*>(numbers.data()), sizeof(numbers));
-    if (!in || std::string(head) != magic || numbers[2] < 0 || numbers[2] > 100000) fail("not a checkpoint of this program");
+    if (!in || !std::equal(head, head + sizeof(head), magic) || numbers[2] < 0 || numbers[2] > 100000) fail("not a checkpoint of this program");
     std::string id(std::size_t(numbers[2]), ' ');
     in.read(id.data(), numbers[2]);
     if (id != identity()) fail("the checkpoint is of another run: the case, the mesh or the program changed since");

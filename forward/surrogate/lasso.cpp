@@ -21,7 +21,7 @@ constexpr int most_rounds = 2000;
 /// The columns met so far, their Gram matrix, and the coefficients on them.
 class Lasso::Workspace {
  public:
-  explicit Workspace(const Lasso& problem) : A_(problem.A_), b_(problem.b_), place_(std::size_t(A_.cols()), -1) {}
+  explicit Workspace(const Lasso& problem) : A_(problem.A_), b_(problem.b_), place_(std::size_t(A_.cols()), -1), kept_(A_.rows(), 0) {}
 
   void add(std::span<const Eigen::Index> columns) {
     const Eigen::Index before = Eigen::Index(columns_.size()), now = before + Eigen::Index(columns.size());

@@ -1,44 +1,11 @@
 // Malformed input through the program as a user meets it: exit status 2, the place, the key, the value, and what to do.
-#include "tests/regression/program.hpp"
+#include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;
 
 namespace {
 
-const std::string good = R"(# a small slice
-[case]
-name = "slice"
-[geometry]
-kind = "box"
-length = 0.06
-width = 0.05
-height = 0.04
-wall = 0.004
-rear = "non_reflecting"
-plane_strain = true
-element_size = 0.002
-[material.steel]
-density = 7960.0
-young = 193e9
-poisson = 0.29
-[material.mercury]
-law = "riemer"
-density = 13500.0
-sound_speed = 1450.0
-tensile_cutoff = 1.5e5
-[load]
-policy = "fixed"
-peak_pressure = 25e6
-pulse_length = 0.7e-6
-profile = { center = [0.0, 0.02], widths = [0.1, 0.02], decay = 0.13 }
-[time]
-end = 2e-5
-output_interval = 1e-6
-[[sensor]]
-name = "A"
-position = [0.02, 0.0, 0.04]
-direction = [1, 0, 0]
-[[sensor]]
+const std::string good = slice_case + R"([[sensor]]
 name = "B"
 position = [0.04, 0.0, 0.0]
 direction = [1, 0, 0]
@@ -77,18 +44,7 @@ struct Edit {
 void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
 
 std::filesystem::path write_case(const Edit& e) {
-  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_malformed_" + e.name + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(dir);
-  std::filesystem::create_directories(dir);
-  std::string text = good;
-  if (!e.old.empty()) {
-    const auto at = text.find(e.old);
-    EXPECT_NE(at, std::string::npos) << e.old;
-    text.replace(at, e.old.size(), e.now);
-  }
-  std::ofstream(dir / "case.toml") << text;
-  std::ofstream(dir / "recordings.csv") << (e.records.empty() ? good_records() : e.records);
-  return dir;
+  return folder_with("malformed_" + e.name, {{"case.toml", e.old.empty() ? good : with(good, e.old, e.now)}, {"recordings.csv", e.records.empty() ? good_records() : e.records}});
 }
 
 std::vector<Edit> edits() {

@@ -2,7 +2,7 @@
 #include "base/artefact.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/write_mesh.hpp"
-#include "tests/regression/program.hpp"
+#include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;
 
@@ -31,11 +31,9 @@ const std::string& good_mesh() {
   static const std::string text = [] {
     calomel::GeometryOptions g;
     g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.04, g.wall = 0.005, g.element_size = 0.01, g.half = true;
-    const auto path = std::filesystem::path(testing::TempDir()) / ("calomel_good_mesh_" + std::to_string(::getpid()) + ".inp");
+    const auto path = calomel::scratch_file("good_mesh.inp");
     calomel::write_mesh(calomel::make_mesh(g), path);
-    const std::string text = calomel::read_text(path);
-    std::filesystem::remove(path);
-    return text;
+    return calomel::read_text(path);
   }();
   return text;
 }
@@ -130,14 +128,10 @@ std::vector<Edit> edits() {
 }
 
 std::filesystem::path folder_of(const Edit& e) {
-  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_mesh_" + e.name + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(dir);
-  std::filesystem::create_directories(dir);
   const std::string mesh = e.old.empty() ? good_mesh() : with(good_mesh(), e.old, e.now);
-  for (const char* name : {"target.inp", "target.exo", "target.stl"}) std::ofstream(dir / name, std::ios::binary) << mesh;
-  std::ofstream(dir / "stress.csv") << "time,stress\n0,0\n1e-6,-1e6\n2e-6,0\n";
-  std::ofstream(dir / "case.toml") << (e.case_old.empty() ? good_case : with(good_case, e.case_old, e.case_now));
-  return dir;
+  return folder_with("mesh_" + e.name, {{"target.inp", mesh}, {"target.exo", mesh}, {"target.stl", mesh},
+                                        {"stress.csv", "time,stress\n0,0\n1e-6,-1e6\n2e-6,0\n"},
+                                        {"case.toml", e.case_old.empty() ? good_case : with(good_case, e.case_old, e.case_now)}});
 }
 
 class MalformedMesh : public testing::TestWithParam<Edit> {};

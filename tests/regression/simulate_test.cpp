@@ -6,7 +6,7 @@
 
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
-#include "tests/regression/program.hpp"
+#include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;
 using calomel::NetcdfReader;
@@ -15,51 +15,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string slice = R"(
-[geometry]
-kind = "box"
-length = 0.08
-width = 0.05
-height = 0.04
-wall = 0.003
-rear = "non_reflecting"
-plane_strain = true
-element_size = 0.0005
-[material.steel]
-density = 7960.0
-young = 193e9
-poisson = 0.29
-[material.mercury]
-law = "riemer"
-density = 13500.0
-sound_speed = 1450.0
-tensile_cutoff = 1.5e5
-[load]
-policy = "fixed"
-peak_pressure = 25e6
-profile = { center = [0.0, 0.02], widths = [0.1, 0.01], decay = 0.13 }
-[time]
-end = 1.2e-4
-output_interval = 1e-6
-[solver]
-checkpoint = 0.001
-[fields]
-interval = 4e-6
-[[sensor]]
-name = "A"
-position = [0.02, 0.0, 0.04]
-direction = [1, 0, 0]
-)";
+/// Small elements and frequent checkpoints: long enough to be killed.
+std::string slice() {
+  std::string text = with(with(slice_case, "length = 0.06", "length = 0.08"), "wall = 0.004", "wall = 0.003");
+  text = with(with(text, "element_size = 0.002", "element_size = 0.0005"), "widths = [0.1, 0.02]", "widths = [0.1, 0.01]");
+  return with(text, "end = 2e-5", "end = 1.2e-4") + "[solver]\ncheckpoint = 0.001\n[fields]\ninterval = 4e-6\n";
+}
 
-struct Folder {
-  fs::path path = fs::path(::testing::TempDir()) / ("calomel_simulate_" + std::to_string(::getpid()));
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-    std::ofstream(path / "case.toml") << slice;
-  }
-  ~Folder() { fs::remove_all(path); }
-};
+fs::path folder() { return folder_with("simulate", {{"case.toml", slice()}}); }
 
 /// The program as a child in the folder `dir`, its output to `killed`.
 pid_t start(const fs::path& dir, std::vector<const char*> words) {
@@ -108,32 +71,32 @@ bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int 
 }  // namespace
 
 TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
-  const Folder dir;
-  ASSERT_EQ(run(dir.path, "simulate case.toml --fields --out whole --set solver.checkpoint=0").status, 0);
-  EXPECT_FALSE(fs::exists(dir.path / "whole" / "simulate.checkpoint"));
-  for (const int saves : {5, 1, 17}) ASSERT_TRUE(kill_after(dir.path, {"--fields"}, saves)) << "it ended before it could be killed";
-  EXPECT_FALSE(fs::exists(dir.path / "killed" / "simulate.nc"));
+  const auto dir = folder();
+  ASSERT_EQ(run(dir, "simulate case.toml --fields --out whole --set solver.checkpoint=0").status, 0);
+  EXPECT_FALSE(fs::exists(dir / "whole" / "simulate.checkpoint"));
+  for (const int saves : {5, 1, 17}) ASSERT_TRUE(kill_after(dir, {"--fields"}, saves)) << "it ended before it could be killed";
+  EXPECT_FALSE(fs::exists(dir / "killed" / "simulate.nc"));
 
   // Another case does not go on with it; --fields belongs to the run as well.
   for (const char* other : {"--fields --set load.peak_pressure=26e6", ""}) {
-    const auto refused = run(dir.path, std::string("simulate case.toml --out killed ") + other);
+    const auto refused = run(dir, std::string("simulate case.toml --out killed ") + other);
     EXPECT_EQ(refused.status, 2);
     EXPECT_THAT(refused.said, HasSubstr("the checkpoint is of another run"));
   }
-  const auto last = run(dir.path, "simulate case.toml --fields --out killed --threads 2");
+  const auto last = run(dir, "simulate case.toml --fields --out killed --threads 2");
   ASSERT_EQ(last.status, 0) << last.said;
   EXPECT_THAT(last.said, HasSubstr("goes on from step"));
-  EXPECT_FALSE(fs::exists(dir.path / "killed" / "simulate.checkpoint"));
-  EXPECT_FALSE(fs::exists(dir.path / "killed" / "fields.exo.part"));
+  EXPECT_FALSE(fs::exists(dir / "killed" / "simulate.checkpoint"));
+  EXPECT_FALSE(fs::exists(dir / "killed" / "fields.exo.part"));
 
-  const NetcdfReader a(dir.path / "whole" / "simulate.nc"), b(dir.path / "killed" / "simulate.nc");
+  const NetcdfReader a(dir / "whole" / "simulate.nc"), b(dir / "killed" / "simulate.nc");
   EXPECT_EQ(a.doubles("strain"), b.doubles("strain"));
-  const NetcdfReader f(dir.path / "whole" / "fields.exo"), g(dir.path / "killed" / "fields.exo");
+  const NetcdfReader f(dir / "whole" / "fields.exo"), g(dir / "killed" / "fields.exo");
   ASSERT_EQ(f.doubles("time_whole").size(), 31u);
   for (const char* variable :
        {"time_whole", "coordx", "connect1", "vals_nod_var1", "vals_nod_var6", "vals_elem_var1eb2", "vals_elem_var2eb1", "vals_elem_var3eb2"})
     EXPECT_EQ(f.doubles(variable), g.doubles(variable)) << variable;
-  const auto whole = calomel::read_json(dir.path / "whole" / "simulate.json"), killed = calomel::read_json(dir.path / "killed" / "simulate.json");
+  const auto whole = calomel::read_json(dir / "whole" / "simulate.json"), killed = calomel::read_json(dir / "killed" / "simulate.json");
   EXPECT_GT(killed["resumed_from_step"].get<int>(), 0);
   for (const char* key : {"steps", "energy_balance_error", "energy_in_J", "dissipated_J", "radiated_J", "greatest_wall_stress_Pa", "greatest_wall_stress_at_m"})
     EXPECT_EQ(whole[key], killed[key]) << key;
@@ -141,46 +104,46 @@ TEST(Simulate, KilledAtAnyInstantItGoesOnAndEndsTheSame) {
 
 // Asked to stop it saves where it is, however far off the next checkpoint, and leaves the fields to be gone on with.
 TEST(Simulate, AskedToStopItSavesAndGoesOn) {
-  const Folder dir;
-  ASSERT_EQ(run(dir.path, "simulate case.toml --fields --out whole").status, 0);
-  const auto grown = [part = dir.path / "killed" / "fields.exo.part"] {  // a third of 25 MB
+  const auto dir = folder();
+  ASSERT_EQ(run(dir, "simulate case.toml --fields --out whole").status, 0);
+  const auto grown = [part = dir / "killed" / "fields.exo.part"] {  // a third of 25 MB
     std::error_code none;
     const auto size = fs::file_size(part, none);
     return !none && size > 8'000'000;
   };
-  const int status = stop(start(dir.path, {"--fields", "--set", "solver.checkpoint=1000.0"}), SIGINT, 1, grown);
+  const int status = stop(start(dir, {"--fields", "--set", "solver.checkpoint=1000.0"}), SIGINT, 1, grown);
   ASSERT_TRUE(status != -1 && WIFEXITED(status)) << "it ended before it could be stopped";
   EXPECT_EQ(WEXITSTATUS(status), 130);
-  EXPECT_TRUE(fs::exists(dir.path / "killed" / "simulate.checkpoint"));
-  const auto last = run(dir.path, "simulate case.toml --fields --out killed");
+  EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint"));
+  const auto last = run(dir, "simulate case.toml --fields --out killed");
   ASSERT_EQ(last.status, 0) << last.said;
   EXPECT_THAT(last.said, HasSubstr("goes on from step"));
   for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
-    EXPECT_EQ(NetcdfReader(dir.path / "whole" / file).doubles(variable), NetcdfReader(dir.path / "killed" / file).doubles(variable)) << file;
+    EXPECT_EQ(NetcdfReader(dir / "whole" / file).doubles(variable), NetcdfReader(dir / "killed" / file).doubles(variable)) << file;
 }
 
 TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
-  const Folder dir;
-  ASSERT_TRUE(kill_after(dir.path, {"--fields"}, 3));
-  fs::remove(dir.path / "killed" / "fields.exo.part");
-  const auto lost = run(dir.path, "simulate case.toml --fields --out killed");
+  const auto dir = folder();
+  ASSERT_TRUE(kill_after(dir, {"--fields"}, 3));
+  fs::remove(dir / "killed" / "fields.exo.part");
+  const auto lost = run(dir, "simulate case.toml --fields --out killed");
   EXPECT_EQ(lost.status, 2);
   EXPECT_THAT(lost.said, HasSubstr("gone or broken"));
-  const auto fresh = run(dir.path, "simulate case.toml --fields --out killed --fresh --set time.end=1e-5");
+  const auto fresh = run(dir, "simulate case.toml --fields --out killed --fresh --set time.end=1e-5");
   EXPECT_EQ(fresh.status, 0) << fresh.said;
-  EXPECT_TRUE(fs::exists(dir.path / "killed" / "simulate.checkpoint.old-1"));
+  EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint.old-1"));
 }
 
 // The greatest stress and the time at the cutoff are told where they are, and only of runs that were booked.
 TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
-  const Folder dir;
+  const auto dir = folder();
   const std::string coarse = "simulate case.toml --fields --set geometry.element_size=0.001 --set time.end=4e-5 --set fields.interval=1e-6";
-  ASSERT_EQ(run(dir.path, coarse + " --out booked").status, 0);
-  const auto json = calomel::read_json(dir.path / "booked" / "simulate.json");
+  ASSERT_EQ(run(dir, coarse + " --out booked").status, 0);
+  const auto json = calomel::read_json(dir / "booked" / "simulate.json");
   const double greatest = json["greatest_wall_stress_Pa"];
   const auto at = json["greatest_wall_stress_at_m"].get<std::vector<double>>();
   ASSERT_EQ(at.size(), 3u);
-  const NetcdfReader fields(dir.path / "booked" / "fields.exo");
+  const NetcdfReader fields(dir / "booked" / "fields.exo");
   const auto times = fields.doubles("time_whole");
   ASSERT_EQ(times.size(), 41u);
 
@@ -219,9 +182,9 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   EXPECT_GT(double(held), 0.95 * double(grown));
   for (const double v : fields.doubles("vals_elem_var3eb1")) EXPECT_EQ(v, 0);
 
-  ASSERT_EQ(run(dir.path, coarse + " --out bare --set solver.booking=false").status, 0);
-  const auto bare = calomel::read_json(dir.path / "bare" / "simulate.json");
+  ASSERT_EQ(run(dir, coarse + " --out bare --set solver.booking=false").status, 0);
+  const auto bare = calomel::read_json(dir / "bare" / "simulate.json");
   EXPECT_TRUE(bare["energy_balance_error"].is_null());
   EXPECT_FALSE(bare.contains("greatest_wall_stress_Pa"));
-  EXPECT_FALSE(NetcdfReader(dir.path / "bare" / "fields.exo").has("vals_elem_var3eb2"));
+  EXPECT_FALSE(NetcdfReader(dir / "bare" / "fields.exo").has("vals_elem_var3eb2"));
 }

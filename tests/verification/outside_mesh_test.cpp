@@ -1,5 +1,4 @@
 // A target answers the same whether its mesh was made here or came from a file, in whatever order and place.
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/mesh_file.hpp"
 #include "forward/mesh/write_mesh.hpp"
+#include "tests/scratch.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;
@@ -18,7 +18,6 @@ using namespace calomel::testing;
 
 namespace {
 
-std::filesystem::path scratch(const std::string& name) { return std::filesystem::path(::testing::TempDir()) / ("calomel_outside_" + std::to_string(::getpid()) + "_" + name); }
 
 ForwardCase target(const std::string& kind, double end) {
   ForwardCase c;
@@ -119,7 +118,7 @@ TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
     const ForwardCase c = target(kind, 2e-5);
     const auto own = strain(c);
     for (const char* ending : {"inp", "exo"}) {
-      const auto path = scratch(std::string(kind) + '.' + ending);
+      const auto path = scratch_file(std::string(kind) + '.' + ending);
       write_mesh(make_mesh(c.geometry), path);
       const double d = difference(strain(from(c, path)), own);
       measured(std::string(kind) + "_through_" + ending, d);
@@ -131,17 +130,17 @@ TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
 TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheAnswerByRoundingAlone) {
   const ForwardCase c = target("box", 2e-5);
   const auto own = strain(c);
-  write_mesh(make_mesh(c.geometry), scratch("own.inp"));
-  const MeshFile file = read_mesh_file(scratch("own.inp"));
-  write_shuffled(file, scratch("shuffled.inp"), {0, 0, 0}, false);
-  const double shuffled = difference(strain(from(c, scratch("shuffled.inp"))), own);
+  write_mesh(make_mesh(c.geometry), scratch_file("own.inp"));
+  const MeshFile file = read_mesh_file(scratch_file("own.inp"));
+  write_shuffled(file, scratch_file("shuffled.inp"), {0, 0, 0}, false);
+  const double shuffled = difference(strain(from(c, scratch_file("shuffled.inp"))), own);
   measured("shuffled", shuffled);
   EXPECT_LT(shuffled, 1e-9);
 
   // The symmetry plane at y = 0.3, the mesh above it and below it; gauges on either side are found in it.
   for (const bool reversed : {false, true}) {
-    write_shuffled(file, scratch("moved.inp"), {0, 0.3, 0}, reversed);
-    ForwardCase moved = from(c, scratch("moved.inp"));
+    write_shuffled(file, scratch_file("moved.inp"), {0, 0.3, 0}, reversed);
+    ForwardCase moved = from(c, scratch_file("moved.inp"));
     moved.load.profile.center[0] += 0.3;
     for (auto& s : moved.sensors) {
       s.position[1] = (reversed ? -s.position[1] : s.position[1]) + 0.3;
@@ -152,7 +151,7 @@ TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheAnswerByRoundingAlone) {
     EXPECT_LT(d, 1e-9);
   }
   // Controls: a gauge on the wrong side of its mirror, and a wall that is 1 % thicker.
-  ForwardCase wrong = from(c, scratch("shuffled.inp"));
+  ForwardCase wrong = from(c, scratch_file("shuffled.inp"));
   wrong.sensors[1].position[1] += 0.003;
   EXPECT_GT(difference(strain(wrong), own), 1e-4);
   ForwardCase thicker = c;

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/scratch.hpp"
+
 using namespace calomel;
 using testing::HasSubstr;
 
@@ -33,7 +35,7 @@ TEST(ExitStatus, FollowsFromWhatWentWrong) {
 }
 
 TEST(ExitStatus, AnInputErrorShowsTheLineWithACaret) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "calomel_exit_status.toml";
+  const auto path = scratch_file("exit_status.toml");
   std::ofstream(path) << "[load]\npeak_presure = 1\n";
   const auto text = ended(InputError({.problem = "unknown key", .key = "load.peak_presure", .file = path.string(), .line = 2, .column = 1})).second;
   EXPECT_EQ(text, path.string() + ":2:1: load.peak_presure: unknown key\n  peak_presure = 1\n  ^\n");

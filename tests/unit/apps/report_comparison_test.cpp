@@ -11,7 +11,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing_report::input;
-using testing_report::scratch;
 using testing_report::write_calibration;
 
 /// enc.json and map.json of one case; MAP with standard deviations 1000, 400 and 50, without correlation.

@@ -1,6 +1,5 @@
 #pragma once
 /// A synthetic study on disk: a slice of a target with six gauges, damped waves as records, and summaries that belong to them.
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -9,17 +8,12 @@
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
+#include "tests/scratch.hpp"
 
 namespace calomel::testing_report {
 
 inline const std::string hostile = "<b>\"E\" & 'co'</b>";  // a sensor's name that must not become markup
 
-inline std::filesystem::path scratch(const std::string& name) {
-  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_report_" + name + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(dir);
-  std::filesystem::create_directories(dir);
-  return dir;
-}
 
 /// Outer surface of a box of n cells along its longest side.
 inline ReportSurface box(const Vec3& low, const Vec3& high, int n) {

@@ -6,17 +6,10 @@
 #include <filesystem>
 
 #include "base/netcdf_file.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 
-namespace {
-std::filesystem::path scratch(const std::string& name) {
-  const auto dir = std::filesystem::path(testing::TempDir()) / ("calomel_" + name + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(dir);
-  std::filesystem::create_directories(dir);
-  return dir;
-}
-}  // namespace
 
 TEST(Artefact, IdentityFollowsOptionsSeedAndInputs) {
   Provenance a{.stage = "campaign", .options = {{"runs", 3}}, .seed = 1, .inputs = {{"case", "x"}}};

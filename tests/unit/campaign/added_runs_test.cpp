@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "base/netcdf_file.hpp"
-#include "tests/unit/campaign/scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::HasSubstr;

@@ -12,7 +12,7 @@
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
-#include "tests/unit/campaign/scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::HasSubstr;

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "base/random.hpp"
-#include "tests/unit/campaign/scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 

@@ -6,7 +6,7 @@
 
 #include "base/netcdf_file.hpp"
 #include "oscillations.hpp"
-#include "scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::Contains;

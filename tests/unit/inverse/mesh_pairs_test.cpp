@@ -10,7 +10,7 @@
 #include "inverse/enc.hpp"
 #include "inverse/spe.hpp"
 #include "meshed.hpp"
-#include "scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::HasSubstr;

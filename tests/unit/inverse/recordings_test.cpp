@@ -9,7 +9,7 @@
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
-#include "scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::AllOf;

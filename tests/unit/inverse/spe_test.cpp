@@ -10,7 +10,7 @@
 #include "forward/campaign/campaign.hpp"
 #include "inverse/spe/adaptive_space.hpp"
 #include "meshed.hpp"
-#include "scratch.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using testing::Contains;

@@ -6,6 +6,7 @@
 #include "base/netcdf_file.hpp"
 #include "forward/mesh/hexahedron.hpp"
 #include "forward/mesh/make_mesh.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 
@@ -35,12 +36,11 @@ std::vector<std::string> names_in(const std::filesystem::path& path, const char*
   for (std::size_t i = 0; i < n[0]; ++i) rows.emplace_back(text.data() + i * n[1]);
   return rows;
 }
-std::filesystem::path scratch(const std::string& name) { return std::filesystem::path(::testing::TempDir()) / name; }
 }  // namespace
 
 TEST(ExodusFieldWriter, WritesWhatAnExodusReaderFinds) {
   const Mesh m = make_mesh(half_box());
-  const auto path = scratch("fields.exo");
+  const auto path = scratch_file("fields.exo");
   std::filesystem::remove(path);
   std::vector<Vec3> u, v;
   for (const auto& x : m.nodes) u.push_back({x[0], 2 * x[1], 3 * x[2]}), v.push_back({1, 2, x[0]});
@@ -103,7 +103,7 @@ TEST(ExodusFieldWriter, WritesWhatAnExodusReaderFinds) {
 
 TEST(ExodusFieldWriter, LeavesNothingBehindWithoutCommit) {
   const Mesh m = make_mesh(half_box());
-  const auto path = scratch("dropped.exo");
+  const auto path = scratch_file("dropped.exo");
   { const ExodusFieldWriter w(path, m); }
   EXPECT_FALSE(std::filesystem::exists(path));
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
@@ -113,7 +113,7 @@ TEST(ExodusFieldWriter, LeavesNothingBehindWithoutCommit) {
 // Left behind at any step, closed or not, a file is gone on with: steps after the agreed one are written over.
 TEST(ExodusFieldWriter, GoesOnWithAFileThatWasLeft) {
   const Mesh m = make_mesh(half_box());
-  const auto path = scratch("gone_on_with.exo");
+  const auto path = scratch_file("gone_on_with.exo");
   std::filesystem::remove(path);
   std::vector<double> p(m.elements.size());
   const auto write = [&](ExodusFieldWriter& w, int step, double value) {

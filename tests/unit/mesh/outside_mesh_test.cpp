@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <exodusII.h>
-#include <unistd.h>
 
 #include <fstream>
 
@@ -9,6 +8,7 @@
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/mesh_file.hpp"
 #include "forward/mesh/write_mesh.hpp"
+#include "tests/scratch.hpp"
 #include "tests/unit/mesh/mesh_checks.hpp"
 
 using namespace calomel;
@@ -38,7 +38,6 @@ std::vector<std::pair<std::string, GeometryOptions>> targets() {
   return all;
 }
 
-std::filesystem::path scratch(const std::string& name) { return std::filesystem::path(::testing::TempDir()) / ("calomel_" + std::to_string(::getpid()) + "_" + name); }
 
 GeometryOptions from(const std::filesystem::path& path, const std::string& wetted = "slip") {
   GeometryOptions g;
@@ -106,8 +105,8 @@ std::string column() {
 }
 
 GeometryOptions column_options(const std::string& name, const std::string& text) {
-  std::ofstream(scratch(name)) << text;
-  GeometryOptions g = from(scratch(name));
+  std::ofstream(scratch_file(name)) << text;
+  GeometryOptions g = from(scratch_file(name));
   g.sets.symmetry_x = {"ends"}, g.sets.symmetry_y = {"SIDES"};
   return g;
 }
@@ -133,7 +132,7 @@ TEST(OutsideMesh, ComesBackTheSameThroughBothFormats) {
     const Mesh before = make_mesh(g);
     for (const char* ending : {".inp", ".exo"}) {
       SCOPED_TRACE(name + ending);
-      const auto path = scratch(name + ending);
+      const auto path = scratch_file(name + ending);
       write_mesh(before, path);
       const Mesh after = make_mesh(from(path, g.wetted));
       // Abaqus reads at most 20 characters of a number: the last digit of a small coordinate may be rounded.
@@ -157,7 +156,7 @@ TEST(OutsideMesh, ReadsGeneratedSetsSetsOfSetsAndMaterialsOfAbaqusFiles) {
   ASSERT_EQ(m.notes.size(), 1u);
   EXPECT_THAT(m.notes[0], HasSubstr("taken to y = 0"));
   for (const auto& x : m.nodes) EXPECT_NEAR(std::abs(x[1]), 0.005, 1e-15);
-  const MeshFile file = read_mesh_file(scratch("column.inp"));
+  const MeshFile file = read_mesh_file(scratch_file("column.inp"));
   EXPECT_THAT(file.element_sets.at("odd"), ::testing::ElementsAre(0, 2, 4, 6, 8));
   EXPECT_EQ(file.node_sets.at("ends").size(), 24u);
 }
@@ -198,7 +197,7 @@ TEST(OutsideMesh, ReadsWhatTheFieldWriterWritesOnceItsNodesAreMerged) {
   GeometryOptions g = box(0.005);
   g.half = true;
   const Mesh before = make_mesh(g);
-  const auto path = scratch("fields.exo");
+  const auto path = scratch_file("fields.exo");
   ExodusFieldWriter(path, before).commit();
   EXPECT_THAT(message_of(from(path)), HasSubstr("parts touch without sharing nodes"));
   GeometryOptions again = from(path);
@@ -211,7 +210,7 @@ TEST(OutsideMesh, ReadsWhatTheFieldWriterWritesOnceItsNodesAreMerged) {
 }
 
 TEST(OutsideMesh, LongIntegersAndSetsWithoutNames) {
-  const auto path = scratch("long.exo");
+  const auto path = scratch_file("long.exo");
   int memory = 8, disk = 8;
   const int id = ex_create(path.c_str(), EX_CLOBBER | EX_NETCDF4 | EX_ALL_INT64_DB | EX_ALL_INT64_API, &memory, &disk);
   ASSERT_GE(id, 0);
@@ -244,7 +243,7 @@ TEST(OutsideMesh, FilesThatAreCutShortAreRefused) {
   g.half = true;
   const Mesh m = make_mesh(g);
   for (const char* ending : {".exo", ".inp"}) {
-    const auto path = scratch(std::string("cut") + ending);
+    const auto path = scratch_file(std::string("cut") + ending);
     write_mesh(m, path);
     const std::string whole = read_text(path);
     int refused = 0;
@@ -267,7 +266,7 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
   for (const int layers : {2, 3, 4}) {
     GeometryOptions g = box(0.005);
     g.wall_elements = layers;
-    const auto path = scratch("walls.exo");
+    const auto path = scratch_file("walls.exo");
     write_mesh(make_mesh(g), path);
     EXPECT_EQ(make_mesh(from(path)).quality.least_wall_elements, layers);
   }
@@ -283,7 +282,7 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
 }
 
 TEST(OutsideMesh, TheFormatIsToldByTheEnding) {
-  EXPECT_THAT(message_of(from(scratch("target.msh"))), HasSubstr(".inp"));
-  EXPECT_THAT(message_of(from(scratch("absent.inp"))), HasSubstr("no such file"));
-  EXPECT_THROW(write_mesh(make_mesh(box(0.01)), scratch("target.vtk")), InputError);
+  EXPECT_THAT(message_of(from(scratch_file("target.msh"))), HasSubstr(".inp"));
+  EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("no such file"));
+  EXPECT_THROW(write_mesh(make_mesh(box(0.01)), scratch_file("target.vtk")), InputError);
 }

@@ -1,6 +1,7 @@
 // A run that is stopped and goes on from its checkpoint ends as if nothing had happened, byte for byte.
 #include <fstream>
 
+#include "tests/scratch.hpp"
 #include "tests/verification/small_runs.hpp"
 
 using namespace calomel;
@@ -33,7 +34,7 @@ struct Stopped {
   std::vector<ObservationRow> rows{component(nearest(mesh, {0.02, 0, 0.008}), 0), component(nearest(mesh, {0, 0, 0}), 2)};
   std::filesystem::path path;
 
-  explicit Stopped(const std::string& name) : path(std::filesystem::path(::testing::TempDir()) / ("calomel_" + name + std::to_string(::getpid()))) {
+  explicit Stopped(const std::string& name) : path(scratch_file(name)) {
     std::filesystem::remove(path);
     setup.liquid.tensile_cutoff = 1.5e5, setup.liquid.viscosity = 2000;
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) setup.p0.push_back(mesh.region[e] == Region::mercury ? 1e6 * double(e % 11) : 0);

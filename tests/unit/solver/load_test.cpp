@@ -1,12 +1,12 @@
 #include "forward/solver/load.hpp"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
 
 #include "forward/mesh/make_mesh.hpp"
+#include "tests/scratch.hpp"
 
 using namespace calomel;
 using ::testing::HasSubstr;
@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 namespace {
 
 std::filesystem::path file(const std::string& text) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / ("calomel_history_" + std::to_string(::getpid()) + ".txt");
+  const auto path = scratch_file("history.txt");
   std::ofstream(path) << text;
   return path;
 }

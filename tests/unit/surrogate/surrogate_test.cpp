@@ -7,13 +7,13 @@
 #include "forward/surrogate/input_scaling.hpp"
 #include "forward/surrogate/modes.hpp"
 #include "forward/surrogate/training.hpp"
+#include "tests/scratch.hpp"
 #include "wave_family.hpp"
 
 using namespace calomel;
 
 namespace {
 
-std::filesystem::path scratch(const std::string& name) { return std::filesystem::path(testing::TempDir()) / ("calomel_surrogate_" + name); }
 
 /// Options under which every kind trains within a second.
 SurrogateOptions quick(const std::string& kind) {
@@ -82,7 +82,7 @@ TEST_P(EveryKind, SaveAndLoadGiveTheSameBytesOfPrediction) {
   archive.shape.parameters[0].prior = "normal", archive.shape.parameters[0].mean = 1.5, archive.shape.parameters[0].sd = 0.1;
   SurrogateSummary summary;
   const auto made = train_surrogate(quick(GetParam()), archive, 4, 2, summary);
-  const auto path = scratch(GetParam() + ".nc");
+  const auto path = scratch_file("surrogate_" + GetParam() + ".nc");
   made->save(path);
   const auto read = load_surrogate(path);
   EXPECT_EQ(read->kind(), GetParam());
@@ -100,7 +100,6 @@ TEST_P(EveryKind, SaveAndLoadGiveTheSameBytesOfPrediction) {
   EXPECT_EQ(a.energy_slope.size(), archive.shape.values());
   EXPECT_GE(*std::min_element(a.scatter.begin(), a.scatter.end()), 0);
   EXPECT_EQ(made->error_variance(at), read->error_variance(at));
-  std::filesystem::remove(path);
 }
 
 TEST_P(EveryKind, IsTheSameOnOneAndTwoThreads) {

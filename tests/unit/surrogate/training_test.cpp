@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "tests/scratch.hpp"
 #include "wave_family.hpp"
 
 using namespace calomel;
@@ -113,7 +114,7 @@ TEST(TrainStage, ReportsEveryKindAndWritesTheContractedSummary) {
   const Training training = run_training(archive, quick(), 1, 2);
   ASSERT_EQ(training.surrogates.size(), 3u);
   EXPECT_EQ(training.surrogates[0]->kind(), "mode_gaussian_process");
-  const auto path = std::filesystem::path(testing::TempDir()) / "calomel_train_test.json";
+  const auto path = scratch_file("train_test.json");
   write_train_json(path, training.summary, {.stage = "train", .options = {{"surrogate", echo(quick())}}});
   const Json json = read_json(path);
   ASSERT_EQ(json.at("surrogates").size(), 3u);
@@ -130,7 +131,6 @@ TEST(TrainStage, ReportsEveryKindAndWritesTheContractedSummary) {
   double squares = 0;
   for (const auto& s : training.summary.surrogates[0].sensors) squares += s.fit.rmse * s.fit.rmse / 3;
   EXPECT_NEAR(std::sqrt(squares), training.summary.surrogates[0].test.rmse, 1e-9);
-  std::filesystem::remove(path);
 }
 
 TEST(TrainStage, RefusesHistoriesThatDoNotVary) {
