@@ -1,10 +1,8 @@
-// What the MAP calibration needs of the other stages, and the runs that it adds to the campaign.
+// What the MAP calibration needs of the other stages.
 #include <fmt/format.h>
 
-#include "apps/interrupt.hpp"
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
-#include "forward/campaign/added_runs.hpp"
 #include "inverse/feasibility.hpp"
 
 namespace calomel {
@@ -29,12 +27,6 @@ struct SeenRuns {
 
 }  // namespace
 
-Provenance Stages::added_provenance() const {
-  Json options = study_.model_options();
-  options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
-  return {.stage = "added_runs", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
-}
-
 void Stages::say_failures(const Archive& archive, const Feasibility& feasibility) const {
   if (!feasibility.any_failed()) return;
   say(fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
@@ -56,22 +48,16 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   if (unknowns)
     models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
 
-  const auto finer = options.mesh_pairs > 0 ? finer_model(model()) : nullptr;
-  std::optional<AddedRuns> added;
-  if (options.added_runs > 0 || finer) {
-    const auto own = added_provenance();
-    const auto journal = command_.out / "added_runs.journal";
-    if (command_.fresh && journal_identity(journal) != own.identity()) set_aside(journal);
-    added.emplace(model(), finer.get(), own, command_.out);
-    models.has_finer = finer != nullptr;
+  auto added = added_runs(options.added_runs > 0, options.mesh_pairs > 0);
+  const RunSource source = run_source(added, progress);
+  models.has_finer = source.has_finer;
+  if (source.run)
     models.add_runs = [&](const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) {
-      auto runs = added->run(thetas, with_fine, command_.threads, [&](std::size_t done, std::size_t total) { progress("added runs", done, total); }, &stop_requested());
+      auto runs = source.run(thetas, with_fine);
       seen.add(runs);
       feasibility = Feasibility(parameters, seen.theta, seen.failed);
-      added->write(command_.out);
       return runs;
     };
-  }
   auto summary = run_map(problem(), recordings(), *study_.recordings, models, options, command_.seed, command_.threads, progress);
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);

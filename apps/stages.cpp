@@ -11,7 +11,6 @@
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/feasibility.hpp"
-#include "inverse/spe.hpp"
 
 namespace calomel {
 
@@ -187,11 +186,7 @@ Calibration Stages::calibrated_by(const std::string& method, const Problem& agai
   const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
   const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
   return study_.file.locating([&]() -> Calibration {
-    if (method == "spe") {
-      const auto summary = run_spe(against, read_archive(command_.out / "campaign.nc"), model(), study_.spe, command_.seed, command_.threads, progress);
-      write_spe(summary, against, provenance, command_.out);
-      return summary;
-    }
+    if (method == "spe") return calibrate_spe(provenance, progress);
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
     const Archive archive = read_archive(command_.out / "campaign.nc");
     if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);

@@ -10,14 +10,23 @@
 #include "apps/study_case.hpp"
 #include "base/artefact.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/campaign/added_runs.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/map.hpp"
+#include "inverse/mesh_pairs.hpp"
 #include "inverse/problem.hpp"
+#include "inverse/spe.hpp"
 
 namespace calomel {
+
+/// Runs added beside the campaign, and the finer model of their pairs; both empty where none are added.
+struct AddedStage {
+  std::unique_ptr<BuiltInModel> finer;
+  std::unique_ptr<AddedRuns> runs;
+};
 
 class Stages {
  public:
@@ -60,6 +69,10 @@ class Stages {
   void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;
+  /// The journal of added runs: opened where runs are added by themselves (`alone`) or paired with a finer mesh that can be made.
+  AddedStage added_runs(bool alone, bool paired);
+  /// What a calibration asks for its runs, nothing where none are added. `stage` outlives it. The runs of the last calibration stand in added_runs.nc.
+  RunSource run_source(AddedStage& stage, const CalibrationProgress& progress);
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
   /// Whether `method` needs floor.json.
@@ -72,6 +85,9 @@ class Stages {
   [[nodiscard]] LikelihoodOptions likelihood_options() const;
   /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
   Likelihood likelihood_at_nominal(const Surrogate& surrogate);
+  /// The summary of a calibration with pairs of meshes says what they did.
+  void say_mesh(const std::string& method, const Calibration& summary) const;
+  SpeSummary calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress);
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
   MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/artefact.hpp"
+#include "inverse/mesh_correction.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
 #include "inverse/problem.hpp"
@@ -43,7 +44,8 @@ struct Calibration {
   Candidate best, at_nominal;                      ///< as the true model has them
   std::vector<Candidate> candidates;               ///< best by the true model first; failed ones only when no other was left
   std::vector<Candidate> failed;                   ///< candidates replaced by another because the true model failed
-  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means; empty where failed
+  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, mesh.used(): with the shift; empty where failed
+  MeshCorrection mesh;                             ///< scores and objectives of all candidates are those with the shift
   std::vector<std::string> warnings;
   std::size_t evaluations = 0;       ///< of the surrogate
   std::size_t model_runs = 0;        ///< of the true model
@@ -95,7 +97,7 @@ Json named(const ModelShape& shape, std::span<const double> theta);
 Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const Provenance& provenance);
 
 /// Writes METHOD.nc, then METHOD.json with `json`, into `out_dir`. METHOD.nc: time; calibrated, nominal
-/// (condition, sensor, time); record_time; record_mean, band_low, band_high (condition, sensor, record_time).
+/// (condition, sensor, time), where pairs of meshes were used calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean, band_low, band_high (condition, sensor, record_time).
 void write_calibration(const std::string& method, const Calibration& calibration, const Problem& problem, const Json& json, const Provenance& provenance,
                        const std::filesystem::path& out_dir);
 

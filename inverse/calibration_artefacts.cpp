@@ -72,6 +72,21 @@ Json sensors(const Calibration& s, const Problem& problem) {
   return all;
 }
 
+Json mesh_json(const MeshCorrection& m, const Calibration& s, const Problem& problem) {
+  const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
+  Json rounds = Json::array();
+  for (const auto& r : m.rounds) rounds.push_back({{"pairs", r.pairs}, {"theta", named(problem.shape, r.theta)}, {"moved", number(r.moved)}});
+  Json j{{"pairs", m.pairs}, {"failed_pairs", m.failed}, {"beyond", m.beyond}, {"settled", m.settled}, {"rounds", rounds}, {"sentence", m.sentence}};
+  if (!m.used()) return j;
+  j["relative_difference"] = s.calibrated.empty() ? Json() : number(m.difference);
+  if (!m.without.empty()) j["theta_without_shift"] = named(problem.shape, m.without);
+  j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
+                       {"mae", of(m.best, &Score::mae)},
+                       {"nominal_accuracy", of(m.at_nominal, &Score::accuracy)},
+                       {"nominal_mae", of(m.at_nominal, &Score::mae)}};
+  return j;
+}
+
 }  // namespace
 
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
@@ -118,6 +133,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape));
   for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape));
   j["sensors"] = sensors(s, problem);
+  if (s.mesh.wanted > 0) j["mesh"] = mesh_json(s.mesh, s, problem);
   for (const auto& [key, value] : own.items()) j[key] = value;
   j["compared_times"] = problem.time.size(), j["times_outside_simulation"] = problem.outside;
   j["evaluations"] = s.evaluations, j["model_runs"] = s.model_runs;
@@ -143,10 +159,16 @@ void write_calibration(const std::string& method, const Calibration& s, const Pr
   file.variable("record_time", {"record_time"}, problem.time, {{"units", "s"}});
   const std::string units = problem.unit == "strain" ? "1" : problem.unit;
   const std::vector<std::string> model{"condition", "sensor", "time"}, record{"condition", "sensor", "record_time"};
-  file.variable("calibrated", model, s.calibrated.empty() ? absent : s.calibrated,
-                {{"units", units}, {"long_name", "true model at the calibrated parameters"}});
-  file.variable("nominal", model, s.nominal_values.empty() ? absent : s.nominal_values,
-                {{"units", units}, {"long_name", "true model at the nominal parameters"}});
+  const auto history = [&](const std::string& name, const std::vector<double>& values, const std::string& what) {
+    file.variable(name, model, values.empty() ? absent : values, {{"units", units}, {"long_name", what}});
+  };
+  const std::string with = s.mesh.used() ? ", corrected for the mesh" : "";
+  history("calibrated", s.calibrated, "true model at the calibrated parameters" + with);
+  history("nominal", s.nominal_values, "true model at the nominal parameters" + with);
+  if (s.mesh.used()) {
+    history("calibrated_working_mesh", s.mesh.calibrated, "true model at the calibrated parameters, on the case's mesh");
+    history("nominal_working_mesh", s.mesh.nominal_values, "true model at the nominal parameters, on the case's mesh");
+  }
   file.variable("record_mean", record, bands.mean, {{"units", units}, {"long_name", "mean of the recorded pulses"}});
   file.variable("band_low", record, bands.low, {{"units", units}, {"long_name", "lower end of the 95 % band"}});
   file.variable("band_high", record, bands.high, {{"units", units}, {"long_name", "upper end of the 95 % band"}});

@@ -8,6 +8,7 @@
 #include "inverse/calibration.hpp"
 #include "inverse/enc_agreement.hpp"
 #include "inverse/enc_rounds.hpp"
+#include "inverse/mesh_pairs.hpp"
 
 namespace calomel {
 
@@ -24,6 +25,8 @@ struct EncOptions {
   std::vector<std::string> compare_objectives{"rrmse"};
   int compare_rounds = 4;
   double agreement = 0.05;
+  int mesh_pairs = 6;
+  double mesh_beyond = 0;
 
   template <class V>
   void visit(V& v) {
@@ -45,6 +48,8 @@ struct EncOptions {
     v("compare_rounds", compare_rounds, {.range = between(1, 1000), .doc = "rounds of each compared optimiser and objective"});
     v("agreement", agreement,
       {.range = between(0, 1), .doc = "answers agree when they differ by no more than this, the largest over the parameters in units of their bounds"});
+    v("mesh_pairs", mesh_pairs, mesh_pairs_info());
+    v("mesh_beyond", mesh_beyond, mesh_beyond_info());
   }
   /// Whether any objective of these is the correlated one.
   [[nodiscard]] bool needs_likelihood() const;
@@ -71,11 +76,19 @@ struct EncSummary : Calibration {
   double agreement_s = 0;  ///< wall time of its searches and runs [s]
 };
 
+/// What a calibration needs to take the mesh's error into account: where runs are made, and the campaign, good runs of which are paired first.
+struct EncRuns {
+  RunSource source;
+  const Archive& archive;
+};
+
 /// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`
-/// have the shape of `problem`; `likelihood` is needed for the correlated objective only.
+/// have the shape of `problem`; `likelihood` is needed for the correlated objective only. Without `runs`, or where these have no finer mesh, the
+/// mesh's error is not looked at.
 /// Errors: InputError for an unknown optimiser or objective; what the models throw.
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
-                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const Likelihood* likelihood = nullptr);
+                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const Likelihood* likelihood = nullptr,
+                                 const EncRuns* runs = nullptr);
 
 /// The contents of enc.json.
 Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);

@@ -40,20 +40,7 @@ Eigen::MatrixXf RefinedModel::means(const Eigen::MatrixXd& thetas, int threads) 
 }
 
 Eigen::VectorXd RefinedModel::pull_back(std::span<const double> theta, std::span<const double> weights) const {
-  Eigen::VectorXd g = base_.pull_back(theta, weights);
-  const Eigen::VectorXd seen = errors_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size()));
-  std::vector<double> at(theta.begin(), theta.end());
-  for (std::size_t k = 0; k < at.size(); ++k) {  // the kriging weights are smooth: central differences lose nothing
-    const Parameter& p = shape().parameters[k];
-    const double h = 1e-5 * (p.max - p.min), middle = at[k];
-    const double up = std::min(p.max, middle + h), down = std::max(p.min, middle - h);
-    at[k] = up;
-    const Eigen::VectorXd above = kriging_.weights(at);
-    at[k] = down;
-    g[Eigen::Index(k)] += (above - kriging_.weights(at)).dot(seen) / (up - down);
-    at[k] = middle;
-  }
-  return g;
+  return base_.pull_back(theta, weights) + kriging_.slope(theta, errors_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
 }
 
 Eigen::VectorXd RefinedModel::error_variance(std::span<const double> theta) const {

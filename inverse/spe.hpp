@@ -27,15 +27,24 @@ struct SpeMode {
   std::size_t optima = 0;     ///< that belong to it
 };
 
+/// A round of shrinking: the box of its surrogates, the runs in it, and the least misfit known by then.
+struct SpeZoom {
+  std::vector<double> low, high;  ///< (n_parameters)
+  std::size_t runs = 0, made = 0;  ///< in the box, and of them new in this round
+  double best = 0;                 ///< of all known runs, as the objective has it
+};
+
 struct SpeSummary : Calibration {
   std::size_t runs_used = 0, runs_excluded = 0;  ///< of the campaign
   std::size_t n_train = 0, n_validation = 0;
-  std::size_t runs_added = 0;  ///< true-model runs at candidates of earlier rounds that joined the training runs
+  std::size_t runs_added = 0;  ///< true-model runs of earlier rounds that joined the campaign's: candidates, pairs, those of shrunken boxes
   std::string design;
   std::vector<SpaceChoice> spaces;
   std::vector<SparsePolynomial> surrogates;
   std::vector<SpeOptimum> optima;         ///< of all surrogates
   std::vector<SpeMode> modes;             ///< densest first
+  std::size_t optima_left_out = 0;        ///< of the last round, where runs are likely to fail
+  std::vector<SpeZoom> zooms;
   std::vector<std::string> fit_warnings;  ///< of the last fits; they stand among `warnings` too
   double fit_s = 0;                       ///< wall time of the fits, of search_s [s]
 };
@@ -45,12 +54,12 @@ struct SpeSummary : Calibration {
 ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
                             std::size_t* excluded = nullptr);
 
-/// The surrogates, optima and modes of the summary are those of the last of options.refinements + 1 rounds; its candidates are the best of all
-/// rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out.
+/// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
+/// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
+/// shape; runs of the archive that failed are left out. `source`: where runs are added; null: by `true_model`, with no finer mesh.
 /// Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
-                                 int threads, const CalibrationProgress& progress = {});
+                                 int threads, const CalibrationProgress& progress = {}, const RunSource* source = nullptr);
 
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);

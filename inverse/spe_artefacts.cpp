@@ -50,6 +50,9 @@ Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& pro
   own["validation_rrmse"] = spread(s, [](const auto& p) { return p.validation.rrmse; });
   own["train_r2"] = spread(s, [](const auto& p) { return p.train.r2; });
   own["validation_r2"] = spread(s, [](const auto& p) { return p.validation.r2; });
+  own["optima_left_out"] = s.optima_left_out;
+  own["zoom"] = Json::array();
+  for (const auto& z : s.zooms) own["zoom"].push_back({{"low", named(shape, z.low)}, {"high", named(shape, z.high)}, {"runs", z.runs}, {"made", z.made}, {"best", number(z.best)}});
   own["modes"] = Json::array(), own["lambda_choices"] = Json::array(), own["surrogates"] = Json::array(), own["optima"] = Json::array();
   for (const auto& m : s.modes)
     own["modes"].push_back({{"theta", named(shape, m.theta)}, {"objective_surrogate", number(m.objective)}, {"density", m.density}, {"optima", m.optima}});

@@ -161,7 +161,8 @@ std::string history_section(const Study& study, const ReportInput& input) {
 std::string score_section(const Study& study, const ReportInput& input) {
   const Table accuracy = score_table(study, input, "accuracy"), mae = score_table(study, input, "mae");
   if (accuracy.empty()) return no_calibration(input, "Sensors are scored by a calibration.");
-  return "<div class=\"pair\"><div>" + accuracy.html() + "</div><div>" + mae.html() + "</div></div>\n";
+  const Table mesh = mesh_table(study, input);
+  return "<div class=\"pair\"><div>" + accuracy.html() + "</div><div>" + mae.html() + "</div></div>\n" + (mesh.empty() ? "" : mesh.html());
 }
 
 std::string optimizer_comparison_section(const Study& study) {

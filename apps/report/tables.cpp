@@ -74,7 +74,46 @@ std::string objective_name(const Study& study) {
 
 /// Whether `calibrated` is as good as `nominal`, or better; accuracy is to be large and the mean absolute error small.
 bool as_good(const std::string& key, double calibrated, double nominal) { return key == "mae" ? calibrated <= nominal : calibrated >= nominal; }
+
+/// Labels of the calibrations whose predictions carry the mesh's error.
+std::vector<std::string> with_mesh(const Study& study) {
+  std::vector<std::string> labels;
+  for (const auto& c : study.calibrations)
+    if (part_at(part_at(c.summary, "mesh"), "working_mesh").is_object()) labels.push_back(c.label);
+  return labels;
+}
+
+/// What a caption of scores says of the mesh; empty where no pairs of meshes were used.
+std::string mesh_caption(const Study& study) {
+  const auto labels = with_mesh(study);
+  if (labels.empty()) return "";
+  std::string names;
+  for (const auto& l : labels) names += (names.empty() ? "" : ", ") + l;
+  const bool all = labels.size() == study.calibrations.size();
+  return " Simulations of " + names + " and the nominal one are corrected for the mesh, as pairs of runs with half the element size tell" + (all ? "." : "; the others are on the case\u2019s mesh.");
+}
 }  // namespace
+
+Table mesh_table(const Study& study, const ReportInput& input) {
+  const auto unit = display_unit(input);
+  Table t{.id = "mesh", .caption = "Scores with the correction for the mesh, which is what was calibrated, and of the same runs on the case\u2019s own mesh."};
+  t.columns = {{"simulation", "Simulation", 4, true},
+               {"pairs", "Pairs of runs", 4},
+               {"accuracy_percent", "Inside the band [%]", -1},
+               {"mae", "Mean absolute error [" + unit.name + "]", -1},
+               {"accuracy_working_percent", "Inside the band, case\u2019s mesh [%]", -1},
+               {"mae_working", "Mean absolute error, case\u2019s mesh [" + unit.name + "]", -1},
+               {"difference", "One halving changes the histories by [%]", -1, false, 100}};
+  for (const auto& c : study.calibrations) {
+    const Json& mesh = part_at(c.summary, "mesh");
+    const Json& working = part_at(mesh, "working_mesh");
+    if (!working.is_object()) continue;
+    for (const std::string of : {"", "nominal_"})
+      t.rows.push_back({(of.empty() ? "calibrated, " : "nominal, ") + c.label, number_at(mesh, "pairs"), number_at(c.summary, of + "accuracy"), number_at(c.summary, of + "mae"),
+                        number_at(working, of + "accuracy"), number_at(working, of + "mae"), of.empty() ? number_at(mesh, "relative_difference") : std::nullopt});
+  }
+  return t;
+}
 
 Table parameter_table(const Study& study, const ReportInput& input) {
   Table t{.id = "parameters", .caption = "Calibrated parameters beside the nominal ones."};
@@ -132,7 +171,7 @@ Table parameter_table(const Study& study, const ReportInput& input) {
 
 Table headline_table(const Study& study, const ReportInput& input) {
   const auto unit = display_unit(input);
-  Table t{.id = "summary", .caption = "Whole-record scores, averaged over the sensors."};
+  Table t{.id = "summary", .caption = "Whole-record scores, averaged over the sensors." + mesh_caption(study)};
   t.columns = {
       {"simulation", "Simulation", 4, true}, {"accuracy_percent", "Inside the measured band [%]", -1}, {"mae", "Mean absolute error [" + unit.name + "]", -1}};
   std::optional<double> accuracy, mae;
@@ -168,6 +207,7 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
   Table t{.id = key,
           .caption =
               mae ? "Mean absolute error against the mean record [" + unit.name + "]." : "Accuracy: share of samples strictly inside the measured band [%]."};
+  t.caption += mesh_caption(study);
   t.columns = {{"sensor", "Sensor", 4, true}, {"nominal", "Nominal", -1}};
   for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, -1});
 

@@ -42,5 +42,7 @@ Table design_table(const Study& study);
 Table scatter_table(const Study& study, const ReportInput& input);
 /// Each method's whole-record scores in one row, for the first screen.
 Table headline_table(const Study& study, const ReportInput& input);
+/// Scores with and without the mesh's error of the calibrations that took it into account.
+Table mesh_table(const Study& study, const ReportInput& input);
 
 }  // namespace calomel

@@ -1,6 +1,7 @@
 #include "inverse/likelihood/kriging.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -83,6 +84,22 @@ Eigen::VectorXd Kriging::weights(std::span<const double> theta) const {
   for (Eigen::Index i = 0; i < size(); ++i) k[i] = std::exp(-0.5 * ((u - points_.col(i)).array() / lengths_.array()).square().sum());
   const Eigen::VectorXd w = factor_.solve(k);
   return w + (1 - w.sum()) / ones_.sum() * ones_;
+}
+
+Eigen::VectorXd Kriging::slope(std::span<const double> theta, const Eigen::VectorXd& seen) const {
+  Eigen::VectorXd g(Eigen::Index(theta.size()));
+  std::vector<double> at(theta.begin(), theta.end());
+  for (std::size_t k = 0; k < at.size(); ++k) {  // the weights are smooth: central differences lose nothing
+    const Parameter& p = parameters_[k];
+    const double h = 1e-5 * (p.max - p.min), middle = at[k];
+    const double up = std::min(p.max, middle + h), down = std::max(p.min, middle - h);
+    at[k] = up;
+    const Eigen::VectorXd above = weights(at);
+    at[k] = down;
+    g[Eigen::Index(k)] = (above - weights(at)).dot(seen) / (up - down);
+    at[k] = middle;
+  }
+  return g;
 }
 
 double Kriging::variance_factor(std::span<const double> theta) const {

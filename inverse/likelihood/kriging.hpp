@@ -23,6 +23,8 @@ class Kriging {
   [[nodiscard]] Eigen::Index size() const { return points_.cols(); }
   /// Best linear unbiased weights of the seen outputs, (n); they sum to 1.
   [[nodiscard]] Eigen::VectorXd weights(std::span<const double> theta) const;
+  /// Gradient of weights(theta) . seen by theta, (n_parameters); seen: (n).
+  [[nodiscard]] Eigen::VectorXd slope(std::span<const double> theta, const Eigen::VectorXd& seen) const;
   /// Variance of one more seen output about the prediction, scatter included, over the process's variance.
   [[nodiscard]] double variance_factor(std::span<const double> theta) const;
   /// (n, n - 1) matrix A such that outputs A A' outputs' is the process's covariance between outputs, restricted maximum likelihood.

@@ -17,6 +17,10 @@ MeshError::MeshError(const std::vector<Parameter>& parameters, const Eigen::Matr
   expect(beyond.mean >= 0 && beyond.sd >= 0 && beyond.remainder >= 0, "the shift goes to the finer mesh or beyond");
 }
 
+Eigen::VectorXd MeshError::pull_back(std::span<const double> theta, std::span<const double> weights) const {
+  return (1 + beyond_.mean) * kriging_.slope(theta, differences_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
+}
+
 MeshError::Spread MeshError::spread(std::span<const double> theta) const {
   const double reach = 1 + beyond_.mean, seen = double(pairs() - 1), share = seen / (seen + pairs_that_show_half);
   const Eigen::MatrixXd own = reach * std::sqrt(kriging_.variance_factor(theta)) * (differences_ * kriging_.residual_root());  // (values, pairs - 1)

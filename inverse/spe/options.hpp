@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/options.hpp"
+#include "inverse/mesh_pairs.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/dgs.hpp"
 
@@ -32,6 +33,11 @@ struct SpeOptions {
   int candidates = 8;
   int refinements = 2;
   double separation = 0.03;
+  int known_candidates = 2;
+  int zoom = 4;
+  int zoom_runs = 25;
+  int mesh_pairs = 6;
+  double mesh_beyond = 0;
 
   template <class V>
   void visit(V& v) {
@@ -66,6 +72,13 @@ struct SpeOptions {
       {.range = between(0, 20), .doc = "times that the candidates' true misfits join the runs and everything is fitted and searched again; 0 as published"});
     v("separation", separation,
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
+    v("known_candidates", known_candidates, {.range = between(0, 20), .doc = "best runs of the campaign that are candidates too, which costs no run; 0 as published"});
+    v("zoom", zoom,
+      {.range = between(0, 10),
+       .doc = "rounds in which the box shrinks to half of each side about the best run that is known, and the surrogates are fitted to the runs inside; 0 as published"});
+    v("zoom_runs", zoom_runs, {.range = between(10, 1000), .doc = "new runs of the true model in the box of each of these rounds"});
+    v("mesh_pairs", mesh_pairs, mesh_pairs_info());
+    v("mesh_beyond", mesh_beyond, mesh_beyond_info());
   }
   /// Errors: InputError when no space is listed.
   void validate() const;

@@ -20,6 +20,10 @@ class UnitBox {
   [[nodiscard]] Eigen::VectorXd unit(const std::vector<double>& theta) const {
     return units(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())));
   }
+  [[nodiscard]] bool contains(const std::vector<double>& theta) const {
+    const Eigen::VectorXd x = (Eigen::Map<const Eigen::VectorXd>(theta.data(), low_.size()) - low_).cwiseQuotient(width_);
+    return x.minCoeff() >= 0 && x.maxCoeff() <= 1;
+  }
 
  private:
   Eigen::VectorXd low_, width_;

@@ -350,6 +350,26 @@ TEST(ReportTables, BoldMarksWhereTheCalibratedSimulationIsAsGoodAsTheNominalOne)
   EXPECT_THAT(accuracy.html(), HasSubstr("Average"));
 }
 
+TEST(ReportTables, ScoresSayWhetherTheyAreCorrectedForTheMesh) {
+  const auto dir = scratch("mesh");
+  const auto in = input();
+  write_calibration(dir, in, "enc");
+  write_calibration(dir, in, "map");
+  EXPECT_TRUE(mesh_table(read_study(dir), in).empty());
+  EXPECT_THAT(score_table(read_study(dir), in, "accuracy").caption, testing::Not(HasSubstr("mesh")));
+  Json enc = read_json(dir / "enc.json");
+  enc["mesh"] = {{"pairs", 6}, {"relative_difference", 0.11}, {"working_mesh", {{"accuracy", 51.5}, {"mae", 18.5}, {"nominal_accuracy", 44.0}, {"nominal_mae", 25.0}}}};
+  write_json(dir / "enc.json", enc);
+  const Study study = read_study(dir);
+  const Table mesh = mesh_table(study, in);
+  ASSERT_EQ(mesh.rows.size(), 2u);
+  EXPECT_THAT(mesh.csv(), HasSubstr("51.5"));
+  EXPECT_THAT(mesh.csv(), HasSubstr("0.11"));
+  EXPECT_THAT(score_table(study, in, "mae").html(), testing::Not(HasSubstr("51.5")));
+  EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("Simulations of ENC and the nominal one are corrected for the mesh"));
+  EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("the others are on the case\u2019s mesh"));
+}
+
 TEST(ReportTables, NumbersReadAsAPersonWouldWriteThem) {
   EXPECT_EQ(number_html(0, 4), "0");
   EXPECT_EQ(number_html(1450, 4), "1450");

@@ -9,7 +9,7 @@
 #include "base/netcdf_file.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "inverse/spe/adaptive_space.hpp"
-#include "oscillations.hpp"
+#include "meshed.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;
@@ -53,34 +53,17 @@ class Mixture : public ForwardModel {
 
 const std::vector<double> truth{12250, 1580, 0.42};
 
-/// The archive of a campaign without its files.
-Archive campaign_of(const ForwardModel& model, const std::string& design, std::size_t runs, std::uint64_t seed) {
-  Archive a;
-  a.shape = model.shape(), a.design = design;
-  a.theta = design_points(design, a.shape.parameters, runs, seed);
-  a.mean.resize(Eigen::Index(a.shape.values()), Eigen::Index(runs));
-  for (Eigen::Index i = 0; i < a.theta.cols(); ++i) {
-    const auto p = model.evaluate({a.theta.col(i).data(), std::size_t(a.theta.rows())});
-    a.status.push_back(p.ok ? RunStatus::done : RunStatus::failed), a.message.push_back(p.message);
-    if (p.ok)
-      a.mean.col(i) = Eigen::Map<const Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size())).cast<float>();
-    else
-      a.mean.col(i).setConstant(std::nanf(""));
-  }
-  return a;
-}
-
 struct Case {
   Mixture model;
   Recordings recordings = recorded(model, truth, 8, 6e-6, 4);
   Problem problem = make_problem(model.shape(), recordings, {});
-  Archive archive = campaign_of(model, "chebyshev", 120, 1);
+  Archive archive = archive_of(model, "chebyshev", 120, 1);
 };
 
 SpeOptions small() {
   SpeOptions o;
   o.total_degree = {5, 8}, o.tensor_product = {4}, o.lambdas = {0.5, 1, 2};
-  o.trials = 12, o.iterations = 40, o.candidates = 5;
+  o.trials = 12, o.iterations = 40, o.candidates = 5, o.zoom = 0;  // boxes that shrink: spe_zoom_test.cpp
   return o;
 }
 
@@ -132,7 +115,7 @@ TEST(Spe, RefinementLowersTheTrueMisfit) {
   o.total_degree = {6, 9, 12}, o.tensor_product = {5, 7};
   double once = 0, refined = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    c.archive = campaign_of(c.model, "chebyshev", 120, seed);
+    c.archive = archive_of(c.model, "chebyshev", 120, seed);
     o.refinements = 0;
     const auto plain = run_spe(c.problem, c.archive, c.model, o, seed, 2);
     o.refinements = 2;
@@ -166,7 +149,7 @@ TEST(Spe, AUniformDesignIsWeighted) {
   const auto problem = make_problem(model.shape(), recorded(model, truth, 8, 6e-6, 4), {});
   SpeOptions o = small();
   o.objective = "rrmse";
-  const auto archive = campaign_of(model, "latin_hypercube", 120, 3);
+  const auto archive = archive_of(model, "latin_hypercube", 120, 3);
   const auto data = discrepancies(problem, archive, objectives().get("rrmse"), o, 1);
   for (Eigen::Index i = 0; i < data.weights.size(); ++i) {
     double density = 1;
@@ -174,7 +157,7 @@ TEST(Spe, AUniformDesignIsWeighted) {
     EXPECT_NEAR(data.weights[i], std::sqrt(density), 1e-9);
   }
   EXPECT_LT(away(run_spe(problem, archive, model, o, 1, 2).theta), 0.05);
-  const auto ones = discrepancies(problem, campaign_of(model, "chebyshev", 40, 3), objectives().get("rrmse"), o, 1);
+  const auto ones = discrepancies(problem, archive_of(model, "chebyshev", 40, 3), objectives().get("rrmse"), o, 1);
   EXPECT_EQ(ones.weights, Eigen::VectorXd::Ones(40));
 }
 
@@ -182,7 +165,7 @@ TEST(Spe, FailedRunsAreLeftOutAndFailedCandidatesReplaced) {
   Case c;
   Mixture fragile;
   fragile.fails = [](std::span<const double> theta) { return theta[2] > 0.8; };
-  const auto archive = campaign_of(fragile, "chebyshev", 150, 1);
+  const auto archive = archive_of(fragile, "chebyshev", 150, 1);
   const auto s = run_spe(c.problem, archive, c.model, small(), 1, 2);
   EXPECT_GT(s.runs_excluded, 20u);
   EXPECT_EQ(s.runs_used + s.runs_excluded, 150u);
