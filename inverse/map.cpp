@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "inverse/map_discrepancy.hpp"
 #include "inverse/map_judgement.hpp"
@@ -51,6 +52,8 @@ class MapRun {
   void take_polished(const Polished& p);
   void judge();
   [[nodiscard]] double curvature_seen() const;
+  /// What the mesh's error is of the likelihood's covariance at the answer, (values, values).
+  [[nodiscard]] Eigen::MatrixXd mesh_covariance();
 
   const Problem& problem_;
   const MapModels& models_;
@@ -165,15 +168,26 @@ double MapRun::curvature_seen() const {
   return seen_curvature(points, seen, x_, point_.log_posterior, covariance_);
 }
 
+Eigen::MatrixXd MapRun::mesh_covariance() {
+  const Eigen::MatrixXd with = search_.likelihood(point_.theta, false).covariance();
+  const MeshError mesh = std::exchange(current_.mesh, {});
+  const double relative = std::exchange(current_.mesh_relative, 0);
+  const Eigen::MatrixXd without = search_.likelihood(point_.theta, false).covariance();
+  current_.mesh = mesh, current_.mesh_relative = relative;
+  return with - without;
+}
+
 /// What the answer is worth.
 void MapRun::judge() {
   judge_fit(out_, *final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), std::size_t(space_.size()), options_.widen);
   bool limited = true;
+  Eigen::MatrixXd sharp = covariance_;
   Eigen::MatrixXd data = Eigen::MatrixXd::Zero(space_.size(), space_.size());
   if (at_) {
     const PosteriorMode on_model(models_.true_model, *final_likelihood_, space_, threads_);
     data = final_likelihood_->errors().weight(at_->chi2) * at_->jacobian.transpose() * at_->jacobian;
     covariance_ = covariance_of(on_model.curvature(*at_), space_, x_, limited);
+    sharp = covariance_;
   } else {
     out_.warnings.push_back("the model fails beside the optimum: the covariance is the search's");
   }
@@ -193,7 +207,8 @@ void MapRun::judge() {
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();
   out_.identification =
       identify(problem_.shape.parameters, point_.theta, data_own, out_.covariance, space_.prior_sd(x_).cwiseProduct(by_x), out_.widening / flatter);
-  if (!current_.mesh.empty() && at_) judge_mesh(out_, problem_, current_.mesh, *final_likelihood_, at_->jacobian, covariance_, point_.history);
+  if (!current_.mesh.empty() && at_)
+    judge_mesh(out_, problem_, current_.mesh, *final_likelihood_, {at_->jacobian, sharp, covariance_, mesh_covariance(), point_.history});
   out_.shares = final_likelihood_->shares();
   out_.energy_sd = final_likelihood_->noise().energy_sd, out_.split_half = final_likelihood_->noise().split_half;
   for (const auto& s : final_likelihood_->noise().series) out_.noise_time.push_back(s.time);

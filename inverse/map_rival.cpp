@@ -47,18 +47,11 @@ MeshError pooled_mesh(const Problem& problem, const MapOptions& options, const s
   return {problem.shape.parameters, theta, difference, {.mean = options.mesh_beyond, .sd = options.mesh_beyond_sd}};
 }
 
-/// A covariance and the part of it that is the repeatability floor.
+/// A covariance that both hypotheses are judged under.
 struct Yardstick {
   std::string words;
   Likelihood likelihood;
-  Eigen::MatrixXd floor;
 };
-
-/// sd of a log likelihood when the answer's own run is jittered by the floor: r' C^-1 F C^-1 r under the root, r the residual.
-double floor_variance_of(const Yardstick& y, const Eigen::VectorXd& residual) {
-  const Eigen::VectorXd gradient = y.likelihood.errors().gradient(residual);
-  return std::max(0.0, gradient.dot(y.floor * gradient));
-}
 
 void expect_one_model(const RivalFit& rival, RunStore& store) {
   if (rival.history.empty()) return;
@@ -125,17 +118,12 @@ RivalComparison compare_with_rival(const Problem& problem, const Recordings& rec
   // 2. Three yardsticks: the covariances at either answer, and first of all their mean.
   const auto yardstick = [&](const std::string& words, const std::vector<double>& at, double s) {
     if (models.unknown_directions) own.unknowns = models.unknown_directions(at);
-    LikelihoodOptions without = options.likelihood;
-    without.floor = 0;
-    const auto with = [&](const LikelihoodOptions& o) {
-      Likelihood l = likelihood_at(problem, recordings, recording_options, o, options.discrepancy.distance, own, at, false).without_shift();
-      return physical ? with_discrepancy(l, problem, own, options.discrepancy, s) : l;
-    };
-    Likelihood l = with(options.likelihood);
-    return Yardstick{words, l, l.covariance() - with(without).covariance()};
+    const Likelihood l =
+        likelihood_at(problem, recordings, recording_options, options.likelihood, options.discrepancy.distance, own, at, false).without_shift();
+    return Yardstick{words, physical ? with_discrepancy(l, problem, own, options.discrepancy, s) : l};
   };
   const Yardstick at_rival = yardstick("at the answer of " + rival.name, rival.theta, rival.discrepancy_scale), at_own = yardstick("at this case's answer", theta, scale);
-  const Yardstick mean{"mean of those at either answer", at_rival.likelihood.mean_with(at_own.likelihood), 0.5 * (at_rival.floor + at_own.floor)};
+  const Yardstick mean{"mean of those at either answer", at_rival.likelihood.mean_with(at_own.likelihood)};
   out.values = std::size_t(mean.likelihood.errors().size());
 
   // 3. Each hypothesis under each of them, from its own answer and from the other's. The larger one comes last and once more, for the smaller one is part of it.
@@ -148,7 +136,7 @@ RivalComparison compare_with_rival(const Problem& problem, const Recordings& rec
     smaller.try_at(l.fit.theta);
     const JudgedPoint s = smaller.judge(y->likelihood, settings, progress);
     const JudgedPoint again = s.fit.log_likelihood > l.fit.log_likelihood ? larger.judge(y->likelihood, settings, progress) : l;
-    out.judgements.push_back({y->words, s.fit, again.fit, std::sqrt(floor_variance_of(*y, s.residual) + floor_variance_of(*y, again.residual))});
+    out.judgements.push_back({y->words, s.fit, again.fit, std::hypot(s.roughness, again.roughness)});
   }
   out.model_runs = store.made();
   conclude(out);

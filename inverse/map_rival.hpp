@@ -35,7 +35,7 @@ struct JudgedFit {
 struct SharedJudgement {
   std::string covariance;  ///< in words: whose
   JudgedFit smaller, larger;
-  double roughness = 0;    ///< sd of log_bayes_factor by the repeatability floor of the two answers
+  double roughness = 0;    ///< sd of log_bayes_factor by how rough the model is, as seen at the secants' points
   [[nodiscard]] double log_bayes_factor() const { return larger.log_evidence - smaller.log_evidence; }
 };
 

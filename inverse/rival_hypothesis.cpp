@@ -119,11 +119,24 @@ JudgedPoint Hypothesis::judge(const Likelihood& likelihood, const JudgeSettings&
   if (!at) throw NumericsError("the model fails beside the best run of a hypothesis");
   const Eigen::MatrixXd covariance = covariance_of(mode.curvature(*at), space_, x, limited);
   JudgedPoint out;
-  out.residual = likelihood.residual(best.theta, best.history);
-  out.fit = {.theta = model_.full(best.theta), .log_likelihood = likelihood.errors().log_density(out.residual), .log_posterior = best.log_posterior};
-  out.fit.chi2 = likelihood.errors().chi2(out.residual);
+  const Eigen::VectorXd residual = likelihood.residual(best.theta, best.history);
+  out.fit = {.theta = model_.full(best.theta), .log_likelihood = likelihood.errors().log_density(residual), .log_posterior = best.log_posterior};
+  out.fit.chi2 = likelihood.errors().chi2(residual);
+  out.roughness = roughness_of(*at, likelihood, space_);
   out.fit.log_evidence = laplace_log_evidence({x, best.log_posterior, covariance}, space_) + std::log(share_within(space_, x, covariance, settings.seed));
   return out;
+}
+
+double roughness_of(const Linearisation& at, const Likelihood& likelihood, const SearchSpace& space) {
+  double squares = 0;
+  int count = 0;
+  for (Eigen::Index i = 0; i < at.points.cols(); ++i) {
+    const Eigen::VectorXd step = at.points.col(i) - at.x;
+    if (step.cwiseAbs().maxCoeff() == 0 || !std::isfinite(at.log_posteriors[i])) continue;
+    const double foretold = likelihood.errors().log_density_at((at.residual + at.jacobian * step).squaredNorm()) + space.log_prior(space.theta(at.points.col(i)));
+    squares += std::pow(at.log_posteriors[i] - foretold, 2), ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count / 1.5) : 0;
 }
 
 double share_within(const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, std::uint64_t seed) {

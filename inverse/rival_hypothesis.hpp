@@ -63,8 +63,12 @@ struct JudgeSettings {
 /// Where a hypothesis stands after its search under a likelihood.
 struct JudgedPoint {
   JudgedFit fit;
-  Eigen::VectorXd residual;  ///< of the data, not whitened
+  double roughness = 0;  ///< sd of a log posterior about what the secants say, see roughness_of
 };
+
+/// Root mean square of log posteriors less those that the secants' straight lines foretell, over the points that the secants were made of but the middle, as
+/// the sd of one point: the mean of two sides less the middle has 3/2 of its variance. What is bent and not rough counts as rough.
+double roughness_of(const Linearisation& at, const Likelihood& likelihood, const SearchSpace& space);
 
 class Hypothesis {
  public:
