@@ -94,6 +94,7 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
   if (map) {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
+    if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
   if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
   if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");

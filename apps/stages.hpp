@@ -91,6 +91,8 @@ class Stages {
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
   MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
+  /// map.compare_with from where the case stands.
+  [[nodiscard]] std::filesystem::path rival_directory() const;
   /// Says why runs of the campaign failed, if any did, and how well the boundary is known.
   void say_failures(const Archive& archive, const class Feasibility& feasibility) const;
   enum class Asked { by_user, upstream };

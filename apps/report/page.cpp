@@ -321,7 +321,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
                           ? missing("The case has no parameters to infer.", "Add a table <code>[parameter.NAME]</code> with min and max to the case file.")
                           : parameters.html();
   if (study.calibrations.empty() && !parameters.empty()) first += no_calibration(input, "Only nominal values and bounds are known.");
-  for (const Table& t : {agreement_table(study), effort_table(study)})
+  for (const Table& t : {agreement_table(study), effort_table(study), hypothesis_table(study)})
     if (!t.empty()) first += t.html();
   return section("parameters", "Parameters", first) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
