@@ -4,7 +4,7 @@
 
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
-#include "forward/repeatability.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 #include "inverse/comparison.hpp"
 #include "inverse/feasibility.hpp"
 
@@ -91,15 +91,8 @@ MapModels Stages::models_with_errors(const Surrogate& surrogate) {
 }
 
 Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
-  const auto models = models_with_errors(surrogate);
-  const auto theta = nominal(problem().shape);
-  const Prediction p = surrogate.evaluate(theta);
-  ModelError errors{.floor_variance = models.floor_variance, .surrogate_variance = models.surrogate_variance(theta), .energy_slope = {}, .mesh = {}};
-  if (!p.energy_slope.empty()) errors.energy_slope = Eigen::Map<const Eigen::VectorXd>(p.energy_slope.data(), Eigen::Index(p.energy_slope.size()));
-  Likelihood likelihood(problem(), recordings(), *study_.recordings, likelihood_options(), errors);
-  if (models.mesh_relative <= 0) return likelihood;
-  return likelihood.with("mesh, assumed", models.mesh_relative * models.mesh_relative *
-                                              discrepancy_shape(problem(), likelihood.grid(), likelihood.data(), models.positions, study_.map.discrepancy.distance, mesh_kernel));
+  return likelihood_at(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models_with_errors(surrogate),
+                       nominal(problem().shape), true);
 }
 
 EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {

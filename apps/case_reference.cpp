@@ -100,6 +100,8 @@ std::string case_reference() {
       "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. ENC uses the bounds alone, MAP the "
       "priors, too.");
   s += table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
+  s += table<FloorOptions>("[floor]", "floor",
+                           "The repeatability floor of `calomel check --floor` and of every campaign, and what stands beside it, see [theory/forward.md](theory/forward.md).");
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <iostream>
 
 #include "apps/interrupt.hpp"
@@ -13,7 +14,7 @@ namespace calomel {
 
 /// Reads every table, builds the mesh, places the sensors and holds the recordings against them; prints the resolved case
 /// as JSON to stdout, what was found and the cost to stderr. Runs nothing and writes nothing, but with --floor the ensemble
-/// mean on jittered meshes, whose scatter goes to floor.json, and with --write-mesh the mesh.
+/// mean on jittered meshes and what stands beside it, which goes to floor.json, and with --write-mesh the mesh.
 ExitStatus Stages::check() {
   const auto& shape = model().shape();
   const auto d = model().describe();
@@ -25,6 +26,7 @@ ExitStatus Stages::check() {
   for (const auto& n : d.notes) say("note: " + n);
   say(fmt::format("model: {} elements, {} nodes, {} steps of {:.3g} s, {} sensors at {} times, about {:.0f} MB", d.elements, d.nodes, d.steps, d.time_step,
                   shape.sensors.size(), shape.times.size(), d.estimated_bytes / 1e6));
+  if (d.subcycles > 1) say(fmt::format("sub-cycling: mercury away from the steel takes one step in {}", d.subcycles));
   say_physics();
   const auto& q = model().mesh().quality;
   say(fmt::format(
@@ -32,10 +34,12 @@ ExitStatus Stages::check() {
       q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, study_.forward.geometry.wetted));
   if (compared) say(fmt::format("recordings: {} records, compared at {} times", problem().observations.size(), problem().time.size()));
   const double conditions = double(shape.conditions.size());
-  const double means = double(study_.campaign.runs) * conditions;
-  say(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}", command_.threads,
+  const double means = double(study_.campaign.runs) * conditions, mean_seconds = d.estimated_mean_seconds / command_.threads;
+  const bool finer = study_.floor.finer_mesh && finer_is_small_enough(study_.floor, model().mesh());
+  const double floor = conditions * floor_cost(study_.floor, model().mesh().plane_strain, finer, d.estimated_seconds / d.estimated_mean_seconds);
+  say(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}, {} repeatability floor {}", command_.threads,
                   duration_text(conditions * d.estimated_seconds / command_.threads), study_.campaign.runs, shape.parameters.size(),
-                  duration_text(means * d.estimated_mean_seconds / command_.threads)));
+                  duration_text(means * mean_seconds), study_.campaign.floor ? "its" : "a", duration_text(floor * mean_seconds)));
   if (!command_.write_mesh.empty()) {
     calomel::write_mesh(model().mesh(), command_.write_mesh);
     say("mesh written to " + command_.write_mesh.string());
@@ -47,30 +51,49 @@ ExitStatus Stages::check() {
 Provenance Stages::floor_provenance() const {
   Json options = study_.model_options();
   options["campaign"] = {{"pulses", study_.campaign.pulses}, {"pulse_energy_sd", study_.campaign.pulse_energy_sd}};
+  options["floor"] = echo(study_.floor);
   return {.stage = "floor", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
 }
 
 void Stages::need_floor() {
+  // One of before there were comparisons does not tell how it was measured: it gives way.
+  const auto file = command_.out / "floor.json";
+  if (std::filesystem::exists(file) && !read_json(file).contains("comparisons")) set_aside(file);
   if (!due(floor_provenance(), {"floor.json"}, Asked::upstream)) return;
   say("no repeatability floor in " + command_.out.string() + ": measuring it first");
   measure_floor();
 }
 
 void Stages::measure_floor() {
-  const FloorOptions options;
-  ProgressDisplay display("floor", "members", progress_style(command_.quiet), std::cerr);
-  const auto floor = calomel::measure_floor(
-      model().forward_case(), model().ensemble(), options, command_.seed, command_.threads,
-      [&](std::size_t done, std::size_t total) { display.update(done, total); }, &stop_requested());
+  const auto provenance = floor_provenance();
+  const auto journal_file = command_.out / "floor.journal";
+  if (journal_identity(journal_file) != provenance.identity()) set_aside(journal_file);
+  Journal journal(journal_file, provenance);
+  const auto began = std::chrono::steady_clock::now();
+  RepeatabilityFloor floor;
+  {
+    ProgressDisplay display("floor", "runs", progress_style(command_.quiet), std::cerr);
+    floor = calomel::measure_floor(
+        model().forward_case(), model().ensemble(), study_.floor, command_.seed, command_.threads,
+        {.journal = &journal, .progress = [&](std::size_t done, std::size_t total) { display.update(done, total); }, .stop = &stop_requested()});
+  }
   Json json = floor_json(floor);
-  json["provenance"] = floor_provenance().json();
+  json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  json["provenance"] = provenance.json();
   write_json(command_.out / "floor.json", json);
+  journal.remove();
+  say_floor(floor);
+}
+
+void Stages::say_floor(const RepeatabilityFloor& floor) const {
   say(fmt::format(
       "repeatability floor of the ensemble mean over {} jitters of mesh, viscosity and energies: {:.2f} % of the signal (mean over sensors), {:.2f} % at worst",
-      options.members, 100 * floor.mean, 100 * floor.worst));
+      floor.members.size(), 100 * floor.mean, 100 * floor.worst));
   for (std::size_t row = 0; row < floor.relative.size(); ++row)
     say(fmt::format("  {}{}: {:.2f} %", floor.conditions.size() > 1 ? floor.conditions[row / floor.sensors.size()] + ' ' : "",
                     floor.sensors[row % floor.sensors.size()], 100 * floor.relative[row]));
+  for (const auto& c : floor.comparisons)
+    say(fmt::format("{}: {}", c.what, c.message.empty() ? fmt::format("{:.2g} % (mean over sensors), {:.2g} % at worst", 100 * c.mean, 100 * c.worst) : c.message));
 }
 
 ExitStatus run_check(const CommandLine& command) { return Stages(command).check(); }

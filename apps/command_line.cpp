@@ -52,7 +52,7 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
       verb.add_flag("--csv", command.csv, "write every table and trace as CSV, too");
       return;
     case Extra::floor:
-      verb.add_flag("--floor", command.floor, "measure the repeatability floor (8 ensemble means) and write floor.json");
+      verb.add_flag("--floor", command.floor, "measure the repeatability floor, see [floor], and write floor.json");
       return;
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");

@@ -1,6 +1,7 @@
 // What the MAP calibration needs of the other stages.
 #include <fmt/format.h>
 
+#include "apps/rival_fit.hpp"
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
 #include "inverse/feasibility.hpp"
@@ -27,6 +28,8 @@ struct SeenRuns {
 
 }  // namespace
 
+std::filesystem::path Stages::rival_directory() const { return command_.case_file.parent_path() / study_.map.compare_with; }
+
 void Stages::say_failures(const Archive& archive, const Feasibility& feasibility) const {
   if (!feasibility.any_failed()) return;
   say(fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
@@ -44,6 +47,8 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   models.surrogate = &guarded;
   MapOptions options = study_.map;
   options.likelihood = likelihood_options();
+  std::optional<RivalFit> rival;  // before any long work, so that a wrong one is told at once
+  if (!options.compare_with.empty()) rival = read_rival_fit(rival_directory(), model().shape(), options, hash_file(study_.recordings_file()));
   const bool unknowns = options.unknowns.young_sd > 0 || options.unknowns.gauge_place_sd > 0;
   if (unknowns)
     models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
@@ -59,9 +64,15 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
       return runs;
     };
   auto summary = run_map(problem(), recordings(), *study_.recordings, models, options, command_.seed, command_.threads, progress);
+  if (rival && summary.best.objective_model) {
+    models.surrogate = nullptr;
+    summary.rival = compare_with_rival(problem(), recordings(), *study_.recordings, models, options, summary.theta, summary.discrepancy_scale,
+                                       added.runs ? added.runs->all() : std::vector<AddedRun>{}, *rival, command_.seed, command_.threads, progress);
+  }
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);
   if (!summary.refinement.sentence.empty()) say("map: " + summary.refinement.sentence);
+  if (summary.rival) say("map: " + summary.rival->sentence);
   return summary;
 }
 

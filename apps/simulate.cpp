@@ -37,7 +37,7 @@ void write_histories(const std::filesystem::path& path, const ModelShape& shape,
   file.commit();
 }
 
-/// Fields of a run that may be cut off and gone on with.
+/// Fields of a run, of the first condition, that may be cut off and gone on with.
 class RunFields {
  public:
   RunFields(std::filesystem::path path, const Mesh& mesh, double interval, SolveOptions& options) : path_(std::move(path)), mesh_(mesh) {
@@ -49,15 +49,21 @@ class RunFields {
     options.checkpoint.before_saving = [this](std::int64_t) {
       if (writer_) writer_->flush();
     };
-    options.checkpoint.on_resume = [this](std::int64_t, std::int64_t fields) { writer_.emplace(path_, mesh_, int(fields)); };
+    options.checkpoint.on_resume = [this](std::int64_t, std::int64_t fields, bool finished) {
+      if (finished && fields_committed()) return;  // by the call that finished this condition
+      writer_.emplace(path_, mesh_, int(fields));
+    };
   }
-  void commit() { writer_->commit(); }
+  void commit() {
+    if (writer_) writer_->commit(), writer_.reset();
+  }
   /// The run was stopped: the fields so far stay for the one that goes on.
   void leave() {
     if (writer_) writer_->leave();
   }
 
  private:
+  [[nodiscard]] bool fields_committed() const { return std::filesystem::exists(path_) && !std::filesystem::exists(path_.string() + ".part"); }
   std::filesystem::path path_;
   const Mesh& mesh_;
   std::optional<ExodusFieldWriter> writer_;
@@ -67,6 +73,7 @@ class RunFields {
 Json of_run(const SolveSummary& s, bool booked) {
   Json json{{"steps", s.steps},
             {"time_step_s", s.time_step},
+            {"subcycles", s.subcycles},
             {"resumed_from_step", s.resumed_from},
             {"wall_s", s.wall_seconds},
             {"processor_s", s.processor_seconds},
@@ -97,6 +104,7 @@ std::vector<double> Stages::simulate_mean(Json& json) {
   const double runs = double(prediction.energies.size() * model().shape().conditions.size());
   json.update({{"steps", description.steps},
                {"time_step_s", description.time_step},
+               {"subcycles", description.subcycles},
                {"wall_s", wall},
                {"element_steps_per_s", runs * double(description.elements) * double(description.steps) / wall},
                {"energy_balance_error", nullptr},
@@ -119,21 +127,27 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
     options.checkpoint.path = command_.out / "simulate.checkpoint";
     options.checkpoint.every_seconds = forward.solver.checkpoint;
     options.checkpoint.identity = fmt::format("{} {} {} fields {}", version, kernels<double>().name, provenance.identity(), command_.fields ? interval : 0);
-    if (command_.fresh) set_aside(options.checkpoint.path);
+    if (command_.fresh)
+      for (const auto& path : m.checkpoints(options.checkpoint.path)) set_aside(path);
   }
   std::optional<RunFields> fields;
   if (command_.fields) fields.emplace(command_.out / "fields.exo", m.mesh(), interval, options);
-  options.checkpoint.on_resume = [this, reopen = options.checkpoint.on_resume](std::int64_t step, std::int64_t written) {
-    if (reopen) reopen(step, written);
-    say(fmt::format("simulate: goes on from step {}", step));
+  const auto& conditions = m.shape().conditions;
+  std::size_t condition = 0;  // under way
+  options.checkpoint.on_resume = [&, reopen = options.checkpoint.on_resume](std::int64_t step, std::int64_t written, bool finished) {
+    if (reopen && condition == 0) reopen(step, written, finished);
+    const std::string which = conditions.size() > 1 ? "condition " + conditions[condition] + ' ' : "";
+    say("simulate: " + which + (finished ? "is finished and kept" : fmt::format("goes on from step {}", step)));
   };
   try {
-    auto run = m.simulate(options);
-    if (fields) fields->commit();
+    auto run = m.simulate(options, [&](std::size_t finished) {
+      if (fields && finished == 0) fields->commit();
+      condition = finished + 1;
+    });
     json.update(of_run(run.summary, options.booking));
     return std::move(run.strain);
   } catch (const Interrupted&) {
-    if (fields && std::filesystem::exists(options.checkpoint.path)) fields->leave();
+    if (fields && condition == 0 && std::filesystem::exists(m.checkpoints(options.checkpoint.path).front())) fields->leave();
     throw;
   }
 }
@@ -141,7 +155,8 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
 ExitStatus Stages::simulate() {
   const auto& m = model();
   const auto description = m.describe();
-  const Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
+  Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
+  provenance.options["solver"]["booking"] = study_.forward.solver.booking;  // its summary and its checkpoint hold the energies
   for (const auto& w : description.warnings) say("warning: " + w);
   say_physics();
 

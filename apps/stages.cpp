@@ -8,7 +8,6 @@
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
 #include "forward/campaign/archive.hpp"
-#include "forward/repeatability.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/feasibility.hpp"
@@ -95,6 +94,7 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
   if (map) {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
+    if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
   if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
   if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
@@ -128,12 +128,18 @@ ExitStatus Stages::campaign(Asked asked) {
   if (!finished && asked == Asked::upstream) say("no finished campaign in " + command_.out.string() + ": running it first");
   CampaignSummary summary;
   {
-    ProgressDisplay display("campaign", "runs", progress_style(command_.quiet || finished), std::cerr);
+    std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command_.quiet || finished), std::cerr);
+    FloorSource floor;
+    if (study_.campaign.floor && (asked == Asked::by_user || !finished)) floor = [&] {
+      display.reset();
+      need_floor();
+      return read_floor(read_json(command_.out / "floor.json"));
+    };
     summary = study_.file.locating([&] {
       return run_campaign(
           m, study_.campaign, command_.seed, command_.threads, provenance, command_.out,
-          [&](std::size_t done, std::size_t failed, std::size_t runs) { display.update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
-          &stop_requested());
+          [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
+          &stop_requested(), floor);
     });
   }
   if (asked == Asked::by_user || !finished)

@@ -11,6 +11,7 @@
 #include "base/artefact.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/added_runs.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
@@ -63,7 +64,9 @@ class Stages {
   std::vector<double> simulate_mean(Json& json);
   /// One run, gone on with where an earlier one was cut off.
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
+  /// Measures the floor, run by run kept in floor.journal, and writes floor.json.
   void measure_floor();
+  void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;
   /// The journal of added runs: opened where runs are added by themselves (`alone`) or paired with a finer mesh that can be made.
@@ -88,6 +91,8 @@ class Stages {
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
   MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
+  /// map.compare_with from where the case stands.
+  [[nodiscard]] std::filesystem::path rival_directory() const;
   /// Says why runs of the campaign failed, if any did, and how well the boundary is known.
   void say_failures(const Archive& archive, const class Feasibility& feasibility) const;
   enum class Asked { by_user, upstream };

@@ -7,7 +7,7 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output"};
+                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor"};
   return tables;
 }
 
@@ -24,6 +24,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   for (const char* later : {"sampler", "sensitivity", "diagnosis"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
+  study.file.read("floor", study.floor);
   study.file.read("surrogate", study.surrogate);
   study.file.read("enc", study.enc);
   study.file.read("spe", study.spe);
@@ -38,6 +39,7 @@ Json StudyCase::echo() const {
   Json all = forward.echo();
   if (recordings) all["recordings"] = calomel::echo(*recordings);
   all["campaign"] = calomel::echo(campaign);
+  all["floor"] = calomel::echo(floor);
   all["surrogate"] = calomel::echo(surrogate);
   all["enc"] = calomel::echo(enc);
   all["spe"] = calomel::echo(spe);
@@ -49,7 +51,7 @@ Json StudyCase::echo() const {
 
 Json StudyCase::model_options() const {
   Json options = forward.echo();
-  options["solver"].erase("checkpoint");  // how often a run is saved changes nothing of it
+  for (const char* changes_nothing : {"checkpoint", "booking"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
   Json parameters = Json::object();
   for (const auto& p : forward.parameters) {
     parameters[p.name] = {{"key", p.key}, {"min", p.min}, {"max", p.max}};

@@ -44,6 +44,7 @@ struct StudyCase {
   CaseFile file;
   ForwardCase forward;
   CampaignOptions campaign;
+  FloorOptions floor;
   SurrogateOptions surrogate;
   EncOptions enc;
   SpeOptions spe;
@@ -57,7 +58,7 @@ struct StudyCase {
 
   /// The resolved case, table by table.
   [[nodiscard]] Json echo() const;
-  /// The tables that a run of the model depends on; of the parameters what the design sees, not the priors.
+  /// The tables on which the strains of a run depend; of the parameters what the design sees, not the priors.
   [[nodiscard]] Json model_options() const;
   /// Hashes of the files that the model reads, by the case's key.
   [[nodiscard]] std::map<std::string, std::string> model_inputs() const;

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/identity.hpp"
+
 namespace calomel {
 
 const char* const version = CALOMEL_VERSION;
@@ -84,6 +86,25 @@ void write_json(const std::filesystem::path& path, const Json& json) {
 
 std::string Provenance::identity() const { return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump()); }
 
+namespace {
+/// The options of a written provenance without those that once were told apart though they change nothing of what is made.
+Json telling_options(const Json& written) {
+  Json options = written.value("options", Json::object());
+  if (written.value("stage", "") != "simulate" && options.contains("solver") && options["solver"].is_object()) options["solver"].erase("booking");
+  return options;
+}
+}  // namespace
+
+std::string identity_of(const Json& written) {
+  Json options = telling_options(written);
+  if (options == written.value("options", Json::object())) return written.value("identity", "");
+  return Provenance{.stage = written.value("stage", ""),
+                    .options = std::move(options),
+                    .seed = written.value("seed", std::uint64_t{0}),
+                    .inputs = written.value("inputs", std::map<std::string, std::string>{})}
+      .identity();
+}
+
 Json Provenance::json() const {
   return {{"program", "calomel"}, {"version", version}, {"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}, {"identity", identity()}};
 }
@@ -111,8 +132,8 @@ Reuse reusable(const std::filesystem::path& path, const Provenance& now) {
 }
 
 void expect_same_provenance(const Json& before, const Provenance& now, const std::filesystem::path& file) {
-  if (before.value("identity", "") == now.identity()) return;
-  auto keys = changed_keys(before.value("options", Json::object()), now.options);
+  if (identity_of(before) == now.identity()) return;
+  auto keys = changed_keys(telling_options(before), now.options);
   for (const auto& k : changed_keys(before.value("inputs", Json::object()), Json(now.inputs))) keys.push_back("the input " + k);
   if (before.value("seed", std::uint64_t{0}) != now.seed) keys.push_back("the seed");
   throw InputError({.problem = "was made with other settings; changed: " + (keys.empty() ? std::string("the program's version of this stage") : join(keys)),

@@ -2,7 +2,6 @@
 /// Errors of three kinds: the user's (InputError), the numerics' (NumericsError) and our own (contract failures).
 #include <algorithm>
 #include <numeric>
-#include <source_location>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -71,9 +70,9 @@ class ContractFailure : public std::logic_error {
   using std::logic_error::logic_error;
 };
 
-/// Throws ContractFailure with the caller's place in the source when `holds` is false.
-inline void expect(bool holds, const char* what, std::source_location at = std::source_location::current()) {
-  if (!holds) throw ContractFailure(std::string(at.file_name()) + ':' + std::to_string(at.line()) + ": " + what);
+/// Throws ContractFailure with the caller's place in the source when `holds` is false. (Builtins, because clang 14 has no std::source_location.)
+inline void expect(bool holds, const char* what, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (!holds) throw ContractFailure(std::string(file) + ':' + std::to_string(line) + ": " + what);
 }
 
 /// Edit distance of two names (Levenshtein 1966), a neighbouring swap counting as one edit.

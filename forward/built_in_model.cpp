@@ -232,13 +232,28 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   return out;
 }
 
-BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) const {
+std::vector<std::filesystem::path> BuiltInModel::checkpoints(const std::filesystem::path& checkpoint) const {
+  const std::size_t count = shape_.conditions.size();
+  if (count == 1) return {checkpoint};
+  std::vector<std::filesystem::path> paths;
+  for (std::size_t condition = 0; condition < count; ++condition) paths.push_back(checkpoint.string() + '.' + std::to_string(condition));
+  return paths;
+}
+
+BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, const std::function<void(std::size_t condition)>& finished) const {
   Simulation out;
+  SolveSummary& all = out.summary;
   const auto rows = observation_rows(gauges_, case_);
-  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
+  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size(), conditions = shape_.conditions.size();
+  const bool saved = !options.checkpoint.path.empty();
+  const auto paths = checkpoints(options.checkpoint.path);
+  double element_steps = 0;
   out.strain.resize(shape_.values());
-  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+  for (std::size_t condition = 0; condition < conditions; ++condition) {
     SolveOptions own = options;
+    if (saved) own.checkpoint.path = paths[condition];
+    own.checkpoint.keep = conditions > 1;
+    if (options.on_progress) own.on_progress = [&](double share) { options.on_progress((double(condition) + share) / double(conditions)); };
     if (condition > 0) {
       own.field_interval = 0;
       own.checkpoint.identity += "|" + shape_.conditions[condition];
@@ -249,15 +264,21 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options) con
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
       respond(case_, case_.sensors[k], case_.time.output_interval, {to, times});
     }
+    element_steps += s.element_steps_per_second * s.wall_seconds;
     if (condition == 0) {
-      out.summary = std::move(s);
+      all = std::move(s);
     } else {
-      out.summary.wall_seconds += s.wall_seconds;
-      out.summary.steps += s.steps;
-      out.summary.energy_balance_error = std::max(out.summary.energy_balance_error, s.energy_balance_error);
-      if (s.greatest_stress > out.summary.greatest_stress) out.summary.greatest_stress = s.greatest_stress, out.summary.greatest_stress_at = s.greatest_stress_at;
+      all.wall_seconds += s.wall_seconds, all.processor_seconds += s.processor_seconds;
+      all.steps += s.steps, all.resumed_from += s.resumed_from;
+      all.energy_balance_error = std::max(all.energy_balance_error, s.energy_balance_error);
+      if (s.greatest_stress > all.greatest_stress) all.greatest_stress = s.greatest_stress, all.greatest_stress_at = s.greatest_stress_at;
     }
+    if (finished) finished(condition);
   }
+  all.element_steps_per_second = element_steps / all.wall_seconds;
+  std::error_code ignored;
+  if (saved)
+    for (const auto& path : paths) std::filesystem::remove(path, ignored);
   return out;
 }
 
@@ -267,11 +288,11 @@ ModelDescription BuiltInModel::describe() const {
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
   SolveOptions options = solve_options(case_.solver);
   options.threads = threads_;
-  const int per_output = solver_->steps_per_output(s, options);
-  d.time_step = case_.time.output_interval / per_output;
-  d.steps = std::int64_t(per_output) * std::int64_t(shape_.times.size() - 1);
+  const Stepping stepping = solver_->stepping(s, options);
+  d.time_step = case_.time.output_interval / stepping.per_output, d.subcycles = stepping.subcycles;
+  d.steps = std::int64_t(stepping.per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
-  const double element_steps = double(d.elements) * double(d.steps);
+  const double element_steps = double(d.elements) * double(d.steps) * stepping.work;
   d.estimated_seconds = element_steps / measured_rate(single, d.elements, false);
   const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
   d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * element_steps / measured_rate(single, d.elements, true);

@@ -1,5 +1,7 @@
 #pragma once
 /// The built-in forward model: a case, its mesh and gauges, and the ensemble mean over pulse energies.
+#include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "forward/forward_case.hpp"
@@ -23,6 +25,7 @@ struct ModelDescription {
   std::size_t elements = 0, nodes = 0, slip_pairs = 0;
   double time_step = 0;  ///< [s], at the case's own parameters
   std::int64_t steps = 0;
+  int subcycles = 1;     ///< steps in one of the mercury away from the steel
   double viscosity = 0;  ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
   double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
@@ -46,12 +49,16 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
 
-  /// One run at energy 1 with the case's own tables for each condition; fields of the first, a checkpoint of the one under way.
+  /// One run at energy 1 with the case's own tables for each condition; fields of the first. With several conditions each has a checkpoint of its own, see
+  /// checkpoints(), which it keeps until all are finished: a run that was cut off goes on with the condition that was under way, and repeats none.
   struct Simulation {
     SolveSummary summary;
     std::vector<double> strain;  ///< (condition, sensor, time) [-]
   };
-  [[nodiscard]] Simulation simulate(const SolveOptions& options) const;
+  /// `finished` is told after each condition, its number; steps, times and the share of the progress are of all.
+  [[nodiscard]] Simulation simulate(const SolveOptions& options, const std::function<void(std::size_t condition)>& finished = {}) const;
+  /// The files that simulate makes of `checkpoint`: itself, or with several conditions "checkpoint.0", ... in their order.
+  [[nodiscard]] std::vector<std::filesystem::path> checkpoints(const std::filesystem::path& checkpoint) const;
 
   [[nodiscard]] ModelDescription describe() const;
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }

@@ -4,50 +4,33 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "forward/built_in_model.hpp"
+#include "forward/campaign/journal.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 
 namespace calomel {
 
-struct FloorOptions {
-  int members = 8;            ///< jitters; at least 3
-  double mesh_jitter = 0.15;  ///< nodes move by up to this share of the shortest edge there
-  double window = 50e-6;      ///< [s]
+/// What a measurement of the floor may be told and asked on its way.
+struct FloorWatch {
+  Journal* journal = nullptr;  ///< keeps every run that is finished, of a provenance that names everything that decides them; null: none
+  std::function<void(std::size_t done, std::size_t total)> progress;
+  const std::atomic<bool>* stop = nullptr;
 };
 
-/// One jitter and what it changed.
-struct FloorMember {
-  double viscosity_factor = 1;  ///< 1/2, 1, 2 in turn
-  double energy_shift = 0.5;    ///< the energies are the quantiles (i + shift) / m
-  bool ok = true;
-  std::string message;
-};
+/// Number of the runs of measure_floor in ensemble means of the case's own mesh, roughly: what it costs. `plane_strain` is the mesh's; `finer`: whether
+/// the finer mesh is among them; `pulses` of an ensemble mean.
+double floor_cost(const FloorOptions& options, bool plane_strain, bool finer, double single_run_cost);
 
-/// Scatter of the ensemble mean over the members.
-struct RepeatabilityFloor {
-  std::vector<FloorMember> members;
-  std::vector<std::string> conditions, sensors;
-  std::vector<double> window_begin, window_end;  ///< [s]
-  std::vector<double> sd;                        ///< (condition, sensor, window): root mean square over the window of the sd over the members [-]
-  std::vector<double> signal;                    ///< the same shape: root mean square of the members' mean [-]
-  std::vector<double> relative;                  ///< (condition, sensor): whole record, sd over signal, both root mean squares [-]
-  /// Largest over the sensors of `relative`, and their mean.
-  double worst = 0, mean = 0;
-};
+/// Whether elements of half the size stay within options.finer_elements.
+bool finer_is_small_enough(const FloorOptions& options, const Mesh& mesh);
 
-/// Runs the case's ensemble mean on jittered meshes, `threads` side by side. Deterministic in `seed`.
-/// Errors: NumericsError when fewer than three members finish; Interrupted.
+/// Runs the case's ensemble mean on jittered meshes, `threads` side by side, and beside them, on the case's own mesh, what `options` asks to be compared:
+/// single runs whose parameters (of a case without any: density, sound speed and tensile cutoff of the liquid) are moved by up to single_run_shift,
+/// relative sd of those over the root mean square of their mean; the ensemble mean with elements of half the size, and that in the other precision,
+/// |other - own| / |own| in the L2 norm over the record. Values go through single precision. Deterministic in `seed`.
+/// Errors: NumericsError when fewer than three members finish; Interrupted, after the runs in progress.
 [[nodiscard]] RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const EnsembleOptions& ensemble, const FloorOptions& options,
-                                               std::uint64_t seed, int threads, const std::function<void(std::size_t done, std::size_t total)>& progress = {},
-                                               const std::atomic<bool>* stop = nullptr);
-
-/// The floor as JSON, for floor.json.
-Json floor_json(const RepeatabilityFloor& floor);
-
-/// Variance of the ensemble mean at every value of a model of this shape, (values), from floor.json: constant over each window.
-/// Errors: InputError when its gauges or conditions are not the model's.
-Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape);
+                                               std::uint64_t seed, int threads, const FloorWatch& watch = {});
 
 }  // namespace calomel

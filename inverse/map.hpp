@@ -3,14 +3,13 @@
 /// the true model, its covariance, what the data pin and leave free, Laplace evidence, and whether the fit is adequate.
 #include <Eigen/Core>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "forward/campaign/added_runs.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/identify.hpp"
-#include "inverse/likelihood/likelihood.hpp"
+#include "inverse/map_models.hpp"
+#include "inverse/map_rival.hpp"
 #include "inverse/prior.hpp"
 
 namespace calomel {
@@ -44,6 +43,7 @@ struct MapOptions {
   double mesh_beyond = 1;
   double mesh_beyond_sd = 0.5;
   double stable = 0.25;
+  std::string compare_with;
   LikelihoodOptions likelihood;
   DiscrepancyOptions discrepancy;
   UnknownOptions unknowns;
@@ -73,6 +73,8 @@ struct MapOptions {
       {.range = between(0, 3), .doc = "how far beyond the finer mesh the records lie, in units of (finer - working): 0 on it, 1 at vanishing elements where errors fall with the element size"});
     v("mesh_beyond_sd", mesh_beyond_sd, {.range = between(0, 3), .doc = "standard deviation of that multiple; marginalised"});
     v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
+    v("compare_with", compare_with,
+      {.doc = "output directory of a finished fit of the same records by a model with fewer of these parameters, relative to the case: both are judged under one covariance"});
     v.table("likelihood", likelihood, "covariance of data and model");
     v.table("discrepancy", discrepancy, "what the model leaves out, for the physical product");
     v.table("unknowns", unknowns, "nuisances of the target and its gauges");
@@ -123,25 +125,7 @@ struct MapSummary : Calibration {
   MapRefinement refinement;
   double gradient = 0;                     ///< largest slope of the log posterior on the surrogate at its optimum, times the parameter's sd; NaN without
   int polish_steps = 0;
-};
-
-/// What a calibration knows of its models beside their predictions.
-struct MapModels {
-  const ForwardModel& true_model;
-  const ForwardModel* surrogate = nullptr;  ///< null: the search is on the true model
-  /// Variance of (model - surrogate) at a point, (values); needed with a surrogate.
-  std::function<Eigen::VectorXd(std::span<const double>)> surrogate_variance;
-  Eigen::VectorXd floor_variance;  ///< measured; empty: the energy scatter of the ensemble stands for it
-  MeshError mesh;                  ///< from pairs of runs that are there already
-  double mesh_relative = 0;        ///< without pairs: error of the mesh over the local amplitude that is taken for granted
-  /// Runs points (n_parameters, n) of the true model, those on the finer mesh too where `with_fine` says so; empty: none can be added.
-  std::function<std::vector<AddedRun>(const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine)> add_runs;
-  std::shared_ptr<const class RefinedModel> refined;  ///< set while runs are added
-  /// Changes of the true model's values by one sd of each unknown at a point, (values, unknowns); empty: none are taken into account.
-  std::function<Eigen::MatrixXd(std::span<const double> theta)> unknown_directions;
-  Eigen::MatrixXd unknowns;   ///< these at the best explanation, set by the search
-  bool has_finer = false;     ///< whether there is a finer mesh
-  Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
+  std::optional<RivalComparison> rival;    ///< with map.compare_with
 };
 
 /// Errors: InputError for a product that the priors do not allow; NumericsError when no point can be evaluated.

@@ -86,6 +86,7 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["replicates"] = {{"energy_sd", number(s.energy_sd)}, {"split_half", number(s.split_half)}, {"noise_time_s", numbers(s.noise_time)}};
   if (!s.refinement.rounds.empty()) own["added_runs"] = refinement_json(s.refinement, shape);
   if (s.refinement.next_halving.size()) own["mesh"] = mesh_json(s.refinement, shape);
+  if (s.rival) own["rival"] = rival_json(*s.rival, shape);
   own["surrogate_slope"] = number(s.gradient), own["polish_steps"] = s.polish_steps;
   return calibration_json(s, problem, own, provenance);
 }

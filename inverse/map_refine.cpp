@@ -163,25 +163,31 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
   return optima;
 }
 
-void judge_mesh(MapSummary& out, const Problem& problem, const MeshError& mesh, const Likelihood& likelihood, const Eigen::MatrixXd& jacobian,
-                const Eigen::MatrixXd& covariance, std::span<const double> history) {
+void judge_mesh(MapSummary& out, const Problem& problem, const MeshError& mesh, const Likelihood& likelihood, const MeshEvidence& at) {
   MapRefinement& record = out.refinement;
   const Eigen::VectorXd d = mesh.difference(out.theta);
   const auto n = Eigen::Index(problem.shape.times.size());
   for (const auto& o : problem.observations) {
-    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
+    const auto first = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
     record.mesh_difference +=
-        d.segment(at, n).norm() / Eigen::Map<const Eigen::VectorXd>(history.data() + at, n).norm() / double(problem.observations.size());
+        d.segment(first, n).norm() / Eigen::Map<const Eigen::VectorXd>(at.history.data() + first, n).norm() / double(problem.observations.size());
   }
-  const Eigen::VectorXd halved = likelihood.errors().whiten(likelihood.grid().apply(Eigen::VectorXd(-0.5 * d)));
-  const Eigen::VectorXd move = -covariance * (jacobian.transpose() * halved);
-  record.next_halving = move.cwiseQuotient(covariance.diagonal().cwiseSqrt());
+  const auto& errors = likelihood.errors();
+  const Eigen::VectorXd halved = errors.whiten(likelihood.grid().apply(Eigen::VectorXd(-0.5 * d)));
+  const Eigen::VectorXd move = -at.covariance * (at.jacobian.transpose() * halved);
+  record.next_halving = move.cwiseQuotient(at.covariance.diagonal().cwiseSqrt());
   Eigen::Index worst = 0;
   const double most = record.next_halving.cwiseAbs().maxCoeff(&worst);
-  const std::string& name = problem.shape.parameters[std::size_t(worst)].name;
-  record.sentence = most > 1 ? fmt::format("the next halving of the element size would still move {} by {:.2g} of its standard deviations: the mesh is too coarse for these records", name, most)
-                             : fmt::format("the next halving of the element size would move no parameter by more than {:.2g} of its standard deviations ({})", most, name);
+  const auto name = [&](Eigen::Index k) { return problem.shape.parameters[std::size_t(k)].name; };
+  record.sentence = most > 1 ? fmt::format("the next halving of the element size would still move {} by {:.2g} of its standard deviations: the mesh is too coarse for these records", name(worst), most)
+                             : fmt::format("the next halving of the element size would move no parameter by more than {:.2g} of its standard deviations ({})", most, name(worst));
   if (most > 1) out.warnings.push_back(record.sentence);
+  const Eigen::MatrixXd gain = at.sharp * at.jacobian.transpose();
+  const Eigen::MatrixXd whitened = errors.whiten(errors.whiten(at.mesh_covariance).transpose());
+  const Eigen::VectorXd shares = (gain * whitened * gain.transpose()).diagonal().cwiseQuotient(at.sharp.diagonal());
+  std::string list;
+  for (Eigen::Index k = 0; k < shares.size(); ++k) list += fmt::format("{}{} {:.0f} %", k == 0 ? "" : ", ", name(k), 100 * shares[k]);
+  record.sentence += "; of their variances the mesh makes up: " + list;
 }
 
 }  // namespace calomel

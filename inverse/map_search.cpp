@@ -31,27 +31,7 @@ std::vector<Proposal> proposals(const std::vector<Optimum>& optima, const Search
 }
 
 Likelihood MapSearch::likelihood(std::span<const double> theta, bool with_surrogate) const {
-  ModelError e;
-  const Prediction p = model().evaluate(theta);
-  const auto vector = [](const std::vector<double>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size()))); };
-  e.mesh = models_.mesh, e.unknowns = models_.unknowns;
-  if (p.ok && !p.energy_slope.empty()) e.energy_slope = vector(p.energy_slope);
-  if (models_.floor_variance.size())
-    e.floor_variance = models_.floor_variance;
-  else if (p.ok && !p.scatter.empty())
-    e.floor_variance = vector(p.scatter).array().square();
-  if (with_surrogate && on_surrogate() && models_.surrogate_variance) e.surrogate_variance = models_.surrogate_variance(theta);
-  std::optional<MeshError::Spread> spread;
-  if (!models_.mesh.empty()) spread = models_.mesh.spread(theta), e.mesh_known = spread->known;
-  const Likelihood l(problem_, recordings_, recording_options_, options_.likelihood, e);
-  const auto shaped = [&](const Eigen::VectorXd& amplitude) {
-    return discrepancy_shape(problem_, l.grid(), amplitude, models_.positions, options_.discrepancy.distance, mesh_kernel);
-  };
-  if (spread) {
-    const Eigen::VectorXd remainder = l.grid().apply(spread->remainder), scatter = l.grid().apply(spread->scatter.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
-    return l.with("mesh, beyond the pairs", shaped(remainder) + shaped(scatter));
-  }
-  return models_.mesh_relative > 0 ? l.with("mesh, assumed", models_.mesh_relative * models_.mesh_relative * shaped(l.data())) : l;
+  return likelihood_at(problem_, recordings_, recording_options_, options_.likelihood, options_.discrepancy.distance, models_, theta, with_surrogate);
 }
 
 Eigen::MatrixXd MapSearch::design(std::uint64_t seed) const {
@@ -135,8 +115,8 @@ std::vector<Optimum> MapSearch::global(std::optional<Likelihood>& likelihood, co
   return found;
 }
 
-double MapSearch::log_evidence(const Optimum& o) const {
-  const Eigen::VectorXd m = space_.mode_slope(o.x);
+double laplace_log_evidence(const Optimum& o, const SearchSpace& space) {
+  const Eigen::VectorXd m = space.mode_slope(o.x);
   const Eigen::MatrixXd c = m.asDiagonal() * o.covariance * m.asDiagonal();
   return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + Eigen::LLT<Eigen::MatrixXd>(c).matrixLLT().diagonal().array().log().sum();
 }

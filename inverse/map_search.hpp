@@ -14,6 +14,9 @@ struct Optimum {
   Eigen::MatrixXd covariance;  ///< of x
 };
 
+/// Logarithm of the Laplace evidence at an optimum: exp(log posterior) sqrt((2 pi)^n |C|), C in the coordinates of the density.
+double laplace_log_evidence(const Optimum& o, const SearchSpace& space);
+
 /// All arguments outlive the object; `models` may change between calls.
 class MapSearch {
  public:
@@ -41,8 +44,8 @@ class MapSearch {
   /// `likelihood`. Empty when no point of the design can be evaluated.
   std::vector<Optimum> global(std::optional<Likelihood>& likelihood, const Eigen::MatrixXd& design, const std::vector<Eigen::VectorXd>& also,
                               const CalibrationProgress& progress);
-  /// Laplace evidence at an optimum: exp(log posterior) sqrt((2 pi)^n |C|), C in the coordinates of the density.
-  [[nodiscard]] double log_evidence(const Optimum& o) const;
+  /// laplace_log_evidence in the search's space.
+  [[nodiscard]] double log_evidence(const Optimum& o) const { return laplace_log_evidence(o, space_); }
   /// Secants of the search model in posterior standard deviations: a surrogate is smooth.
   [[nodiscard]] double secant() const { return on_surrogate() ? 0.3 : options_.secant; }
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }

@@ -72,6 +72,19 @@ Table effort_table(const Study& study) {
   return t;
 }
 
+Table hypothesis_table(const Study& study) {
+  Table t{.id = "hypotheses", .caption = "The fit with the added parameters against the one without, both under one covariance."};
+  t.columns = {{"covariance", "Covariance", 4, true}, {"log_bayes_factor", "Log Bayes factor", -1}, {"roughness", "Its sd by the floor", -1},
+               {"chi2_without", "Chi-squared without", 4}, {"chi2_with", "Chi-squared with", 4}};
+  const auto* map = study.calibration("map");
+  if (!map) return t;
+  const Json& rival = part_at(map->summary, "rival");
+  for (const auto& j : list_at(rival, "judgements"))
+    t.rows.push_back({text_at(j, "covariance"), number_at(j, "log_bayes_factor"), number_at(j, "roughness"), number_at(part_at(j, "without"), "chi2"), number_at(part_at(j, "with"), "chi2")});
+  t.note = text_at(rival, "sentence");
+  return t;
+}
+
 Table rival_table(const Study& study) {
   Table t{.id = "optimizer_agreement", .caption = "The optimisers at the end of their rounds on the surrogate, each beside the best of all."};
   t.columns = {{"optimizer", "Optimiser", 4, true}, {"rounds", "Rounds", 4}, {"mean", "Mean", 5}, {"sd", "Standard deviation", 3}, {"best", "Best", 5},

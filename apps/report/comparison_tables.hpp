@@ -15,6 +15,8 @@ Comparison comparison_of(const Study& study);
 Table agreement_table(const Study& study);
 /// Evaluations, true-model runs and times by method. Empty for fewer than two.
 Table effort_table(const Study& study);
+/// The Bayes factor of MAP's added parameters under each covariance; its note says what the records favour. Empty without map.compare_with.
+Table hypothesis_table(const Study& study);
 /// ENC's optimisers, its own and those that it was compared with, beside the best of all. Empty where enc.json compares none.
 Table rival_table(const Study& study);
 /// The answers by other formulations of the misfit, each in the true model. Empty where enc.json compares none.

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/floor_tables.hpp"
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
@@ -320,7 +321,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
                           ? missing("The case has no parameters to infer.", "Add a table <code>[parameter.NAME]</code> with min and max to the case file.")
                           : parameters.html();
   if (study.calibrations.empty() && !parameters.empty()) first += no_calibration(input, "Only nominal values and bounds are known.");
-  for (const Table& t : {agreement_table(study), effort_table(study)})
+  for (const Table& t : {agreement_table(study), effort_table(study), hypothesis_table(study)})
     if (!t.empty()) first += t.html();
   return section("parameters", "Parameters", first) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
@@ -328,6 +329,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +
          section("candidates", "Candidates and the \u03c1\u2013c ridge", candidate_section(study, input)) +
          section("surrogate", "Surrogate quality", surrogate_section(study, input)) + section("campaign", "Campaign", campaign_section(study, input)) +
+         section("floor", "Repeatability floor", floor_section(study, input, "Measure it with " + command(input, "check", "--floor") + ".")) +
          section("provenance", "Provenance", provenance_section(study, input));
 }
 

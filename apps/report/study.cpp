@@ -126,6 +126,8 @@ Study read_study(const std::filesystem::path& out_dir) {
   study.campaign = json_if_there(out_dir / "campaign.json");
   study.train = json_if_there(out_dir / "train.json");
   study.simulate = json_if_there(out_dir / "simulate.json");
+  study.floor = study.campaign ? part_at(*study.campaign, "floor") : Json();
+  if (study.floor.is_null()) study.floor = json_if_there(out_dir / "floor.json").value_or(Json());
   study.optimizer_comparison = json_if_there(out_dir / "optimizer_comparison.json");
   study.runs = campaign_runs(out_dir / "campaign.nc");
   study.simulation = simulation_histories(out_dir / "simulate.nc");

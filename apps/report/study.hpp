@@ -39,6 +39,7 @@ struct CampaignRuns {
 struct Study {
   std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
+  Json floor;  ///< repeatability floor of campaign.json, else of floor.json; null where there is none
   std::optional<Json> optimizer_comparison;  ///< of bench_optimizers
   std::optional<CampaignRuns> runs;
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`

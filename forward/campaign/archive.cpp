@@ -38,7 +38,7 @@ auto of_parameters(const ModelShape& shape, Member member) {
 }  // namespace
 
 std::vector<std::string> write_archive(const std::filesystem::path& path, const ModelShape& shape, const std::string& design, const Eigen::MatrixXd& theta,
-                                       const Journal& journal, const Provenance& provenance) {
+                                       const Journal& journal, const RepeatabilityFloor* floor, const Provenance& provenance) {
   const std::size_t runs = std::size_t(theta.cols()), values = shape.values();
   std::vector<int> status(runs);
   std::vector<std::string> message(runs);
@@ -95,6 +95,7 @@ std::vector<std::string> write_archive(const std::filesystem::path& path, const 
     dims.insert(dims.begin() + 1, "pulse");
     put("pulse_strain", gather(journal, runs, energies.size() * values, &RunRecord::pulses), "single pulses");
   }
+  if (floor) write_floor(file, *floor, units);
   file.commit();
   return message;
 }

@@ -54,22 +54,41 @@ bool archive_stands(const std::filesystem::path& directory, const Provenance& pr
 }
 
 void write_summary(const std::filesystem::path& directory, const CampaignSummary& s, const CampaignOptions& options, const std::vector<std::string>& messages,
-                   const Provenance& provenance) {
+                   const Json& floor, const Provenance& provenance) {
   Json failures = Json::array();
   for (std::size_t i = 0; i < messages.size() && failures.size() < 20; ++i)
     if (!messages[i].empty()) failures.push_back({{"run", i}, {"message", messages[i]}});
-  write_json(directory / "campaign.json", {{"runs", s.runs},
-                                           {"completed", s.completed},
-                                           {"failed", s.failed},
-                                           {"reused", s.reused},
-                                           {"wall_s", s.wall_s},
-                                           {"trusted", s.status == ExitStatus::done},
-                                           {"message", s.message},
-                                           {"allowed_failures", options.allowed_failures},
-                                           {"design", options.design},
-                                           {"measure", designs().get(options.design).measure},
-                                           {"first_failures", failures},
-                                           {"provenance", provenance.json()}});
+  Json json{{"runs", s.runs},
+            {"completed", s.completed},
+            {"failed", s.failed},
+            {"reused", s.reused},
+            {"wall_s", s.wall_s},
+            {"trusted", s.status == ExitStatus::done},
+            {"message", s.message},
+            {"allowed_failures", options.allowed_failures},
+            {"design", options.design},
+            {"measure", designs().get(options.design).measure},
+            {"first_failures", failures}};
+  if (!floor.is_null()) json["floor"] = floor;
+  json["provenance"] = provenance.json();
+  write_json(directory / "campaign.json", json);
+}
+
+/// The floor that `source` gives, if any; why it cannot is added to `message`.
+std::optional<RepeatabilityFloor> ask(const FloorSource& source, std::string& message) {
+  if (!source) return std::nullopt;
+  try {
+    return source();
+  } catch (const NumericsError& e) {
+    message += fmt::format("; {}", e.what());
+    return std::nullopt;
+  }
+}
+
+/// What campaign.json tells of the floor, null when nothing: the one given, else the one that it tells already.
+Json floor_to_tell(const std::optional<RepeatabilityFloor>& floor, const std::filesystem::path& summary) {
+  if (floor) return floor_json(*floor);
+  return std::filesystem::exists(summary) ? read_json(summary).value("floor", Json()) : Json();
 }
 
 /// Counts, verdict and sentence from the runs' messages (empty where done).
@@ -115,7 +134,7 @@ RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta,
 
 Json identity_options(const CampaignOptions& options) {
   Json json = echo(options);
-  json.erase("allowed_failures");
+  for (const char* no_run_depends_on_it : {"allowed_failures", "floor"}) json.erase(no_run_depends_on_it);
   return json;
 }
 
@@ -133,7 +152,7 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
 }
 
 CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads, const Provenance& provenance,
-                             const std::filesystem::path& directory, const CampaignProgress& progress, const std::atomic<bool>* stop) {
+                             const std::filesystem::path& directory, const CampaignProgress& progress, const std::atomic<bool>* stop, const FloorSource& floor_source) {
   expect(provenance.seed == seed, "the provenance of a campaign names its seed");
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
@@ -149,8 +168,9 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
     expect(messages.size() == runs, "an archive of this identity has the runs of the options");
     judge(summary, messages, options.allowed_failures);
     summary.reused = runs;
+    const Json floor = floor_to_tell(ask(floor_source, summary.message), directory / "campaign.json");
     summary.wall_s = seconds();
-    write_summary(directory, summary, options, messages, provenance);
+    write_summary(directory, summary, options, messages, floor, provenance);
     std::filesystem::remove(journal_file);  // left by a kill after the archive stood
     return summary;
   }
@@ -182,11 +202,14 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   });
   if (journal.size() < runs) throw Interrupted();
 
-  // 3. The archive is assembled in run order; then the journal has served.
-  const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, journal, provenance);
+  // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order, and the journal has served.
+  std::string no_floor;
+  const auto floor = ask(floor_source, no_floor);
+  const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, journal, floor ? &*floor : nullptr, provenance);
   judge(summary, messages, options.allowed_failures);
+  summary.message += no_floor;
   summary.wall_s = seconds();
-  write_summary(directory, summary, options, messages, provenance);
+  write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);
   journal.remove();
   return summary;
 }

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "base/artefact.hpp"
 #include "forward/campaign/design.hpp"
 #include "forward/campaign/journal.hpp"
+#include "forward/campaign/repeatability_floor.hpp"
 #include "forward/model.hpp"
 
 namespace calomel {
@@ -21,6 +23,7 @@ struct CampaignOptions {
   double pulse_energy_sd = 0.015;
   bool keep_pulses = true;
   double allowed_failures = 0.2;
+  bool floor = true;
 
   template <class V>
   void visit(V& v) {
@@ -30,10 +33,11 @@ struct CampaignOptions {
     v("pulse_energy_sd", pulse_energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
     v("keep_pulses", keep_pulses, {.doc = "store the single pulses beside their mean (single precision)"});
     v("allowed_failures", allowed_failures, {.range = between(0, 1), .doc = "share of failed runs above which the campaign is not to be trusted"});
+    v("floor", floor, {.doc = "measure the repeatability floor at the end, see [floor], and store it beside the runs"});
   }
 };
 
-/// The campaign's share of Provenance::options: all keys on which campaign.nc depends (not allowed_failures).
+/// The campaign's share of Provenance::options: all keys on which the runs depend (not allowed_failures, nor floor).
 Json identity_options(const CampaignOptions& options);
 
 struct CampaignSummary {
@@ -45,6 +49,9 @@ struct CampaignSummary {
   std::size_t reused = 0;     ///< completed or failed in an earlier call
   double wall_s = 0;          ///< of this call [s]
 };
+
+/// Measures the floor of the campaign's model, or reads it where it was measured; nothing: there is to be none. Errors: NumericsError when there can be none.
+using FloorSource = std::function<std::optional<RepeatabilityFloor>()>;
 
 /// Told after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
 using CampaignProgress = std::function<void(std::size_t finished, std::size_t failed, std::size_t runs)>;
@@ -60,12 +67,14 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
 /// until they stand, campaign.journal holds the runs that are finished. Each run is one evaluation, redone whole when it
 /// was interrupted, so the data do not depend on interruptions or threads. A run whose evaluation fails, throws or gives
 /// values that are not finite is recorded with its reason. A finished campaign of the same identity is reused.
+/// When all runs are finished `floor` is asked; what it gives is stored in both files, and why it could give none in the message. An archive that
+/// stands is not written again: then campaign.json alone gets the floor, and keeps the one that it has when there is no other.
 /// `provenance` is of stage "campaign", with this seed and identity_options under "campaign".
 /// Errors: InputError when artefacts of other settings stand there (naming the changed keys; nothing is touched), when the
 /// disk is full, or from the model; Interrupted when `stop` became true, after the runs in progress.
 [[nodiscard]] CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads,
                                            const Provenance& provenance, const std::filesystem::path& directory, const CampaignProgress& progress = {},
-                                           const std::atomic<bool>* stop = nullptr);
+                                           const std::atomic<bool>* stop = nullptr, const FloorSource& floor = {});
 
 /// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N; a journal too, unless it is of the settings
 /// of `now`: then it is what an interrupted fresh start left, and is resumed.

@@ -12,6 +12,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/identity.hpp"
+
 namespace calomel {
 
 static_assert(std::endian::native == std::endian::little, "the journal is written in the machine's own order of bytes");
@@ -109,7 +111,7 @@ std::string journal_identity(const std::filesystem::path& path) {
   struct stat status {};
   const std::string head = ::fstat(file, &status) == 0 ? read_head(file, std::uint64_t(status.st_size)) : "";
   ::close(file);
-  return head.empty() ? "" : Json::parse(head).value("identity", "");
+  return head.empty() ? "" : identity_of(Json::parse(head));
 }
 
 Journal::Journal(std::filesystem::path path, const Provenance& provenance) : path_(std::move(path)), synced_(std::chrono::steady_clock::now()) {

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <tuple>
 
 #include "base/parallel.hpp"
 #include "forward/solver/stable_step.hpp"
@@ -16,6 +18,7 @@ SolveOptions solve_options(const SolverOptions& o) {
   SolveOptions s;
   s.precision = o.precision, s.kinematics = o.kinematics, s.steel_element = o.steel_element;
   s.time_step_safety = o.time_step_safety;
+  s.subcycles = o.subcycles;
   s.heated_rear = o.rear_reference == "heated";
   return s;
 }
@@ -40,6 +43,7 @@ struct StepKey {
   std::array<double, 8> numbers;
   bool single, group;
   ElementKind kind;
+  int buffer;  ///< of sub-cycling, or none
   bool operator==(const StepKey&) const = default;
 };
 
@@ -47,7 +51,8 @@ StepKey step_key(const RunSetup& s, const SolveOptions& o) {
   return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid.viscosity, s.hourglass, s.steel_stiffness_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
-          .kind = kind_of(o)};
+          .kind = kind_of(o),
+          .buffer = o.subcycles > 1 ? o.subcycle_buffer : no_subcycles};
 }
 
 }  // namespace
@@ -62,20 +67,23 @@ struct ExplicitSolver::Parts {
 
   // Made when first needed; the lock only guards the making.
   mutable std::mutex lock;
-  mutable std::unique_ptr<PackedMesh<float>> single[6];
-  mutable std::unique_ptr<PackedMesh<double>> twice[6];
-  mutable std::optional<std::pair<StepKey, double>> last_step;  ///< a case is described and then run: the step is looked for once
+  using Which = std::tuple<bool, ElementKind, int>;  ///< lanes are runs, elements, layers that take every step
+  mutable std::map<Which, std::unique_ptr<PackedMesh<float>>> single;
+  mutable std::map<Which, std::unique_ptr<PackedMesh<double>>> twice;
+  mutable std::optional<std::pair<StepKey, StableSteps>> last_step;  ///< a case is described and then run: the step is looked for once
   int threads;
 
   template <class R>
-  const PackedMesh<R>& packed(bool runs, ElementKind kind) const {
+  const PackedMesh<R>& packed(bool runs, ElementKind kind, int buffer) const {
     const std::lock_guard guard(lock);
-    const std::size_t which = std::size_t(kind) * 2 + std::size_t(runs);
     auto& slot = [&]() -> auto& {
-      if constexpr (std::is_same_v<R, float>) return single[which];
-      else return twice[which];
+      if constexpr (std::is_same_v<R, float>) return single[{runs, kind, buffer}];
+      else return twice[{runs, kind, buffer}];
     }();
-    if (!slot) slot = std::make_unique<PackedMesh<R>>(*mesh, steel, facts, kind, runs, threads);
+    if (!slot) {
+      const auto slow = buffer == no_subcycles ? std::vector<std::uint8_t>{} : slow_elements(*mesh, buffer);
+      slot = std::make_unique<PackedMesh<R>>(*mesh, steel, facts, kind, runs, threads, slow);
+    }
     return *slot;
   }
 
@@ -121,9 +129,9 @@ ExplicitSolver::~ExplicitSolver() = default;
 ExplicitSolver::ExplicitSolver(ExplicitSolver&&) noexcept = default;
 const Mesh& ExplicitSolver::mesh() const { return *parts_->mesh; }
 
-double ExplicitSolver::element_step(const RunSetup& s) const {
+double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const {
   double step = 1e300;
-  if (parts_->steel_eigenvalue > 0) step = std::min(step, stable_time_step(parts_->steel_eigenvalue / s.steel_density, s.steel_stiffness_damping));
+  if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue / s.steel_density, s.steel_stiffness_damping));
   if (parts_->liquid_eigenvalue > 0) {
     const double k = s.liquid.bulk_modulus;
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
@@ -133,44 +141,58 @@ double ExplicitSolver::element_step(const RunSetup& s) const {
   return step;
 }
 
-double ExplicitSolver::stable_step(const RunSetup& setup, const SolveOptions& options) const {
+double ExplicitSolver::stable_step(const RunSetup& setup, const SolveOptions& options) const { return stable_steps(setup, options).whole; }
+
+StableSteps ExplicitSolver::stable_steps(const RunSetup& setup, const SolveOptions& options) const {
   const double bound = element_step(setup);
   const StepKey key = step_key(setup, options);
-  const ElementKind kind = key.kind;
+  const bool subcycled = key.buffer != no_subcycles && parts_->liquid_eigenvalue > 0;
   {
     const std::lock_guard guard(parts_->lock);
     if (parts_->last_step && parts_->last_step->first == key) return parts_->last_step->second;
   }
-  const double global = Parts::in_precision(options, [&](auto zero) {
+  const double liquid_bound = subcycled ? element_step(setup, true) : 0;
+  StableSteps steps = Parts::in_precision(options, [&](auto zero) {
     using R = decltype(zero);
-    const Run<R> run(parts_->packed<R>(setup.energies.size() > 1, kind), *parts_->mesh, parts_->volumes, setup, {.heated_rear = false}, bound);
-    return global_stable_step(run, options.threads);
+    const PackedMesh<R>& packed = parts_->packed<R>(key.group, key.kind, key.buffer);
+    const auto global = [&](double step, bool liquid_alone) {
+      const Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, {.heated_rear = false}, step);
+      return global_stable_step(run, options.threads, liquid_alone);
+    };
+    return StableSteps{global(bound, false), subcycled ? global(liquid_bound, true) : 0};
   });
-  const double step = kind == ElementKind::b_bar ? global : std::max(bound, global);
+  if (key.kind != ElementKind::b_bar) steps.whole = std::max(bound, steps.whole);
+  steps.liquid = std::max(liquid_bound, steps.liquid);
   const std::lock_guard guard(parts_->lock);
-  parts_->last_step = {key, step};
-  return step;
+  parts_->last_step = {key, steps};
+  return steps;
 }
 
-int ExplicitSolver::steps_per_output(const RunSetup& s, const SolveOptions& options) const {
+Stepping ExplicitSolver::stepping(const RunSetup& s, const SolveOptions& options) const {
   const auto least_steps = [&](double step) {
     const double ratio = s.output_interval / (options.time_step_safety * step);
     if (ratio > 1e6) throw NumericsError(fmt::format("the stable time step {:.3g} s is more than a million times below the output interval", step));
     return std::max(1, int(std::ceil(ratio)));
   };
-  const int by_elements = least_steps(element_step(s));
-  return by_elements == 1 ? 1 : least_steps(stable_step(s, options));
+  if (least_steps(element_step(s)) == 1) return {};
+  const StableSteps stable = stable_steps(s, options);
+  const int least = least_steps(stable.whole);
+  if (!(stable.liquid > 0)) return {.per_output = least};
+  const Layout* layout = Parts::in_precision(options, [&](auto zero) {
+    return &parts_->packed<decltype(zero)>(s.energies.size() > 1, kind_of(options), options.subcycle_buffer).layout;
+  });
+  return cheapest_stepping(*layout, s.liquid_law != nullptr, least, least_steps(stable.liquid), options.subcycles);
 }
 
 SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const {
   expect(!setup.energies.empty() && setup.energies.size() <= std::size_t(run_lanes), "one to eight runs in a group");
   expect(!options.booking || setup.energies.size() == 1, "energy is booked in single runs");
-  const int per_output = steps_per_output(setup, options);
+  const Stepping stepping = this->stepping(setup, options);
   return Parts::in_precision(options, [&](auto zero) {
     using R = decltype(zero);
-    const PackedMesh<R>& packed = parts_->packed<R>(setup.energies.size() > 1, kind_of(options));
-    Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, options, setup.output_interval / per_output);
-    SolveSummary out = run_to_end(run, setup, packed.layout, rows, options, per_output);
+    const PackedMesh<R>& packed = parts_->packed<R>(setup.energies.size() > 1, kind_of(options), stepping.subcycles > 1 ? options.subcycle_buffer : no_subcycles);
+    Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, options, setup.output_interval / stepping.per_output, stepping.subcycles);
+    SolveSummary out = run_to_end(run, setup, packed.layout, rows, options, stepping.per_output);
     const auto [stress, element] = run.greatest_stress();
     out.greatest_stress = stress;
     if (element >= 0)

@@ -16,6 +16,7 @@
 #include "forward/solver/liquid_law.hpp"
 #include "forward/solver/load.hpp"
 #include "forward/solver/reentrant_edges.hpp"
+#include "forward/solver/subcycles.hpp"
 
 namespace calomel {
 
@@ -23,6 +24,7 @@ namespace calomel {
 struct SolverOptions {
   std::string precision = "double";
   double time_step_safety = 0.95;
+  int subcycles = 1;
   std::string rear_reference = "heated";
   std::string kinematics = "small";
   std::string steel_element = "assumed_strain";
@@ -32,6 +34,7 @@ struct SolverOptions {
   void visit(V& v) {
     v("precision", precision, {.doc = "arithmetic of the time loop", .choices = {"single", "double"}});
     v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used"});
+    v("subcycles", subcycles, {.range = between(1, 8), .doc = "mercury away from the steel is advanced at every so many steps at most; 1 = at every step"});
     v("rear_reference", rear_reference, {.doc = "what lies behind a non-reflecting rear face: equally heated mercury, or none (zero)", .choices = {"heated", "zero"}});
     v("kinematics", kinematics, {.doc = "strain of the elements: of small displacements, or Green's in the reference configuration", .choices = {"small", "finite"}});
     v("steel_element", steel_element,
@@ -85,7 +88,9 @@ struct Checkpoint {
   double every_seconds = 120;   ///< wall time
   std::string identity;         ///< of everything that decides the run; a file of another identity is an error
   std::function<void(std::int64_t fields)> before_saving;   ///< called with the number of snapshots handed out so far
-  std::function<void(std::int64_t step, std::int64_t fields)> on_resume;  ///< the run goes on from this step, this many snapshots done
+  bool keep = false;            ///< a run that came to its end leaves a last one, from which it is told again without a step; else it leaves none
+  /// The run goes on from this step, this many snapshots done; at its end when `finished`.
+  std::function<void(std::int64_t step, std::int64_t fields, bool finished)> on_resume;
 };
 
 struct SolveOptions {
@@ -93,9 +98,11 @@ struct SolveOptions {
   std::string kinematics = "small";        ///< or finite
   std::string steel_element = "assumed_strain";  ///< or b_bar
   double time_step_safety = 0.95;
+  int subcycles = 1;                       ///< steps in one of the mercury away from the steel, at most
+  int subcycle_buffer = default_subcycle_buffer;  ///< layers of mercury beside the steel that take every step
   bool heated_rear = true;
   bool booking = false;                    ///< one run only
-  bool every_step = false;                 ///< observe at every step instead of every output interval
+  bool every_step = false;                 ///< observe at every step (every slow one) instead of every output interval
   int threads = 1;
   double field_interval = 0;               ///< 0 = no fields
   std::function<void(const FieldSnapshot&)> on_field;
@@ -112,9 +119,10 @@ struct SolveSummary {
   std::vector<double> observations;        ///< (run, row, time)
   std::int64_t steps = 0;
   double time_step = 0;                    ///< [s]
+  int subcycles = 1;                       ///< steps in one of the mercury away from the steel
   double wall_seconds = 0;                 ///< of the time loop
   double processor_seconds = 0;            ///< of the threads in it
-  double element_steps_per_second = 0;     ///< elements x runs x steps / wall
+  double element_steps_per_second = 0;     ///< elements x runs x steps / wall, slow ones counted at every step
   double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without booking
   double hourglass_share = 0;              ///< greatest hourglass energy / energy put in
   double energy_in = 0;                    ///< by heat, end loads and the initial state [J]
@@ -134,12 +142,13 @@ class ExplicitSolver {
   ~ExplicitSolver();
   ExplicitSolver(ExplicitSolver&&) noexcept;
 
-  /// Bound of the stable step from the worst element, before the safety factor [s]. Errors: NumericsError when nothing can move or it vanishes.
-  [[nodiscard]] double element_step(const RunSetup& setup) const;
+  /// Bound of the stable step from the worst element (of the liquid alone), before the safety factor [s]. Errors: NumericsError when nothing can move or it vanishes.
+  [[nodiscard]] double element_step(const RunSetup& setup, bool liquid_alone = false) const;
   /// Stable step of the whole mesh (see stable_step.hpp), never below the bound from the elements [s].
   [[nodiscard]] double stable_step(const RunSetup& setup, const SolveOptions& options = {}) const;
-  /// Steps that divide the output interval. Errors: NumericsError when there would be more than a million.
-  [[nodiscard]] int steps_per_output(const RunSetup& setup, const SolveOptions& options) const;
+  /// How the output interval is divided. Of the numbers of sub-cycles that `options` allow and the liquid's own stable step bears, the
+  /// cheapest, 1 when none pays. Errors: NumericsError when there would be more than a million steps.
+  [[nodiscard]] Stepping stepping(const RunSetup& setup, const SolveOptions& options) const;
 
   /// Runs from the setup's initial state (rest unless given). `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
   [[nodiscard]] SolveSummary solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const;
@@ -147,6 +156,8 @@ class ExplicitSolver {
   [[nodiscard]] const Mesh& mesh() const;
 
  private:
+  [[nodiscard]] StableSteps stable_steps(const RunSetup& setup, const SolveOptions& options) const;
+
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

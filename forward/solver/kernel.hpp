@@ -91,6 +91,8 @@ struct StepData {
   R* v;                    ///< node rows, velocity [m/s]
   const R* inverse_mass;   ///< per solver node [1/kg]
   R* outbox;
+  const std::size_t* outbox_end;  ///< per shared node: one past the rows that count at this step
+  R outbox_scale;          ///< on what a block leaves in the outbox: 1, or the fast steps in a slow one
   R* scratch;              ///< one thread's room for displacements and forces of a block
   R dt, kick;              ///< kick = dt, half of it in the first step
   R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]

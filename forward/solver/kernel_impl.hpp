@@ -217,7 +217,12 @@ void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   double kinetic = 0;
   advance_interior<R, Runs, Booking>(b, s, force, kinetic);
   if (Booking && !Runs) energy->kinetic += kinetic;
-  __builtin_memcpy(s.outbox + b.outbox * width, force + std::size_t(b.interior) * width, sizeof(R) * std::size_t(b.shared_count) * width);
+  const R* shared = force + std::size_t(b.interior) * width;
+  R* out = s.outbox + b.outbox * width;
+  if (s.outbox_scale == 1)
+    __builtin_memcpy(out, shared, sizeof(R) * std::size_t(b.shared_count) * width);
+  else
+    for (std::size_t k = 0; k < std::size_t(b.shared_count) * width; ++k) out[k] = s.outbox_scale * shared[k];
 }
 
 template <class R>

@@ -36,14 +36,14 @@ CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s
   }
 }
 
-/// Sum of a shared node's forces in block order.
+/// Sum of a shared node's forces in block order, of those blocks that are at work in this step.
 template <class R, bool Runs>
-CALOMEL_INLINE void sum_outbox(const Layout& layout, std::int32_t node, const R* outbox, typename Row<R, Runs>::Lane (&force)[3]) {
+CALOMEL_INLINE void sum_outbox(const Layout& layout, std::int32_t node, const StepData<R>& s, typename Row<R, Runs>::Lane (&force)[3]) {
   const std::size_t k = std::size_t(node - layout.first_shared);
   for (auto& f : force) f = typename Row<R, Runs>::Lane{};
-  for (std::size_t i = layout.outbox_begin[k]; i < layout.outbox_begin[k + 1]; ++i) {
+  for (std::size_t i = layout.outbox_begin[k]; i < s.outbox_end[k]; ++i) {
     typename Row<R, Runs>::Lane part[3];
-    read_row<R, Runs>(outbox + layout.outbox_rows[i] * Row<R, Runs>::width, part);
+    read_row<R, Runs>(s.outbox + layout.outbox_rows[i] * Row<R, Runs>::width, part);
     for (int c = 0; c < 3; ++c) force[c] += part[c];
   }
 }
@@ -55,7 +55,7 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
   for (std::size_t i = begin; i < end; ++i) {
     const std::int32_t n = layout.plain[i];
     typename Row<R, Runs>::Lane force[3];
-    sum_outbox<R, Runs>(layout, n, s.outbox, force);
+    sum_outbox<R, Runs>(layout, n, s, force);
     alignas(64) R row[width];
     write_row<R, Runs>(row, force);
     advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, row, s.inverse_mass[n], layout.fixed[std::size_t(n)], s, kinetic);
@@ -75,7 +75,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
   for (std::size_t i = begin; i < end; ++i) {
     const SpecialData<R>& r = rules[i];
     L force[3], v[3], before[3];
-    sum_outbox<R, Runs>(layout, r.node, s.outbox, force);
+    sum_outbox<R, Runs>(layout, r.node, s, force);
     read_row<R, Runs>(s.v + std::size_t(r.node) * width, before);
     for (int c = 0; c < 3; ++c) {
       force[c] += stress * r.load_area[c];
@@ -107,7 +107,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
     L u[3];
     if (r.partner >= 0) {
       L steel_force[3], steel[3], steel_before[3];
-      sum_outbox<R, Runs>(layout, r.partner, s.outbox, steel_force);
+      sum_outbox<R, Runs>(layout, r.partner, s, steel_force);
       read_row<R, Runs>(s.v + std::size_t(r.partner) * width, steel_before);
       for (int c = 0; c < 3; ++c) steel[c] = r.fixed_partner & (1 << c) ? L{} : steel_before[c] + s.kick / r.mass_partner * steel_force[c];
       // Common normal momentum: a_n = (F_s + F_f).n / (m_s + m_f).

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <tuple>
 
 #include "base/errors.hpp"
 
@@ -25,7 +26,7 @@ std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-std::vector<std::int32_t> element_order(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped) {
+std::vector<std::int32_t> element_order(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, const std::vector<std::uint8_t>& slow) {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (const auto& x : mesh.nodes)
     for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], x[c]), high[c] = std::max(high[c], x[c]);
@@ -38,8 +39,8 @@ std::vector<std::int32_t> element_order(const Mesh& mesh, const std::vector<std:
       for (std::size_t c = 0; c < 3; ++c) centre[c] += mesh.nodes[std::size_t(n)][c] / 8;
     std::array<std::uint32_t, 3> q{};
     for (std::size_t c = 0; c < 3; ++c) q[c] = std::uint32_t((centre[c] - low[c]) * scale);
-    const std::uint64_t kind = (mesh.region[e] == Region::mercury ? 2 : 0) + (parallelepiped[e] ? 1 : 0);
-    key[e] = kind << 62 | morton(q[0], q[1], q[2]);
+    const std::uint64_t kind = (!slow.empty() && slow[e] ? 4 : 0) + (mesh.region[e] == Region::mercury ? 2 : 0) + (parallelepiped[e] ? 1 : 0);
+    key[e] = kind << 61 | morton(q[0], q[1], q[2]);
   }
   std::vector<std::int32_t> order(key.size());
   std::iota(order.begin(), order.end(), 0);
@@ -74,17 +75,23 @@ std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Fac
   return out;
 }
 
-Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size) {
+double block_cost(const Block& block, bool own_law) {
+  return double(block.elements.size()) * (block.liquid ? own_law ? 4.0 : 1.0 : 1.8) * (block.parallelepiped ? 0.7 : 1.0);
+}
+
+Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow) {
   expect(block_size >= 8 && block_size <= 8192, "a block holds 8 to 8192 elements");
   Layout layout;
-  const auto order = element_order(mesh, parallelepiped);
-  const auto kind = [&](std::int32_t e) { return std::pair(mesh.region[std::size_t(e)], parallelepiped[std::size_t(e)]); };
+  const auto order = element_order(mesh, parallelepiped, slow);
+  const auto is_slow = [&](std::int32_t e) { return !slow.empty() && slow[std::size_t(e)]; };
+  const auto kind = [&](std::int32_t e) { return std::tuple(is_slow(e), mesh.region[std::size_t(e)], parallelepiped[std::size_t(e)]); };
   for (std::size_t i = 0; i < order.size();) {
     Block block;
     block.liquid = mesh.region[std::size_t(order[i])] == Region::mercury;
     block.parallelepiped = parallelepiped[std::size_t(order[i])];
     const auto first = kind(order[i]);
     while (i < order.size() && block.elements.size() < block_size && kind(order[i]) == first) block.elements.push_back(order[i++]);
+    if (!is_slow(block.elements[0])) layout.first_slow_block = layout.blocks.size() + 1;
     layout.blocks.push_back(std::move(block));
   }
 
@@ -152,9 +159,12 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
     for (const auto s : block.shared) local[std::size_t(s)] = -1;
     layout.outbox_size += block.shared.size();
   }
+  const std::size_t slow_outbox = layout.first_slow_block < layout.blocks.size() ? layout.blocks[layout.first_slow_block].outbox : layout.outbox_size;
   layout.outbox_begin.push_back(0);
   for (const auto& r : rows) {
     layout.outbox_rows.insert(layout.outbox_rows.end(), r.begin(), r.end());
+    const auto slow_rows = r.end() - std::lower_bound(r.begin(), r.end(), slow_outbox);
+    layout.outbox_fast_end.push_back(layout.outbox_rows.size() - std::size_t(slow_rows));
     layout.outbox_begin.push_back(layout.outbox_rows.size());
   }
   layout.fixed.resize(std::size_t(layout.nodes));
@@ -187,6 +197,11 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
   for (const auto& [n, s] : special) layout.special.push_back(s);
   for (std::int32_t s = layout.first_shared; s < layout.nodes; ++s)
     if (!led[std::size_t(s)]) layout.plain.push_back(s);
+  const auto slow_alone = std::stable_partition(layout.plain.begin(), layout.plain.end(), [&](std::int32_t s) {
+    const std::size_t k = std::size_t(s - layout.first_shared);
+    return layout.outbox_fast_end[k] > layout.outbox_begin[k];
+  });
+  layout.first_slow_plain = std::size_t(slow_alone - layout.plain.begin());
   return layout;
 }
 

@@ -55,11 +55,17 @@ struct Layout {
   std::vector<std::size_t> outbox_begin;      ///< (shared nodes + 1): rows of `outbox_rows` of each shared node
   std::vector<std::size_t> outbox_rows;       ///< positions in the outbox, in block order
   std::size_t outbox_size = 0;
+  std::size_t first_slow_block = 0;           ///< blocks from here on take long steps; their number when there are none
+  std::size_t first_slow_plain = 0;           ///< rows of `plain` from here on belong to slow blocks alone
+  std::vector<std::size_t> outbox_fast_end;   ///< per shared node: one past the rows of fast blocks
   std::vector<BoundaryNode> rear, loaded;
 };
 
-/// `block_size`: elements per block.
-Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size);
+/// `block_size`: elements per block. `slow`: per element, whether it takes long steps (subcycles.hpp); empty: none does. Blocks of fast elements come first.
+Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow = {});
+
+/// What a block costs beside others: elements of liquid that are parallelepipeds count 1 each. `own_law`: the liquid's is not Riemer's.
+double block_cost(const Block& block, bool own_law);
 
 /// Shares of the faces' area vectors at their nodes, exact for bilinear faces.
 std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces);

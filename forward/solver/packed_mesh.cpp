@@ -52,8 +52,8 @@ void write_terms(const Corners& corners, const LinearElastic& steel, Form form, 
 }  // namespace
 
 template <class R>
-PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads)
-    : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048)) {
+PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow)
+    : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048, slow)) {
   const std::size_t group_size = lanes(), blocks = layout.blocks.size();
   form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), elements.resize(blocks);
   parallel_for(blocks, threads, [&](std::size_t b) {

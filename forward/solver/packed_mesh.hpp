@@ -32,7 +32,8 @@ struct PackedMesh {
   std::vector<std::vector<std::uint16_t>> connectivity;  ///< per block, by groups of lanes
   std::vector<std::vector<std::int32_t>> elements;       ///< per block, mesh element of every lane slot, -1 = padding
 
-  PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads);
+  /// `slow`: elements that take long steps; empty: none.
+  PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow = {});
 
   /// Elements of a group of lanes.
   [[nodiscard]] std::size_t lanes() const { return runs ? 1 : std::size_t(kernels<R>().lanes); }

@@ -37,8 +37,8 @@ void get(std::istream& in, T* data, std::size_t count) {
 }  // namespace
 
 template <class R>
-Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step)
-    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), booking_(options.booking),
+Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
+    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), booking_(options.booking),
       stateful_(options.booking || setup.quadratic_viscosity > 0) {
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
@@ -48,11 +48,14 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   make_blocks();
   if (!setup.initial_displacement.empty() || !setup.initial_velocity.empty()) remember_strain();
   make_rules(options.heated_rear);
-  plain_chunks_ = (packed.layout.plain.size() + chunk - 1) / chunk, rule_chunks_ = (rules_.size() + chunk - 1) / chunk;
-  energies_.resize(blocks_.size() + plain_chunks_ + rule_chunks_);
+  const auto chunks = [](std::size_t count) { return (count + chunk - 1) / chunk; };
+  plain_chunks_ = chunks(packed.layout.first_slow_plain), rule_chunks_ = chunks(rules_.size());
+  slow_chunks_ = chunks(packed.layout.plain.size() - packed.layout.first_slow_plain);
+  energies_.resize(blocks_.size() + chunk_count(true));
 
   const double k = setup.liquid.bulk_modulus, h = mesh.liquid_element_size, r = setup.rear_coefficient;
   base_.u = u_.data(), base_.v = v_.data(), base_.inverse_mass = inverse_mass_.data(), base_.outbox = outbox_.data();
+  base_.outbox_end = packed.layout.outbox_begin.data() + 1, base_.outbox_scale = 1;
   base_.dt = R(dt_), base_.kick = R(dt_);
   base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited)), base_.hourglass = R(setup.hourglass * k);
   base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
@@ -145,13 +148,14 @@ void Run<R>::remember_strain() {
     for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
       if (!blocks_[b].liquid || packed_.elements[b][slot] < 0) continue;
       const auto e = std::size_t(packed_.elements[b][slot]);
+      const double dt = is_slow(b) ? subcycles_ * dt_ : dt_;
       const HexGeometry g = hex_geometry(corners_of(mesh_, e));
       Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
       for (int k = 0; k < 8; ++k) {
         const std::size_t row = std::size_t(packed_.layout.to_solver[std::size_t(mesh_.elements[e][std::size_t(k)])]) * packed_.width();
         for (int c = 0; c < 3; ++c) {
           const std::size_t at = row + std::size_t(c) * packed_.stride();
-          grad.row(c) += (double(u_[at]) - dt_ * double(v_[at])) * g.gradient.col(k).transpose();
+          grad.row(c) += (double(u_[at]) - dt * double(v_[at])) * g.gradient.col(k).transpose();
         }
       }
       const double strain = finite ? (Eigen::Matrix3d::Identity() + grad).determinant() - 1 : grad.trace();
@@ -201,33 +205,59 @@ double Run<R>::ramp(double time) const {
 }
 
 template <class R>
-StepData<R> Run<R>::step(std::int64_t n, R* scratch) const {
-  StepData<R> s = base_;
-  s.scratch = scratch;
+void Run<R>::set_loads(StepData<R>& s, std::int64_t now, std::int64_t before) const {
   for (std::size_t l = 0; l < run_lanes; ++l) {
     const double energy = setup_.energies[std::min(l, setup_.energies.size() - 1)];
-    s.load[l] = R(ramp(double(n) * dt_) * energy);
-    s.load_before[l] = n > 0 ? R(ramp(double(n - 1) * dt_) * energy) : R(0);
-    s.end_stress[l] = R(setup_.end_stress.at(double(n) * dt_) * energy);
+    s.load[l] = R(ramp(double(now) * dt_) * energy);
+    s.load_before[l] = now > 0 ? R(ramp(double(before) * dt_) * energy) : R(0);
+    s.end_stress[l] = R(setup_.end_stress.at(double(now) * dt_) * energy);
   }
-  s.kick = n == 0 ? R(dt_ / 2) : R(dt_);
-  return s;
 }
 
 template <class R>
-void Run<R>::advance_block(std::size_t b, const StepData<R>& s) {
+StepPair<R> Run<R>::step(std::int64_t n, R* scratch) const {
+  StepPair<R> pair{base_, {}, n % subcycles_ == 0};
+  StepData<R>& s = pair.fast;
+  s.scratch = scratch;
+  set_loads(s, n, n - 1);
+  s.kick = n == 0 ? R(dt_ / 2) : R(dt_);
+  if (subcycles_ == 1) return pair;
+  if (!pair.outer) {
+    s.outbox_end = packed_.layout.outbox_fast_end.data();
+    return pair;
+  }
+  // A slow block's forces act once in m steps, m times as strong; what it shares with fast ones it leaves in the outbox so.
+  pair.slow = s;
+  pair.slow.dt = R(subcycles_ * dt_), pair.slow.kick = R(subcycles_ * (n == 0 ? dt_ / 2 : dt_));
+  pair.slow.outbox_scale = R(subcycles_);
+  set_loads(pair.slow, n, n - subcycles_);
+  return pair;
+}
+
+template <class R>
+void Run<R>::advance_block(std::size_t b, const StepPair<R>& pair) {
+  const StepData<R>& s = is_slow(b) ? pair.slow : pair.fast;
   if (packed_.runs) return kernel_.run_block(blocks_[b], s, stateful_);
   energies_[b] = {};
   kernel_.element_block(blocks_[b], s, stateful_, &energies_[b]);
 }
 
 template <class R>
-void Run<R>::advance_chunk(std::size_t c, const StepData<R>& s) {
+void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
   EnergyTerms& energy = energies_[blocks_.size() + c];
   energy = {};
+  const Layout& layout = packed_.layout;
+  const auto plain = [&](std::size_t begin, std::size_t end, const StepData<R>& s) {
+    packed_.runs ? kernel_.run_plain(layout, begin, end, s) : kernel_.element_plain(layout, begin, end, s, stateful_, &energy);
+  };
+  const StepData<R>& s = pair.fast;
   if (c < plain_chunks_) {
-    const std::size_t begin = c * chunk, end = std::min(packed_.layout.plain.size(), begin + chunk);
-    packed_.runs ? kernel_.run_plain(packed_.layout, begin, end, s) : kernel_.element_plain(packed_.layout, begin, end, s, stateful_, &energy);
+    plain(c * chunk, std::min(layout.first_slow_plain, (c + 1) * chunk), s);
+  } else if (c >= plain_chunks_ + rule_chunks_) {
+    StepData<R> slow = pair.slow;
+    slow.kick = s.kick;  // the forces in the outbox are m-fold already
+    const std::size_t begin = layout.first_slow_plain + (c - plain_chunks_ - rule_chunks_) * chunk;
+    plain(begin, std::min(layout.plain.size(), begin + chunk), slow);
   } else {
     const std::size_t begin = (c - plain_chunks_) * chunk, end = std::min(rules_.size(), begin + chunk);
     packed_.runs ? kernel_.run_special(packed_.layout, rules_.data(), begin, end, s)
@@ -251,9 +281,11 @@ void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
 }
 
 template <class R>
-EnergyTerms Run<R>::energies() const {
+EnergyTerms Run<R>::energies(bool outer) const {
   EnergyTerms sum;
-  for (const auto& e : energies_) sum.add(e);
+  const std::size_t blocks = outer ? blocks_.size() : packed_.layout.first_slow_block;
+  for (std::size_t b = 0; b < blocks; ++b) sum.add(energies_[b]);
+  for (std::size_t c = 0; c < chunk_count(outer); ++c) sum.add(energies_[blocks_.size() + c]);
   for (const double d : damped_) sum.damped_after += d;
   return sum;
 }
@@ -361,7 +393,7 @@ void Run<R>::restore(std::istream& in) {
 }
 
 template <class R>
-void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads) const {
+void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads, bool liquid_alone) const {
   // One step of kick 1 from rest in a linear liquid without loads takes x to v = -M^-1 K x; damping C = beta K enters by the
   // velocity 2 x / dt, which is taken off again. Elements of finite strain are linear near the reference: a picometre.
   const bool linear = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) == packed_.form.end();
@@ -374,6 +406,11 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   s.u = u.data(), s.v = result.data();
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
+    if (liquid_alone && !blocks_[b].liquid) {
+      const std::size_t width = packed_.width();
+      std::fill_n(s.outbox + blocks_[b].outbox * width, std::size_t(blocks_[b].shared_count) * width, R(0));
+      return;
+    }
     AlignedArray<R> scratch(scratch_size());
     StepData<R> own = s;
     own.scratch = scratch.data();

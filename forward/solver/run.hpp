@@ -16,25 +16,34 @@ struct NodalVolumes {
   std::vector<double> steel, liquid;
 };
 
+/// The numbers of one step: those of the blocks that take every step, and those of the slow ones, which take every m-th.
+template <class R>
+struct StepPair {
+  StepData<R> fast, slow;
+  bool outer;  ///< the slow ones are at work
+};
+
 template <class R>
 class Run {
  public:
   /// All arguments but `options` outlive the run.
-  Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step);
+  Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles = 1);
 
   [[nodiscard]] std::size_t block_count() const { return blocks_.size(); }
-  [[nodiscard]] std::size_t chunk_count() const { return plain_chunks_ + rule_chunks_; }
+  /// Chunks of nodes of the second phase; those of slow blocks alone come last and only matter at outer steps.
+  [[nodiscard]] std::size_t chunk_count(bool outer) const { return plain_chunks_ + rule_chunks_ + (outer ? slow_chunks_ : 0); }
+  [[nodiscard]] int subcycles() const { return subcycles_; }
   [[nodiscard]] std::size_t scratch_size() const { return scratch_rows_ * 2 * packed_.width() + 64; }
   [[nodiscard]] bool damps_motion() const { return !motion_factor_.empty(); }
 
   /// The numbers of step n; `scratch` is the calling thread's.
-  [[nodiscard]] StepData<R> step(std::int64_t n, R* scratch) const;
-  void advance_block(std::size_t block, const StepData<R>& step);
-  void advance_chunk(std::size_t chunk, const StepData<R>& step);
+  [[nodiscard]] StepPair<R> step(std::int64_t n, R* scratch) const;
+  void advance_block(std::size_t block, const StepPair<R>& step);
+  void advance_chunk(std::size_t chunk, const StepPair<R>& step);
   /// Mass-proportional damping of the steel on the nodes [begin, end).
   void damp_motion(std::size_t part, std::size_t parts);
-  /// Energies of the step just done, summed in a fixed order.
-  [[nodiscard]] EnergyTerms energies() const;
+  /// Energies of the step just done, summed in a fixed order; of slow blocks at outer steps only.
+  [[nodiscard]] EnergyTerms energies(bool outer) const;
 
   /// sum_k weights_k . u(nodes_k) of a lane.
   [[nodiscard]] double observe(const ObservationRow& row, std::size_t lane) const;
@@ -50,12 +59,15 @@ class Run {
   void restore(std::istream& in);
 
   /// For the estimate of the stable step: (K + C / dt) x against the mass, and its inner product. Rows as u.
-  void apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads) const;
+  /// `liquid_alone`: without the steel's stiffness, its mass stays.
+  void apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads, bool liquid_alone = false) const;
   [[nodiscard]] std::vector<double> dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const;  ///< (lanes), with the mass
   [[nodiscard]] std::size_t row_count() const { return mass_.size(); }
   [[nodiscard]] const PackedMesh<R>& packed() const { return packed_; }
 
  private:
+  [[nodiscard]] bool is_slow(std::size_t block) const { return block >= packed_.layout.first_slow_block; }
+  void set_loads(StepData<R>& s, std::int64_t now, std::int64_t before) const;
   void make_masses(const NodalVolumes& volumes);
   void make_blocks();
   void make_rules(bool heated_rear);
@@ -80,6 +92,7 @@ class Run {
   const RunSetup& setup_;
   const KernelTable<R>& kernel_;
   double dt_;
+  int subcycles_;  ///< steps in one of the slow blocks
   bool booking_;   ///< energies are wanted
   bool stateful_;  ///< the blocks keep state
   StepData<R> base_{};
@@ -91,7 +104,7 @@ class Run {
   std::vector<LawOfBlock> laws_;              ///< by block, where there is such a law
   std::vector<BlockData<R>> blocks_;
   std::vector<SpecialData<R>> rules_;
-  std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0;
+  std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0, slow_chunks_ = 0;
   std::vector<EnergyTerms> energies_;
   std::vector<double> damped_;  ///< energy taken by damp_motion, by part of the nodes [J]
 };

@@ -42,7 +42,7 @@ void combine(AlignedArray<R>& a, const std::vector<double>& c, const AlignedArra
 }  // namespace
 
 template <class R>
-double global_stable_step(const Run<R>& run, int threads) {
+double global_stable_step(const Run<R>& run, int threads, bool liquid_alone) {
   constexpr int most = 64, least = 12;
   constexpr double good_enough = 0.01;
   const std::size_t width = run.packed().width(), lanes = run.packed().stride(), size = run.row_count() * width;
@@ -51,7 +51,7 @@ double global_stable_step(const Run<R>& run, int threads) {
   RandomStream random(1, 0x57ab1e);
   for (std::size_t n = 0; n < run.row_count(); ++n)
     for (std::size_t k = 0; k < 3 * lanes; ++k) current[n * width + k] = R(random.uniform(-1, 1));
-  run.apply_operator(current, next, threads);  // into the space that symmetry and slip allow
+  run.apply_operator(current, next, threads, liquid_alone);  // into the space that symmetry and slip allow
   std::swap(current, next);
   const auto normalise = [&](AlignedArray<R>& x) {
     auto norm = run.dot(x, x);
@@ -64,7 +64,7 @@ double global_stable_step(const Run<R>& run, int threads) {
   std::vector<std::vector<double>> diagonal(lanes), off(lanes);
   double lambda = 0;
   for (int k = 0; k < most; ++k) {
-    run.apply_operator(current, next, threads);
+    run.apply_operator(current, next, threads, liquid_alone);
     const auto a = run.dot(current, next);
     combine(next, a, current, one, width, lanes);
     if (k > 0) {
@@ -88,7 +88,7 @@ double global_stable_step(const Run<R>& run, int threads) {
   return 2 / std::sqrt(lambda);
 }
 
-template double global_stable_step<float>(const Run<float>&, int);
-template double global_stable_step<double>(const Run<double>&, int);
+template double global_stable_step<float>(const Run<float>&, int, bool);
+template double global_stable_step<double>(const Run<double>&, int, bool);
 
 }  // namespace calomel

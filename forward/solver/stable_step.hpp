@@ -12,11 +12,11 @@ double stable_time_step(double eigenvalue, double beta);
 /// half a step are stable while 4 M - 2 dt C - dt^2 K is positive definite, so dt^2 lambda = 4 with lambda the greatest eigenvalue
 /// of K + 2 C / dt against M; taking 2 C / dt at the shorter step of the run only adds to it. lambda is found by Lanczos' method
 /// with the mass inner product, in every lane from a random start of its own, and raised by the residual of its Ritz vector.
-/// Deterministic.
+/// Deterministic. `liquid_alone`: of the liquid, the steel being no more than mass.
 template <class R>
-double global_stable_step(const Run<R>& run, int threads);
+double global_stable_step(const Run<R>& run, int threads, bool liquid_alone = false);
 
-extern template double global_stable_step<float>(const Run<float>&, int);
-extern template double global_stable_step<double>(const Run<double>&, int);
+extern template double global_stable_step<float>(const Run<float>&, int, bool);
+extern template double global_stable_step<double>(const Run<double>&, int, bool);
 
 }  // namespace calomel

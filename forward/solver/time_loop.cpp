@@ -37,15 +37,21 @@ class FlushDenormals {
 struct Balance {
   double dissipated = 0, heat = 0, boundary = 0, initial = 0, worst = 0, scale = 0, hourglass = 0;
 
-  void add(const EnergyTerms& sum, std::int64_t step, bool has_initial_state) {
+  /// `first`: of the steps at which slow blocks are at work too, the second or an earlier one.
+  void add(const EnergyTerms& sum, bool all_at_work, bool first, bool has_initial_state) {
     dissipated += sum.dissipated, heat += sum.heat, boundary += sum.boundary_before;
+    if (all_at_work) close(sum, first && has_initial_state);
+    boundary += sum.boundary_after, dissipated += sum.damped_after;
+  }
+
+ private:
+  void close(const EnergyTerms& sum, bool starts) {
     const double stored = sum.kinetic + sum.liquid + sum.hourglass + sum.steel;
     // An initial state brings its own energy; its velocity is that of t = 0, so that 1/2 v- M v+ holds from step 1 on.
-    if (has_initial_state && step <= 1) initial = stored + dissipated + boundary - heat;
+    if (starts) initial = stored + dissipated + boundary - heat;
     worst = std::max(worst, std::abs(stored + dissipated + boundary - heat - initial));
     scale = std::max({scale, heat, stored});
     hourglass = std::max(hourglass, sum.hourglass);
-    boundary += sum.boundary_after, dissipated += sum.damped_after;
   }
 };
 
@@ -65,14 +71,14 @@ class TimeLoop {
       : run_(run), setup_(setup), layout_(layout), rows_(rows), options_(options), per_output_(per_output),
         threads_(std::max(1, std::min<int>(options.threads, int(run.block_count())))), sync_(threads_) {
     steps_ = std::int64_t(std::llround(setup.end / setup.output_interval)) * per_output;
-    sample_every_ = options.every_step ? 1 : per_output;
+    sample_every_ = options.every_step ? run.subcycles() : per_output;
     if (options.field_interval > 0)
       field_every_ = std::max<std::int64_t>(1, std::llround(options.field_interval / setup.output_interval)) * per_output;
     has_initial_state_ = !setup.initial_displacement.empty() || !setup.initial_velocity.empty();
     const std::size_t samples = std::size_t(steps_ / sample_every_) + 1;
     out_.times.resize(samples);
     out_.observations.assign(setup.energies.size() * rows.size() * samples, 0);
-    share_blocks();
+    first_fast_ = shares(0, layout.first_slow_block), first_slow_ = shares(layout.first_slow_block, run.block_count());
     for (int t = 0; t < threads_; ++t) scratch_.emplace_back(run.scratch_size());
   }
 
@@ -90,16 +96,14 @@ class TimeLoop {
   }
 
  private:
-  /// Contiguous shares of blocks by cost.
-  void share_blocks() {
-    const std::size_t blocks = run_.block_count();
-    std::vector<double> cost(blocks + 1, 0);
-    for (std::size_t b = 0; b < blocks; ++b) {
-      const Block& block = layout_.blocks[b];
-      cost[b + 1] = cost[b] + double(block.elements.size()) * (block.liquid ? setup_.liquid_law ? 4.0 : 1.0 : 1.8) * (block.parallelepiped ? 0.7 : 1.0);
-    }
+  /// Contiguous shares of the blocks [begin, end) by cost: the first of each thread, and the end.
+  [[nodiscard]] std::vector<std::size_t> shares(std::size_t begin, std::size_t end) const {
+    std::vector<double> cost{0};
+    for (std::size_t b = begin; b < end; ++b) cost.push_back(cost.back() + block_cost(layout_.blocks[b], setup_.liquid_law != nullptr));
+    std::vector<std::size_t> first;
     for (int t = 0; t <= threads_; ++t)
-      first_block_.push_back(t == threads_ ? blocks : std::size_t(std::lower_bound(cost.begin(), cost.end(), cost.back() * t / threads_ - 1e-9) - cost.begin()));
+      first.push_back(t == threads_ ? end : begin + std::size_t(std::lower_bound(cost.begin(), cost.end(), cost.back() * t / threads_ - 1e-9) - cost.begin()));
+    return first;
   }
 
   /// Runs `body`, keeping the first exception for the end.
@@ -133,24 +137,25 @@ class TimeLoop {
         wait();
       }
       if (halt_ || n == steps_) return;
-      const StepData<R> s = run_.step(n, scratch_[me].data());
+      const StepPair<R> s = run_.step(n, scratch_[me].data());
       guarded([&] { advance_blocks(me, n, s); });
       wait();
-      for (std::size_t c = me; c < run_.chunk_count(); c += all) run_.advance_chunk(c, s);
+      for (std::size_t c = me; c < run_.chunk_count(s.outer); c += all) run_.advance_chunk(c, s);
       wait();
       if (run_.damps_motion()) {
         run_.damp_motion(me, all);
         wait();
       }
       if (options_.booking) {
-        if (t == 0) balance_.add(run_.energies(), n, has_initial_state_);
+        if (t == 0) balance_.add(run_.energies(s.outer), s.outer, n <= run_.subcycles(), has_initial_state_);
         wait();
       }
     }
   }
 
-  void advance_blocks(std::size_t me, std::int64_t n, const StepData<R>& s) try {
-    for (std::size_t b = first_block_[me]; b < first_block_[me + 1]; ++b) run_.advance_block(b, s);
+  void advance_blocks(std::size_t me, std::int64_t n, const StepPair<R>& s) try {
+    for (std::size_t b = first_fast_[me]; b < first_fast_[me + 1]; ++b) run_.advance_block(b, s);
+    for (std::size_t b = first_slow_[me]; s.outer && b < first_slow_[me + 1]; ++b) run_.advance_block(b, s);
   } catch (const NumericsError& e) {
     throw NumericsError(fmt::format("{}, at step {} ({:.4g} s)", e.what(), n, double(n) * setup_.output_interval / per_output_));
   }
@@ -180,7 +185,7 @@ class TimeLoop {
   }
 
   [[nodiscard]] std::string identity() const {
-    return fmt::format("{}|{}|{}|{}|{}", options_.checkpoint.identity, sizeof(R), run_.row_count(), steps_, out_.observations.size());
+    return fmt::format("{}|{}|{}|{}|{}|{}", options_.checkpoint.identity, sizeof(R), run_.row_count(), steps_, run_.subcycles(), out_.observations.size());
   }
 
   void save(std::int64_t n) {
@@ -223,14 +228,14 @@ class TimeLoop {
     if (!in) fail("the checkpoint ends early");
     first_step_ = field_due_ = numbers[0], fields_ = numbers[1];
     // A snapshot of that very step was handed out before the checkpoint was written.
-    if (field_every_ > 0 && first_step_ % field_every_ == 0) ++field_due_;
-    if (options_.checkpoint.on_resume) options_.checkpoint.on_resume(first_step_, fields_);
+    if (field_every_ > 0 && (first_step_ % field_every_ == 0 || first_step_ == steps_)) ++field_due_;
+    if (options_.checkpoint.on_resume) options_.checkpoint.on_resume(first_step_, fields_, first_step_ == steps_);
   }
 
   void finish() {
     out_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     out_.steps = steps_, out_.resumed_from = first_step_;
-    out_.time_step = setup_.output_interval / per_output_;
+    out_.time_step = setup_.output_interval / per_output_, out_.subcycles = run_.subcycles();
     std::size_t elements = 0;
     for (const auto& b : layout_.blocks) elements += b.elements.size();
     out_.element_steps_per_second = double(elements) * double(setup_.energies.size()) * double(steps_ - first_step_) / out_.wall_seconds;
@@ -240,7 +245,10 @@ class TimeLoop {
     const bool end_load = !setup_.end_stress.time.empty();  // a bar has no rear face: what goes out there is the load's work
     out_.energy_in = b.heat + b.initial - (end_load ? b.boundary : 0);
     out_.dissipated = b.dissipated, out_.radiated = end_load ? 0 : b.boundary;
-    if (!options_.checkpoint.path.empty()) {
+    if (options_.checkpoint.path.empty()) return;
+    if (options_.checkpoint.keep) {
+      if (first_step_ < steps_) save(steps_);
+    } else {
       std::error_code ignored;
       std::filesystem::remove(options_.checkpoint.path, ignored);
     }
@@ -254,7 +262,7 @@ class TimeLoop {
   int per_output_, threads_;
   std::int64_t steps_ = 0, sample_every_ = 1, field_every_ = 0, first_step_ = 0, field_due_ = 0, fields_ = 0;
   bool has_initial_state_ = false;
-  std::vector<std::size_t> first_block_;
+  std::vector<std::size_t> first_fast_, first_slow_;  ///< blocks of each thread
   std::vector<AlignedArray<R>> scratch_;
   Balance balance_;
   SolveSummary out_;

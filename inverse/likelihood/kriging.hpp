@@ -2,6 +2,7 @@
 /// Ordinary kriging of many outputs with one correlation: a prediction is a weighted sum of what was seen, the same weights for all outputs.
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,8 @@ class Kriging {
   [[nodiscard]] Eigen::VectorXd slope(std::span<const double> theta, const Eigen::VectorXd& seen) const;
   /// Variance of one more seen output about the prediction, scatter included, over the process's variance.
   [[nodiscard]] double variance_factor(std::span<const double> theta) const;
+  /// Variance of the smooth part, m + z, about the prediction, over the process's variance: without one more output's own scatter.
+  [[nodiscard]] double smooth_variance_factor(std::span<const double> theta) const { return std::max(0.0, variance_factor(theta) - nugget_); }
   /// (n, n - 1) matrix A such that outputs A A' outputs' is the process's covariance between outputs, restricted maximum likelihood.
   [[nodiscard]] const Eigen::MatrixXd& residual_root() const { return root_; }
   [[nodiscard]] const Eigen::VectorXd& lengths() const { return lengths_; }

@@ -1,5 +1,6 @@
 #include "inverse/likelihood/likelihood.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -171,6 +172,30 @@ Likelihood Likelihood::with(const std::string& source, const Eigen::MatrixXd& ex
   out.shares_.emplace_back(source, own / (before + own));
   out.covariance_ += extra;
   out.distribute();
+  return out;
+}
+
+Likelihood Likelihood::mean_with(const Likelihood& other) const {
+  expect(data_.size() == other.data_.size() && (data_ - other.data_).norm() <= 1e-3 * data_.norm(), "two explanations of the same data");
+  Likelihood out = *this;
+  const double own = covariance_.trace(), its = other.covariance_.trace();
+  for (auto& [name, share] : out.shares_) share *= own / (own + its);
+  for (const auto& [name, share] : other.shares_) {
+    const auto same = std::find_if(out.shares_.begin(), out.shares_.end(), [&](const auto& s) { return s.first == name; });
+    if (same == out.shares_.end())
+      out.shares_.emplace_back(name, share * its / (own + its));
+    else
+      same->second += share * its / (own + its);
+  }
+  out.covariance_ = 0.5 * (covariance_ + other.covariance_);
+  out.noise_trace_ = 0.5 * (noise_trace_ + other.noise_trace_);
+  out.distribute();
+  return out;
+}
+
+Likelihood Likelihood::without_shift() const {
+  Likelihood out = *this;
+  out.mesh_ = {};
   return out;
 }
 

@@ -124,6 +124,12 @@ class Likelihood {
   /// The same with another term added to the covariance, (size, size), under a name of its own among the shares.
   [[nodiscard]] Likelihood with(const std::string& source, const Eigen::MatrixXd& extra) const;
 
+  /// The same with the mean of its covariance and another's, which is of the same data: one yardstick for two explanations. The shares are those of the sum.
+  /// Errors: contract failure for other data.
+  [[nodiscard]] Likelihood mean_with(const Likelihood& other) const;
+  /// The same for histories that have the mesh's shift in them already.
+  [[nodiscard]] Likelihood without_shift() const;
+
   /// data - (model + mesh shift). history: (values of the model).
   [[nodiscard]] Eigen::VectorXd residual(std::span<const double> theta, std::span<const double> history) const;
   /// The same for columns; thetas: (n_parameters, n), histories: (values, n).

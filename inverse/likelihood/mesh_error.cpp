@@ -23,7 +23,7 @@ Eigen::VectorXd MeshError::pull_back(std::span<const double> theta, std::span<co
 
 MeshError::Spread MeshError::spread(std::span<const double> theta) const {
   const double reach = 1 + beyond_.mean, seen = double(pairs() - 1), share = seen / (seen + pairs_that_show_half);
-  const Eigen::MatrixXd own = reach * std::sqrt(kriging_.variance_factor(theta)) * (differences_ * kriging_.residual_root());  // (values, pairs - 1)
+  const Eigen::MatrixXd own = reach * std::sqrt(kriging_.smooth_variance_factor(theta)) * (differences_ * kriging_.residual_root());  // (values, pairs - 1)
   const Eigen::VectorXd d = difference(theta);
   Spread s;
   s.known.resize(differences_.rows(), pairs());

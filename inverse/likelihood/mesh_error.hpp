@@ -31,11 +31,12 @@ class MeshError {
   /// Gradient of sum_i weights_i shift_i(theta) by theta, (n_parameters); weights: (values).
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const;
   /// Covariance of the shift at theta: the outer products of the columns of `known`, how the pairs' own scatter is correlated, and of the unknown
-  /// multiple beyond the finer mesh; and the sd (values) of what is not of these directions, few pairs showing few of them.
+  /// multiple beyond the finer mesh; and the sd (values) of what is not of these directions, few pairs showing few of them. The scatter is that of the
+  /// smooth difference: the roughness of one more pair (the nugget) has no part in the shift, and that of the run at the answer is the repeatability floor's.
   struct Spread {
     Eigen::MatrixXd known;      ///< (values, pairs)
     Eigen::VectorXd scatter;    ///< (values)
-    Eigen::VectorXd remainder;  ///< (values): beyond.remainder times the shift
+    Eigen::VectorXd remainder;  ///< (values): beyond.remainder times the difference
   };
   [[nodiscard]] Spread spread(std::span<const double> theta) const;
   [[nodiscard]] const Kriging& kriging() const { return kriging_; }

@@ -2,10 +2,12 @@
 // in the lanes, beside the memory bandwidth measured in the same minutes.
 //
 //   bench_solver [--jitter SHARE] [CASE.toml ...]      the cases, or without any the plane-strain slice and a half box of about 500 000 elements
+//   bench_solver --ratios                              on one thread and a slice of about 20 000 elements: what gauges cost, what eight runs in the lanes save
 //
 // --jitter moves the nodes at random by up to that share of the shortest edge, so that no element stays a parallelepiped.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <thread>
@@ -100,10 +102,64 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, doubl
       }
 }
 
+/// A slice of a box, 0.2 m long and 60 mm high, with `gauges` along its top.
+ForwardCase slice_of(double element_size, int gauges) {
+  ForwardCase slice;
+  slice.geometry.kind = "box";
+  slice.geometry.length = 0.2, slice.geometry.width = 0.1, slice.geometry.height = 0.06, slice.geometry.wall = 0.005;
+  slice.geometry.plane_strain = true, slice.geometry.element_size = element_size;
+  slice.load.peak_pressure = 25e6;
+  slice.load.profile.center = {0.0, 0.03};
+  for (int i = 0; i < gauges; ++i) {
+    SensorOptions sensor;
+    sensor.name = fmt::format("G{}", i), sensor.position = {0.2 * (i + 1) / (gauges + 1), 0.0, 0.06}, sensor.direction = {1, 0, 0};
+    slice.sensors.push_back(sensor);
+  }
+  return slice;
+}
+
+double median(std::vector<double> x) {
+  std::sort(x.begin(), x.end());
+  return 0.5 * (x[(x.size() - 1) / 2] + x[x.size() / 2]);
+}
+
+/// What twelve gauges, read at every output interval, cost, and what eight runs in the lanes save a run: medians of the ratios of neighbouring repetitions
+/// that take turns, by processor time. The first ratio is of two equal runs without gauges: it shows what such a measurement can tell.
+void measure_ratios() {
+  const ForwardCase c = slice_of(0.775e-3, 12);
+  const BuiltInModel model(c, {}, 1);
+  const ExplicitSolver solver(model.mesh(), LinearElastic::from_young(c.steel.young, c.steel.poisson));
+  std::vector<ObservationRow> rows;
+  for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
+  fmt::print("slice of {} elements, one thread, output every {:g} us; medians of {} turns by processor time\n", model.mesh().elements.size(), 1e6 * c.time.output_interval, 9);
+  for (const char* precision : {"single", "double"}) {
+    RunSetup one = model.setup(c, model.mesh(), 0, {1.0}), group = model.setup(c, model.mesh(), 0, pulse_energies({}));
+    one.end = 40 * one.output_interval, group.end = 10 * one.output_interval;
+    SolveOptions o;
+    o.precision = precision;
+    const auto seconds_a_run = [&](const RunSetup& s, std::span<const ObservationRow> read) {
+      const auto summary = solver.solve(s, read, o);
+      return summary.processor_seconds / double(summary.steps) / double(s.energies.size());
+    };
+    std::vector<double> same, gauges, lanes;
+    for (int turn = 0; turn < 9; ++turn) {
+      const double bare = seconds_a_run(one, {}), read = seconds_a_run(one, rows), again = seconds_a_run(one, {}), many = seconds_a_run(group, rows);
+      same.push_back(again / bare), gauges.push_back(2 * read / (bare + again)), lanes.push_back(read / many);
+    }
+    fmt::print("  {:6}  without gauges again / without {:.4f}   twelve gauges / none {:.4f}   one run / a run of eight in the lanes {:.2f}\n", precision, median(same),
+               median(gauges), median(lanes));
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   double jitter = 0;
+  if (argc > 1 && std::string(argv[1]) == "--ratios") {
+    measure_ratios();
+    return 0;
+  }
   if (argc > 2 && std::string(argv[1]) == "--jitter") jitter = std::stod(argv[2]), argc -= 2, argv += 2;
   double bandwidth[2] = {read_bandwidth(1), read_bandwidth(2)};
   fmt::print("kernel {}; read bandwidth {:.1f} / {:.1f} GB/s on one / two threads\n", kernels<float>().name, bandwidth[0], bandwidth[1]);
@@ -112,17 +168,10 @@ int main(int argc, char** argv) {
     measure(argv[i], ForwardCase::read(file), jitter, bandwidth, 1.0);
   }
   if (argc > 1) return 0;
-  ForwardCase slice;
-  slice.geometry.kind = "box";
-  slice.geometry.length = 0.2, slice.geometry.width = 0.1, slice.geometry.height = 0.06, slice.geometry.wall = 0.005;
-  slice.geometry.plane_strain = true, slice.geometry.element_size = 0.001;
-  slice.load.peak_pressure = 25e6;
-  slice.load.profile.center = {0.0, 0.03};
-  SensorOptions sensor;
-  sensor.name = "A", sensor.position = {0.1, 0.0, 0.06}, sensor.direction = {1, 0, 0};
-  slice.sensors = {sensor};
+  const ForwardCase slice = slice_of(0.001, 1);
   measure("plane-strain slice", slice, jitter, bandwidth, 0.5);
   ForwardCase box = slice;
   box.geometry.plane_strain = false, box.geometry.half = true, box.geometry.element_size = 0.00107;
   measure("half box", box, jitter, bandwidth, 1.5);
+  measure_ratios();
 }

@@ -1,14 +1,17 @@
 #pragma once
 /// The program as a user calls it.
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace calomel::testing {
@@ -27,6 +30,33 @@ inline Outcome run(const std::filesystem::path& dir, const std::string& words) {
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.said.append(buffer.data(), n);
   out.status = WEXITSTATUS(::pclose(pipe));
   return out;
+}
+
+/// The program as a child in the folder `dir`, with these words.
+inline pid_t start_program(const std::filesystem::path& dir, const std::vector<std::string>& words) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::vector<char*> argv{const_cast<char*>(CALOMEL_PROGRAM)};
+    for (const auto& w : words) argv.push_back(const_cast<char*>(w.c_str()));
+    argv.push_back(nullptr);
+    if (::chdir(dir.c_str()) == 0) ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  return child;
+}
+
+/// Waits until `seen()` has told true as often as said, or the child has ended; sends the signal. How the child ended, or -1 by itself.
+template <class Seen>
+inline int stop_program(pid_t child, int signal, int times, Seen&& seen) {
+  int status = 0;
+  while (times > 0) {
+    if (::waitpid(child, &status, WNOHANG) == child) return -1;
+    times -= seen();
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  ::kill(child, signal);
+  ::waitpid(child, &status, 0);
+  return status;
 }
 
 /// `text` with the first `old` replaced.

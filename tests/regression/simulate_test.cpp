@@ -1,9 +1,4 @@
 // `calomel simulate` as a whole: a run that is killed goes on and ends the same; what simulate.json and fields.exo hold.
-#include <signal.h>
-
-#include <chrono>
-#include <thread>
-
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/regression/slice_case.hpp"
@@ -24,43 +19,21 @@ std::string slice() {
 
 fs::path folder() { return folder_with("simulate", {{"case.toml", slice()}}); }
 
-/// The program as a child in the folder `dir`, its output to `killed`.
-pid_t start(const fs::path& dir, std::vector<const char*> words) {
-  words.insert(words.begin(), {CALOMEL_PROGRAM, "simulate", "case.toml", "--out", "killed", "--quiet"});
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::vector<char*> argv;
-    for (const char* w : words) argv.push_back(const_cast<char*>(w));
-    argv.push_back(nullptr);
-    if (::chdir(dir.c_str()) == 0) ::execv(argv[0], argv.data());
-    ::_exit(127);
-  }
-  return child;
-}
-
-/// Waits until `seen()` has told true as often as said, or the child has ended; sends the signal. How the child ended, or -1 by itself.
-template <class Seen>
-int stop(pid_t child, int signal, int times, Seen&& seen) {
-  int status = 0;
-  while (times > 0) {
-    if (::waitpid(child, &status, WNOHANG) == child) return -1;
-    times -= seen();
-    std::this_thread::sleep_for(std::chrono::microseconds(200));
-  }
-  ::kill(child, signal);
-  ::waitpid(child, &status, 0);
-  return status;
+/// `calomel simulate` of the case with these words as a child, its output to `killed`.
+pid_t start(const fs::path& dir, std::vector<std::string> words) {
+  words.insert(words.begin(), {"simulate", "case.toml", "--out", "killed", "--quiet"});
+  return start_program(dir, words);
 }
 
 /// Starts the program and kills it once it has left `saves` new checkpoints. Whether it was still at work.
-bool kill_after(const fs::path& dir, const std::vector<const char*>& words, int saves) {
-  const auto stamp = [checkpoint = dir / "killed" / "simulate.checkpoint"] {
+bool kill_after(const fs::path& dir, const std::vector<std::string>& words, int saves, const std::string& name = "simulate.checkpoint") {
+  const auto stamp = [checkpoint = dir / "killed" / name] {
     std::error_code none;
     const auto t = fs::last_write_time(checkpoint, none);
     return none ? fs::file_time_type::min() : t;
   };
   auto last = stamp();
-  return WIFSIGNALED(stop(start(dir, words), SIGKILL, saves, [&] {
+  return WIFSIGNALED(stop_program(start(dir, words), SIGKILL, saves, [&] {
     const auto now = stamp();
     const bool fresh = now != last && now != fs::file_time_type::min();
     last = now;
@@ -111,7 +84,7 @@ TEST(Simulate, AskedToStopItSavesAndGoesOn) {
     const auto size = fs::file_size(part, none);
     return !none && size > 8'000'000;
   };
-  const int status = stop(start(dir, {"--fields", "--set", "solver.checkpoint=1000.0"}), SIGINT, 1, grown);
+  const int status = stop_program(start(dir, {"--fields", "--set", "solver.checkpoint=1000.0"}), SIGINT, 1, grown);
   ASSERT_TRUE(status != -1 && WIFEXITED(status)) << "it ended before it could be stopped";
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint"));
@@ -120,6 +93,46 @@ TEST(Simulate, AskedToStopItSavesAndGoesOn) {
   EXPECT_THAT(last.said, HasSubstr("goes on from step"));
   for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
     EXPECT_EQ(NetcdfReader(dir / "whole" / file).doubles(variable), NetcdfReader(dir / "killed" / file).doubles(variable)) << file;
+}
+
+// With several conditions those that were finished are kept, in whichever one the run was cut off.
+TEST(Simulate, KilledInAnyConditionItRepeatsNone) {
+  const auto dir = folder();
+  std::ofstream(dir / "case.toml", std::ios::app) << R"(
+[[condition]]
+name = "low"
+peak_pressure = 10e6
+[[condition]]
+name = "middle"
+peak_pressure = 20e6
+[[condition]]
+name = "high"
+peak_pressure = 30e6
+)";
+  const std::string coarser = " --fields --set geometry.element_size=0.001";
+  const std::vector<std::string> words{"--fields", "--set", "geometry.element_size=0.001"};
+  ASSERT_EQ(run(dir, "simulate case.toml --out whole --set solver.checkpoint=0" + coarser).status, 0);
+  const fs::path killed = dir / "killed";
+  for (const char* condition : {"0", "1", "2"}) ASSERT_TRUE(kill_after(dir, words, 3, std::string("simulate.checkpoint.") + condition)) << condition;
+  EXPECT_FALSE(fs::exists(killed / "simulate.nc"));
+  EXPECT_TRUE(fs::exists(killed / "fields.exo"));  // whole since the first condition was
+
+  const auto untouched = fs::last_write_time(killed / "fields.exo");
+  const auto last = run(dir, "simulate case.toml --out killed" + coarser);
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_THAT(last.said, HasSubstr("condition low is finished and kept"));
+  EXPECT_THAT(last.said, HasSubstr("condition middle is finished and kept"));
+  EXPECT_THAT(last.said, HasSubstr("condition high goes on from step"));
+  EXPECT_EQ(fs::last_write_time(killed / "fields.exo"), untouched);
+  for (const char* condition : {"0", "1", "2"}) EXPECT_FALSE(fs::exists(killed / (std::string("simulate.checkpoint.") + condition)));
+
+  const NetcdfReader a(dir / "whole" / "simulate.nc"), b(killed / "simulate.nc");
+  EXPECT_EQ(a.doubles("strain"), b.doubles("strain"));
+  EXPECT_EQ(NetcdfReader(dir / "whole" / "fields.exo").doubles("vals_nod_var1"), NetcdfReader(killed / "fields.exo").doubles("vals_nod_var1"));
+  const auto whole = calomel::read_json(dir / "whole" / "simulate.json"), json = calomel::read_json(killed / "simulate.json");
+  for (const char* key : {"steps", "energy_balance_error", "greatest_wall_stress_Pa"}) EXPECT_EQ(whole[key], json[key]) << key;
+  // Two of three conditions were not run again.
+  EXPECT_GT(json["resumed_from_step"].get<double>(), whole["steps"].get<double>() * 2 / 3);
 }
 
 TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {

@@ -37,6 +37,7 @@ std::map<std::string, std::vector<double>> read_table(const std::filesystem::pat
 
 struct Misfit {
   double mean = 0, worst = 0;
+  int subcycles = 1;  ///< that the run took
 };
 
 Misfit misfit(const std::vector<std::string>& overrides) {
@@ -44,11 +45,10 @@ Misfit misfit(const std::vector<std::string>& overrides) {
   all.insert(all.end(), overrides.begin(), overrides.end());
   CaseFile file(folder / "case.toml", all);
   const BuiltInModel model(ForwardCase::read(file), {.pulses = 1});
-  SolveOptions options;
-  options.precision = model.forward_case().solver.precision, options.time_step_safety = model.forward_case().solver.time_step_safety;
-  const auto run = model.simulate(options);
+  const auto run = model.simulate(solve_options(model.forward_case().solver));
   const auto reference = read_table(folder / "box_linear.csv");
   Misfit m;
+  m.subcycles = run.summary.subcycles;
   const auto& shape = model.shape();
   for (std::size_t k = 0; k < shape.sensors.size(); ++k) {
     const auto& r = reference.at(shape.sensors[k]);
@@ -72,11 +72,15 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
   }
   const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}), fine = misfit({"geometry.element_size=0.0005"});
   const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"}), slower = misfit({"geometry.element_size=0.0005", "material.mercury.sound_speed=1420"});
+  const Misfit cycled = misfit({"geometry.element_size=0.001", "solver.subcycles=4"});
   const double order = drawn_order("box slice", {2, 1, 0.5}, {coarse.mean, middle.mean, fine.mean});
   verify({.item = "Whole base model", .quantity = "linear box slice, 8 gauges over 0.5 ms, 1 mm, mean relative L2", .reference = 0, .source = "independent finite differences, own error 0.5 %",
           .measured = middle.mean, .tolerance = 0.05, .order = std::log2(coarse.mean / middle.mean), .control = "tied", .control_value = tied.mean});
   verify({.item = "Whole base model", .quantity = "the same, 0.5 mm", .reference = 0, .source = "the same", .measured = fine.mean, .tolerance = 0.02, .order = order,
           .control = "sound speed -2 %", .control_value = slower.mean});
+  EXPECT_EQ(cycled.subcycles, 3);
+  verify({.item = "Whole base model", .quantity = "1 mm, mercury away from the steel every 3rd step", .reference = 0, .source = "the same", .measured = cycled.mean, .tolerance = 0.05,
+          .control = "tied", .control_value = tied.mean});
   EXPECT_LT(middle.mean, 0.45 * coarse.mean);
 }
 

@@ -59,6 +59,22 @@ TEST(ReportComparison, DifferencesBeyondTwoStandardDeviationsAreBold) {
   EXPECT_THAT(near.note, testing::AllOf(HasSubstr("agree"), Not(HasSubstr("disagree"))));
 }
 
+TEST(ReportComparison, HypothesesStandByTheCovarianceThatBothShare) {
+  const auto dir = two_methods("hypotheses");
+  EXPECT_TRUE(hypothesis_table(read_study(dir)).empty());
+  Json map = read_json(dir / "map.json");
+  const auto judged = [](const char* words, double factor) {
+    return Json{{"covariance", words}, {"log_bayes_factor", factor}, {"roughness", 1.5}, {"with", {{"chi2", 30.0}}}, {"without", {{"chi2", 90.0}}}};
+  };
+  map["rival"] = {{"sentence", "the records favour width over base.out"}, {"judgements", {judged("mean", 21), judged("at the answer of base.out", 30)}}};
+  write_json(dir / "map.json", map);
+  const Table t = hypothesis_table(read_study(dir));
+  ASSERT_EQ(t.rows.size(), 2u);
+  EXPECT_EQ(std::get<double>(t.rows[1][1].value), 30);
+  EXPECT_EQ(std::get<double>(t.rows[0][3].value), 90);
+  EXPECT_EQ(t.note, "the records favour width over base.out");
+}
+
 TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
   const auto dir = two_methods("rivals");
   EXPECT_TRUE(rival_table(read_study(dir)).empty());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/identity.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/scratch.hpp"
 
@@ -36,6 +37,31 @@ TEST(Artefact, ReuseNamesTheChangedKey) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("load.peak_pressure"));
     EXPECT_THAT(e.what(), testing::HasSubstr("--fresh"));
+  }
+}
+
+// Archives made when solver.booking was part of every identity stand; where it decides what is written it still counts.
+TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
+  const auto dir = scratch("older");
+  for (const char* stage : {"campaign", "simulate"}) {
+    Provenance before{.stage = stage, .options = {{"solver", {{"precision", "double"}, {"booking", true}}}}, .seed = 3, .inputs = {{"sensors", "x"}}};
+    Provenance now = before;
+    now.options["solver"].erase("booking");
+    write_json(dir / "old.json", {{"provenance", before.json()}});
+    const bool counts = before.stage == "simulate";
+    EXPECT_EQ(identity_of(before.json()) == now.identity(), !counts);
+    if (counts)
+      EXPECT_THROW((void)reusable(dir / "old.json", now), InputError);
+    else
+      EXPECT_EQ(reusable(dir / "old.json", now), Reuse::matches);
+    now.options["solver"]["precision"] = "single";
+    try {
+      (void)reusable(dir / "old.json", now);
+      ADD_FAILURE() << "another precision is another artefact";
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), testing::HasSubstr("solver.precision"));
+      EXPECT_EQ(std::string(e.what()).find("booking") == std::string::npos, !counts);
+    }
   }
 }
 

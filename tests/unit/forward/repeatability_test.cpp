@@ -1,15 +1,29 @@
 #include "forward/repeatability.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
 using calomel::testing::small_case;
+using ::testing::HasSubstr;
 
 namespace {
-const FloorOptions options{.members = 4, .mesh_jitter = 0.15, .window = 10e-6};
+
+/// The jitters alone.
+const FloorOptions options{.members = 4, .mesh_jitter = 0.15, .window = 10e-6, .single_runs = 0, .finer_mesh = false, .precisions = false};
+
+/// What stands beside them, with the fewest jitters.
+FloorOptions beside() { return {.members = 3, .window = 10e-6, .single_runs = 3}; }
+
+const FloorComparison& comparison(const RepeatabilityFloor& floor, const std::string& name) {
+  for (const auto& c : floor.comparisons)
+    if (c.name == name) return c;
+  throw std::runtime_error("no comparison " + name);
 }
+
+}  // namespace
 
 TEST(Floor, DependsOnTheSeedAloneNotOnThreads) {
   const ForwardCase c = small_case();
@@ -29,6 +43,21 @@ TEST(Floor, HasAWindowForEveryStretchOfTheRecord) {
   EXPECT_GE(floor.worst, floor.mean);
 }
 
+// The whole record is the windows together: with n_w samples each, relative^2 = sum n_w sd_w^2 / sum n_w signal_w^2.
+TEST(Floor, OfTheWholeRecordIsThatOfItsWindows) {
+  const ForwardCase c = small_case();
+  const auto floor = measure_floor(c, {}, options, 7, 2);
+  const std::size_t windows = floor.window_begin.size();
+  for (std::size_t row = 0; row < floor.relative.size(); ++row) {
+    double sd = 0, signal = 0;
+    for (std::size_t w = 0; w < windows; ++w) {
+      const double n = w + 1 < windows ? 10 : 11;  // the last holds the end of the record
+      sd += n * std::pow(floor.sd[row * windows + w], 2), signal += n * std::pow(floor.signal[row * windows + w], 2);
+    }
+    EXPECT_NEAR(floor.relative[row], std::sqrt(sd / signal), 1e-12 * floor.relative[row]);
+  }
+}
+
 TEST(Floor, GrowsWithTheJitterOfTheMesh) {
   const ForwardCase c = small_case();
   FloorOptions still = options;
@@ -40,4 +69,74 @@ TEST(Floor, NeedsThreeMembers) {
   FloorOptions few = options;
   few.members = 2;
   EXPECT_THROW((void)measure_floor(small_case(), {}, few, 7, 1), ContractFailure);
+}
+
+TEST(Floor, TellsBesideItWhatElseMovesTheAnswer) {
+  const auto floor = measure_floor(small_case(), {}, beside(), 7, 2);
+  ASSERT_EQ(floor.comparisons.size(), 3u);
+  for (const auto& c : floor.comparisons) {
+    EXPECT_EQ(c.message, "") << c.name;
+    ASSERT_EQ(c.relative.size(), 2u) << c.name;
+    EXPECT_GT(c.mean, 0) << c.name;
+    EXPECT_GE(c.worst, c.mean) << c.name;
+  }
+  // In 40 us chaos has not grown: 1e-6 of the parameters and the rounding of single precision stay far below an element's halving.
+  const double finer = comparison(floor, "finer_mesh").mean;
+  EXPECT_GT(finer, 0.01);
+  EXPECT_LT(comparison(floor, "single_runs").worst, 0.01 * finer);
+  EXPECT_LT(comparison(floor, "precision").worst, 0.01 * finer);
+}
+
+// Negative controls: equal runs do not scatter at all; a hundredth of the parameters moves them by about that.
+TEST(Floor, OfSingleRunsIsOfWhatTheirParametersDifferBy) {
+  FloorOptions o = beside();
+  o.finer_mesh = o.precisions = false;
+  o.single_run_shift = 0;
+  EXPECT_EQ(comparison(measure_floor(small_case(), {}, o, 7, 2), "single_runs").worst, 0);
+  o.single_run_shift = 0.01;
+  const double moved = comparison(measure_floor(small_case(), {}, o, 7, 2), "single_runs").mean;
+  EXPECT_GT(moved, 1e-3);
+  EXPECT_LT(moved, 0.1);
+}
+
+TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
+  FloorOptions o = beside();
+  o.finer_mesh = o.precisions = false, o.single_run_shift = 0.01;
+  const auto with = [&](const char* key) {
+    return comparison(measure_floor(small_case(std::string("[parameter.p]\nkey = \"") + key + "\"\nmin = 0\nmax = 1e12\n"), {}, o, 7, 2), "single_runs");
+  };
+  EXPECT_EQ(with("material.mercury.specific_heat").worst, 0);  // decides nothing with a given pressure
+  EXPECT_GT(with("material.steel.young").worst, 1e-4);
+}
+
+TEST(Floor, SaysWhyAComparisonIsLeftOut) {
+  FloorOptions o = beside();
+  o.single_runs = 0, o.precisions = false, o.finer_elements = 600;  // fewer than there are now
+  const auto floor = measure_floor(small_case(), {}, o, 7, 2);
+  ASSERT_EQ(floor.comparisons.size(), 1u);
+  EXPECT_THAT(floor.comparisons[0].message, HasSubstr("floor.finer_elements"));
+  EXPECT_TRUE(floor.comparisons[0].relative.empty());
+}
+
+TEST(Floor, StoppedItGoesOnFromItsJournalToTheSameNumbers) {
+  const Provenance provenance{.stage = "floor", .options = {{"a", 1}}};
+  const auto whole = measure_floor(small_case(), {}, beside(), 7, 1);
+  const auto path = scratch("floor_stopped") / "floor.journal";
+  std::atomic<bool> stop{false};
+  std::size_t before = 0, after = 0;
+  {
+    Journal journal(path, provenance);
+    EXPECT_THROW((void)measure_floor(small_case(), {}, beside(), 7, 1,
+                                     {.journal = &journal,
+                                      .progress = [&](std::size_t done, std::size_t) { before = done, stop = done == 4; },
+                                      .stop = &stop}),
+                 Interrupted);
+  }
+  EXPECT_EQ(before, 4u);
+  Journal journal(path, provenance);
+  EXPECT_EQ(journal.size(), 4u);
+  const auto resumed = measure_floor(small_case(), {}, beside(), 7, 2, {.journal = &journal, .progress = [&](std::size_t, std::size_t total) { after = total; }});
+  EXPECT_EQ(journal.size(), after);
+  EXPECT_EQ(floor_json(resumed), floor_json(whole));
+  journal.remove();
 }

@@ -30,9 +30,10 @@ class Creeping : public LiquidLaw {
 struct Stopped {
   Mesh mesh = block({10, 2, 4}, {0, 0, 0}, {0.02, 0.004, 0.008}, [](const Vec3& x) { return x[2] > 0.006 ? Region::steel : Region::mercury; });
   ExplicitSolver solver{mesh, steel()};
-  RunSetup setup = linear_setup(4e-5, 1e-6);
+  RunSetup setup = linear_setup(4e-5, 2e-6);
   std::vector<ObservationRow> rows{component(nearest(mesh, {0.02, 0, 0.008}), 0), component(nearest(mesh, {0, 0, 0}), 2)};
   std::filesystem::path path;
+  int subcycles = 1;
 
   explicit Stopped(const std::string& name) : path(scratch_file(name)) {
     std::filesystem::remove(path);
@@ -45,7 +46,7 @@ struct Stopped {
 
   [[nodiscard]] SolveOptions options(const std::string& precision, bool booking) const {
     SolveOptions o;
-    o.precision = precision, o.booking = booking;
+    o.precision = precision, o.booking = booking, o.subcycles = subcycles;
     o.checkpoint = {.path = path, .every_seconds = 0, .identity = "this run", .before_saving = {}, .on_resume = {}};
     return o;
   }
@@ -62,16 +63,18 @@ struct Stopped {
 }  // namespace
 
 TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
-  for (const bool own_law : {false, true})
+  for (const auto& [own_law, subcycles] : {std::pair(false, 1), {true, 1}, {false, 3}, {true, 3}})
     for (const char* precision : {"double", "single"})
       for (const std::size_t runs : {1, 2}) {
         Stopped s("goes_on");
+        s.subcycles = subcycles;
         s.setup.energies.assign(runs, 1.0);
         if (runs > 1) s.setup.energies[1] = 1.1;
         if (own_law) s.setup.liquid_law = std::make_shared<Creeping>(s.setup.liquid.bulk_modulus);
         SolveOptions plain = s.options(precision, runs == 1);
         plain.checkpoint = {};
         const auto whole = s.solver.solve(s.setup, s.rows, plain);
+        EXPECT_EQ(whole.subcycles > 1, subcycles > 1);
         s.stop_at(0.4, s.options(precision, runs == 1));
         ASSERT_TRUE(std::filesystem::exists(s.path));
         const auto resumed = s.solver.solve(s.setup, s.rows, s.options(precision, runs == 1));
@@ -85,6 +88,32 @@ TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
         }
         EXPECT_FALSE(std::filesystem::exists(s.path));  // a finished run leaves none
       }
+}
+
+TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
+  Stopped s("kept");
+  SolveOptions o = s.options("double", true);
+  o.checkpoint.every_seconds = 1e9, o.checkpoint.keep = true;
+  int pictures = 0;
+  o.field_interval = 7e-6;  // does not divide the end
+  o.on_field = [&](const FieldSnapshot&) { ++pictures; };
+  const auto whole = s.solver.solve(s.setup, s.rows, o);
+  const int all = pictures;
+  ASSERT_TRUE(std::filesystem::exists(s.path));
+  bool ended = false;
+  o.checkpoint.on_resume = [&](std::int64_t step, std::int64_t fields, bool finished) {
+    EXPECT_EQ(step, whole.steps);
+    EXPECT_EQ(fields, all);
+    ended = finished;
+  };
+  const auto again = s.solver.solve(s.setup, s.rows, o);
+  EXPECT_TRUE(ended);
+  EXPECT_EQ(pictures, all);  // none is handed out twice
+  EXPECT_EQ(again.resumed_from, whole.steps);
+  EXPECT_EQ(again.observations, whole.observations);
+  EXPECT_EQ(again.energy_balance_error, whole.energy_balance_error);
+  EXPECT_EQ(again.greatest_stress, whole.greatest_stress);
+  EXPECT_TRUE(std::filesystem::exists(s.path));
 }
 
 TEST(Checkpoint, OfAnotherRunIsAnError) {

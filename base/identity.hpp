@@ -1,0 +1,12 @@
+#pragma once
+/// The identity of an artefact that stands, as programs of today count it.
+#include <string>
+
+#include "base/options.hpp"
+
+namespace calomel {
+
+/// Provenance::identity of a provenance as an artefact holds it; solver.booking, which once was part of it in every stage, counts in simulate alone.
+std::string identity_of(const Json& written);
+
+}  // namespace calomel

@@ -1,0 +1,22 @@
+#pragma once
+/// What an answer is worth: is the fit adequate, which rival optima belong to it, what to warn of.
+#include "inverse/map.hpp"
+#include "inverse/map_search.hpp"
+
+namespace calomel {
+
+/// Fills values, chi2, effective_data, effective_chi2, their p-values, adequate, adequacy and, with `widen`, widening from the residual at the answer.
+void judge_fit(MapSummary& out, const Likelihood& likelihood, const Eigen::VectorXd& residual, std::size_t parameters, bool widen);
+
+/// Largest slope of the log posterior at o.x by the surrogate's own gradient, in units of the posterior sd; NaN without a gradient.
+double exact_slope(const ForwardModel& surrogate, const Likelihood& likelihood, const SearchSpace& space, const Optimum& o);
+
+/// Spread (n, n) about x of the candidates that ran, each weighed by exp(-(drop of its log posterior) / temperature): optima that the model's roughness
+/// cannot tell apart belong to the answer. The temperature is how far surrogate and model disagree on their log posteriors, which becomes out.roughness,
+/// and at least 1.
+Eigen::MatrixXd spread_of_rivals(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, double log_posterior);
+
+/// Adds to out.warnings what an inadequate fit, near bounds, `limited` intervals and drifting records ask for.
+void warn(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, bool limited);
+
+}  // namespace calomel
