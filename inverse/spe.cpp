@@ -27,6 +27,8 @@ class SpeRounds {
   /// Pairs before any fit: the nominal point and good runs of the campaign; half of all, or all where no later round can learn.
   void first_pairs() {
     known_.price({});
+    const auto data = known_.data(bounds_, true);
+    out_.n_train = data.train.size(), out_.n_validation = data.validation.size(), out_.runs_used = out_.n_train + out_.n_validation;
     const auto wanted = std::size_t(pairs_.left());
     if (wanted == 0) return;
     first_ = rounds() > 0 ? std::min(wanted, std::max<std::size_t>(3, (wanted + 1) / 2)) : wanted;
@@ -37,9 +39,7 @@ class SpeRounds {
   /// Fits and searches; ranked proposals of this round.
   std::vector<Proposal> search(int threads, const CalibrationProgress& progress) {
     known_.price(pairs_.mesh());
-    const auto data = known_.data(box_, whole_);
-    out_.n_train = data.train.size(), out_.n_validation = data.validation.size();
-    fit_round(out_, data, options_, seed_, threads, progress);
+    fit_round(out_, known_.data(box_, whole_), options_, seed_, threads, progress);
     search_round(out_, box_, known_.feasibility(), options_, seed_, threads, progress);
     return ranked_proposals(out_, box_, options_.transform);
   }
@@ -125,7 +125,6 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
 
   // 1. Surrogates, their optima, the modes of these; the true misfit there joins the runs, the box shrinks, and again.
   rounds.first_pairs();
-  out.runs_used = rounds.known().data(rounds.box(), true).values.size() - rounds.known().added();
   std::vector<Proposal> ranked;
   for (int round = 0;; ++round) {
     ranked = rounds.search(threads, progress);

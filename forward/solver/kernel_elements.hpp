@@ -95,7 +95,7 @@ CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state
     const V before = state[0], viscous_before = state[1];
     const V strain = (w + s.ratio * before) / (V{} + 1 + s.ratio);
     const V change = strain - before, rate = change * s.rate_factor;
-    p += rate < 0 ? s.quadratic * rate * rate : V{};
+    p += select(rate < 0, s.quadratic * rate * rate, V{});
     p = greater(p, s.minus_cutoff);
     const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
     const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
@@ -103,7 +103,7 @@ CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state
     sums.dissipated -= (viscous + viscous_before) * change * volume * half;
     sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * half;
     const V stretch = strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
-    sums.liquid += volume * (stretch <= limit ? half * s.bulk_modulus * stretch * stretch : s.cutoff * (stretch - half * limit));
+    sums.liquid += volume * select(stretch <= limit, half * s.bulk_modulus * stretch * stretch, s.cutoff * (stretch - half * limit));
     state[0] = strain, state[1] = viscous;
     return p;
   }
@@ -138,7 +138,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
   } else {
     p = riemer_pressure<Booking>(w, volume, s, state, sums);
   }
-  if constexpr (Hourglass) state[state_time_at_cutoff] += p <= s.minus_cutoff ? s.dt : V{};
+  if constexpr (Hourglass) state[state_time_at_cutoff] += select(p <= s.minus_cutoff, s.dt, V{});
   const V pv = p * volume;
   if constexpr (affine) {
     for (int c = 0; c < 3; ++c) {

@@ -1,5 +1,7 @@
 // The inner loops, included once by each kernel_<isa>.cpp inside its own namespace CALOMEL_ISA, so that code for different
 // instruction sets never mixes. No standard-library calls in here.
+#include <type_traits>
+
 #include "forward/solver/kernel.hpp"
 
 #define CALOMEL_INLINE inline __attribute__((always_inline))
@@ -32,7 +34,7 @@ template <class R, bool Runs>
 struct Lanes {
   static constexpr int width = Runs ? run_lanes : element_lanes<R>;
   static constexpr int per_group = Runs ? 1 : width;  ///< elements of a group
-  using V = Vec<R, width>;
+  using V = std::conditional_t<Runs, LaneVec<R, width>, Vec<R, width>>;
 
   static CALOMEL_INLINE auto coefficients(const R* geometry) {
     return [geometry](int k) __attribute__((always_inline)) -> V {

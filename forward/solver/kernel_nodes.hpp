@@ -96,7 +96,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const R a = s.kick * r.rear_area / r.mass_node, push = s.rear_late * s.rear_push;
       const L p_wave = p0 + push / (s.rear_give + push * a) * (vn_free - a * p0 + s.rear_early * vn_before);
       const L p_least = L{} - s.cutoff;
-      const L p = p_wave > p_least ? p_wave : p_least;
+      const L p = greater(p_wave, p_least);
       const L vn_after = vn_free - a * p;
       for (int c = 0; c < 3; ++c) v[c] += (vn_after - vn_free) * n[c];
       if constexpr (Booking && !Runs) {

@@ -11,9 +11,68 @@ using Vec = typename Simd<R, W>::type;
 template <class R>
 inline constexpr int element_lanes = sizeof(R) == 4 ? 8 : 4;
 
+// Bytes of this instruction set's vectors.
+#if defined(__AVX512F__)
+inline constexpr int vector_bytes = 64;
+#elif defined(__AVX__)
+inline constexpr int vector_bytes = 32;
+#else
+inline constexpr int vector_bytes = 16;
+#endif
+
+template <class R, int W>
+struct Halves;
+template <class R, int W, bool Native>
+struct LanesOf {
+  using type = Vec<R, W>;
+};
+template <class R, int W>
+struct LanesOf<R, W, false> {
+  using type = Halves<R, W>;
+};
+/// W lanes in vectors that the processor has: GCC's own way with wider ones is up to ten times slower.
+template <class R, int W>
+using LaneVec = typename LanesOf<R, W, sizeof(R) * W <= vector_bytes>::type;
+
+template <class M>
+struct HalvesMask {
+  M lo, hi;
+};
+template <class R, int W>
+struct Halves {
+  using Half = LaneVec<R, W / 2>;
+  Half lo, hi;
+  CALOMEL_INLINE R& operator[](int l) { return reinterpret_cast<R*>(this)[l]; }
+  CALOMEL_INLINE R operator[](int l) const { return reinterpret_cast<const R*>(this)[l]; }
+  CALOMEL_INLINE Halves operator-() const { return {-lo, -hi}; }
+#define CALOMEL_HALVES_OPERATOR(op)                                                                                          \
+  friend CALOMEL_INLINE Halves operator op(const Halves& a, const Halves& b) { return {a.lo op b.lo, a.hi op b.hi}; } \
+  friend CALOMEL_INLINE Halves operator op(const Halves& a, R b) { return {a.lo op b, a.hi op b}; }                    \
+  friend CALOMEL_INLINE Halves operator op(R a, const Halves& b) { return {a op b.lo, a op b.hi}; }
+  CALOMEL_HALVES_OPERATOR(+)
+  CALOMEL_HALVES_OPERATOR(-)
+  CALOMEL_HALVES_OPERATOR(*)
+  CALOMEL_HALVES_OPERATOR(/)
+#undef CALOMEL_HALVES_OPERATOR
+  CALOMEL_INLINE Halves& operator+=(const Halves& b) { return *this = *this + b; }
+  CALOMEL_INLINE Halves& operator-=(const Halves& b) { return *this = *this - b; }
+  friend CALOMEL_INLINE auto operator>(const Halves& a, const Halves& b) { return HalvesMask<decltype(a.lo > b.lo)>{a.lo > b.lo, a.hi > b.hi}; }
+  friend CALOMEL_INLINE auto operator<=(const Halves& a, const Halves& b) { return HalvesMask<decltype(a.lo <= b.lo)>{a.lo <= b.lo, a.hi <= b.hi}; }
+  friend CALOMEL_INLINE auto operator<(const Halves& a, R b) { return HalvesMask<decltype(a.lo < b)>{a.lo < b, a.hi < b}; }
+};
+
+/// a where the condition holds, else b.
+template <class C, class V>
+CALOMEL_INLINE V select(C condition, V a, V b) {
+  return condition ? a : b;
+}
+template <class M, class R, int W>
+CALOMEL_INLINE Halves<R, W> select(const HalvesMask<M>& condition, const Halves<R, W>& a, const Halves<R, W>& b) {
+  return {select(condition.lo, a.lo, b.lo), select(condition.hi, a.hi, b.hi)};
+}
 template <class V>
 CALOMEL_INLINE V greater(V a, V b) {
-  return a > b ? a : b;
+  return select(a > b, a, b);
 }
 template <class V, class R>
 CALOMEL_INLINE V load(const R* p) {
@@ -115,14 +174,14 @@ struct Row {
 };
 template <class R>
 struct Row<R, true> {
-  using Lane = Vec<R, run_lanes>;
+  using Lane = LaneVec<R, run_lanes>;
   static constexpr int width = 3 * run_lanes;
 };
 
 template <class R, bool Runs>
 CALOMEL_INLINE void read_row(const R* p, typename Row<R, Runs>::Lane (&x)[3]) {
   if constexpr (Runs)
-    for (int c = 0; c < 3; ++c) x[c] = load<Vec<R, run_lanes>>(p + c * run_lanes);
+    for (int c = 0; c < 3; ++c) x[c] = load<LaneVec<R, run_lanes>>(p + c * run_lanes);
   else
     for (int c = 0; c < 3; ++c) x[c] = p[c];
 }
