@@ -128,15 +128,16 @@ JudgedPoint Hypothesis::judge(const Likelihood& likelihood, const JudgeSettings&
 }
 
 double roughness_of(const Linearisation& at, const Likelihood& likelihood, const SearchSpace& space) {
-  double squares = 0;
-  int count = 0;
+  const double middle = likelihood.errors().log_density_at(at.chi2) + space.log_prior(space.theta(at.x));
+  double squares = 0, weights = 0;
   for (Eigen::Index i = 0; i < at.points.cols(); ++i) {
     const Eigen::VectorXd step = at.points.col(i) - at.x;
     if (step.cwiseAbs().maxCoeff() == 0 || !std::isfinite(at.log_posteriors[i])) continue;
     const double foretold = likelihood.errors().log_density_at((at.residual + at.jacobian * step).squaredNorm()) + space.log_prior(space.theta(at.points.col(i)));
-    squares += std::pow(at.log_posteriors[i] - foretold, 2), ++count;
+    const double weight = 1 / (1 + std::pow(middle - foretold, 2));
+    squares += weight * std::pow(at.log_posteriors[i] - foretold, 2), weights += weight;
   }
-  return count > 0 ? std::sqrt(squares / count / 1.5) : 0;
+  return weights > 0 ? std::sqrt(squares / weights / 1.5) : 0;
 }
 
 double share_within(const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, std::uint64_t seed) {

@@ -67,7 +67,8 @@ struct JudgedPoint {
 };
 
 /// Root mean square of log posteriors less those that the secants' straight lines foretell, over the points that the secants were made of but the middle, as
-/// the sd of one point: the mean of two sides less the middle has 3/2 of its variance. What is bent and not rough counts as rough.
+/// the sd of one point: the mean of two sides less the middle has 3/2 of its variance. Each point has the weight 1 / (1 + (foretold drop)^2), for far from the
+/// middle a posterior is bent, and what is bent counts as rough here.
 double roughness_of(const Linearisation& at, const Likelihood& likelihood, const SearchSpace& space);
 
 class Hypothesis {

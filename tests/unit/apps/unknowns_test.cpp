@@ -40,12 +40,12 @@ TEST(Unknowns, TheModulusColumnIsTheDerivativeTimesItsDeviation) {
   const auto d = directions({.young_sd = 0.015, .gauge_place_sd = 0.0004});
   ASSERT_EQ(d.rows(), 2 * times);
   ASSERT_EQ(d.cols(), 3);
-  // A narrower secant, by cases that say another modulus: 1 % to either side.
-  const Eigen::VectorXd slope = (mean_with("young = 193e9", "young = 194.93e9") - mean_with("young = 193e9", "young = 191.07e9")) / 0.02;
+  // The same secant by cases that say another modulus, 2 % to either side: a narrower one differs by what fast waves bend within it (7 % for 1 %).
+  const Eigen::VectorXd slope = (mean_with("young = 193e9", "young = 196.86e9") - mean_with("young = 193e9", "young = 189.14e9")) / 0.04;
   ASSERT_GT(slope.norm(), 0);
-  EXPECT_LT(off(d.col(0), 0.015 * slope), 0.05);
+  EXPECT_LT(off(d.col(0), 0.015 * slope), 1e-3);
   // It grows with the deviation, and a wrong sign or a forgotten factor would be seen.
-  EXPECT_LT(off(directions({.young_sd = 0.03}).col(0), 0.03 * slope), 0.05);
+  EXPECT_LT(off(directions({.young_sd = 0.03}).col(0), 0.03 * slope), 1e-3);
   EXPECT_GT(off(d.col(0), 0.03 * slope), 0.4);
   EXPECT_GT(off(d.col(0), -0.015 * slope), 1.9);
 }
