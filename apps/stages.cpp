@@ -167,7 +167,7 @@ ExitStatus Stages::train(Asked asked) {
 }
 
 ExitStatus Stages::calibrate(const std::string& method) {
-  const auto& against = problem();  // before any long work, so that wrong recordings are told at once
+  (void)problem();  // before any long work, so that wrong recordings are told at once
   const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
   if (needs_floor(method)) need_floor();
   const auto provenance = calibration_provenance(method);
@@ -176,14 +176,14 @@ ExitStatus Stages::calibrate(const std::string& method) {
     const auto before = read_json(command_.out / (method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
   }
-  const auto summary = calibrated_by(method, against, provenance);
+  const auto summary = calibrated_by(method, provenance);
   for (const auto& w : summary.warnings)  // those of the recordings were said when they were read
     if (std::find(problem().warnings.begin(), problem().warnings.end(), w) == problem().warnings.end()) say("warning: " + w);
   say(fmt::format("{}: {}", method, summary.message));
   return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
 }
 
-Calibration Stages::calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance) {
+Calibration Stages::calibrated_by(const std::string& method, const Provenance& provenance) {
   const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
   const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
   return study_.file.locating([&]() -> Calibration {

@@ -107,7 +107,7 @@ class Stages {
   ExitStatus campaign(Asked asked);
   ExitStatus train(Asked asked);
   /// Runs one method and writes its artefacts.
-  Calibration calibrated_by(const std::string& method, const Problem& against, const Provenance& provenance);
+  Calibration calibrated_by(const std::string& method, const Provenance& provenance);
 
   const CommandLine& command_;
   StudyCase study_;

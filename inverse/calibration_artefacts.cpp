@@ -30,7 +30,7 @@ Json impedance(const ModelShape& shape, const Calibration& s) {
 }
 
 /// One entry a sensor; several conditions are averaged, and listed beside.
-Json sensors(const Calibration& s, const Problem& problem) {
+Json sensors(const Score& best, const Score& at_nominal, const Problem& problem) {
   const auto mean = [](const Score& score, const std::string& name, double SensorScore::*field) {
     double sum = 0;
     int n = 0;
@@ -42,12 +42,12 @@ Json sensors(const Calibration& s, const Problem& problem) {
   Json all = Json::array();
   for (const auto& name : problem.shape.sensors) {
     Json j{{"name", name},
-           {"accuracy", mean(s.best.score, name, &SensorScore::accuracy)},
-           {"mae", mean(s.best.score, name, &SensorScore::mae)},
-           {"nominal_accuracy", mean(s.at_nominal.score, name, &SensorScore::accuracy)},
-           {"nominal_mae", mean(s.at_nominal.score, name, &SensorScore::mae)},
-           {"rrmse", mean(s.best.score, name, &SensorScore::rrmse)},
-           {"nominal_rrmse", mean(s.at_nominal.score, name, &SensorScore::rrmse)}};
+           {"accuracy", mean(best, name, &SensorScore::accuracy)},
+           {"mae", mean(best, name, &SensorScore::mae)},
+           {"nominal_accuracy", mean(at_nominal, name, &SensorScore::accuracy)},
+           {"nominal_mae", mean(at_nominal, name, &SensorScore::mae)},
+           {"rrmse", mean(best, name, &SensorScore::rrmse)},
+           {"nominal_rrmse", mean(at_nominal, name, &SensorScore::rrmse)}};
     bool recorded = false;
     std::size_t samples = 0, banded = 0, narrow = 0;
     Json pulses = Json::array(), conditions = Json::array();
@@ -58,10 +58,10 @@ Json sensors(const Calibration& s, const Problem& problem) {
       pulses.push_back(o.pulses);
       const auto of = [&](const Score& score, double SensorScore::*field) { return score.ok ? number(score.sensors[i].*field) : Json(); };
       conditions.push_back({{"condition", problem.shape.conditions[o.condition]},
-                            {"accuracy", of(s.best.score, &SensorScore::accuracy)},
-                            {"mae", of(s.best.score, &SensorScore::mae)},
-                            {"nominal_accuracy", of(s.at_nominal.score, &SensorScore::accuracy)},
-                            {"nominal_mae", of(s.at_nominal.score, &SensorScore::mae)}});
+                            {"accuracy", of(best, &SensorScore::accuracy)},
+                            {"mae", of(best, &SensorScore::mae)},
+                            {"nominal_accuracy", of(at_nominal, &SensorScore::accuracy)},
+                            {"nominal_mae", of(at_nominal, &SensorScore::mae)}});
     }
     if (!recorded) continue;
     j["pulses"] = pulses.size() == 1 ? pulses[0] : pulses;
@@ -83,7 +83,8 @@ Json mesh_json(const MeshCorrection& m, const Calibration& s, const Problem& pro
   j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
                        {"mae", of(m.best, &Score::mae)},
                        {"nominal_accuracy", of(m.at_nominal, &Score::accuracy)},
-                       {"nominal_mae", of(m.at_nominal, &Score::mae)}};
+                       {"nominal_mae", of(m.at_nominal, &Score::mae)},
+                       {"sensors", sensors(m.best, m.at_nominal, problem)}};
   return j;
 }
 
@@ -132,7 +133,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["candidates"] = Json::array(), j["failed_candidates"] = Json::array();
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape));
   for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape));
-  j["sensors"] = sensors(s, problem);
+  j["sensors"] = sensors(s.best.score, s.at_nominal.score, problem);
   if (s.mesh.wanted > 0) j["mesh"] = mesh_json(s.mesh, s, problem);
   for (const auto& [key, value] : own.items()) j[key] = value;
   j["compared_times"] = problem.time.size(), j["times_outside_simulation"] = problem.outside;

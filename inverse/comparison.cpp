@@ -101,7 +101,14 @@ std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries
   return rows;
 }
 
-std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, const std::string& key) {
+/// Scores on the case's own mesh where a summary tells them beside those corrected for the mesh.
+const Json& own_mesh(const Json& json) {
+  const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
+  return own.is_object() ? own : json;
+}
+
+/// `same_mesh`: all by the case's own mesh, because not every summary is corrected.
+std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, const std::string& key, bool same_mesh) {
   Names names;
   for (const auto& s : summaries)
     if (const Json& sensors = part_of(s.json, "sensors"); sensors.is_array())
@@ -113,13 +120,14 @@ std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, co
       if (s.value("name", "") == name) return s;
     return nothing;
   };
+  const auto scores = [&](const Json& json) -> const Json& { return same_mesh ? own_mesh(json) : json; };
   std::vector<ComparedRow> rows;
   for (const auto& name : names.all())
     rows.push_back(row(
-        name, summaries, [&](const Json& j) { return number_of(sensor_of(j, name), key); },
-        [&](const Json& j) { return number_of(sensor_of(j, name), "nominal_" + key); }));
+        name, summaries, [&](const Json& j) { return number_of(sensor_of(scores(j), name), key); },
+        [&](const Json& j) { return number_of(sensor_of(scores(j), name), "nominal_" + key); }));
   rows.push_back(row(
-      "mean", summaries, [&](const Json& j) { return number_of(j, key); }, [&](const Json& j) { return number_of(j, "nominal_" + key); }));
+      "mean", summaries, [&](const Json& j) { return number_of(scores(j), key); }, [&](const Json& j) { return number_of(scores(j), "nominal_" + key); }));
   return rows;
 }
 
@@ -179,7 +187,10 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
     if (c.mae_unit.empty() && part_of(s.json, "mae_unit").is_string()) c.mae_unit = s.json["mae_unit"].get<std::string>();
   }
   c.parameters = parameter_rows(summaries);
-  c.accuracy = score_rows(summaries, "accuracy"), c.mae = score_rows(summaries, "mae");
+  const auto corrected = std::count_if(summaries.begin(), summaries.end(), [](const auto& s) { return &own_mesh(s.json) != &s.json; });
+  const bool all = corrected > 0 && std::size_t(corrected) == summaries.size();
+  c.scores_on = corrected == 0 ? "" : all ? "half the element size" : "the case's own mesh";
+  c.accuracy = score_rows(summaries, "accuracy", !all), c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));
   judge(c);

@@ -59,7 +59,7 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
   Json j;
   j["methods"] = c.methods;
   j["parameters"] = rows_json(c, c.parameters, true);
-  j["accuracy"] = rows_json(c, c.accuracy, false), j["mae"] = rows_json(c, c.mae, false), j["mae_unit"] = c.mae_unit;
+  j["accuracy"] = rows_json(c, c.accuracy, false), j["mae"] = rows_json(c, c.mae, false), j["mae_unit"] = c.mae_unit, j["scores_on"] = c.scores_on;
   j["agreement"] = Json::array();
   for (const auto& p : c.pairs) {
     Json differences = Json::array();
@@ -84,6 +84,7 @@ std::string comparison_text(const Comparison& c) {
   std::string s = table_text(c, "parameter", c.parameters, "{:.6g}", true);
   s += '\n' + table_text(c, "accuracy [%]", c.accuracy, "{:.1f}", false);
   s += '\n' + table_text(c, "mae [" + c.mae_unit + "]", c.mae, "{:.2f}", false);
+  if (!c.scores_on.empty()) s += "  (accuracy and mae on " + c.scores_on + ")\n";
   std::vector<std::vector<std::string>> lines{{"difference"}};
   for (const auto& p : c.pairs) lines[0].push_back(method_label(p.second) + " - " + method_label(p.first));
   for (std::size_t r = 0; r < c.parameters.size(); ++r) {

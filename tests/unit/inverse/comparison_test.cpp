@@ -59,6 +59,22 @@ TEST(Comparison, HoldsTheThreeTablesInTheOrderOfTheCase) {
   EXPECT_EQ(c.effort[0].evaluations_per_second(), 101000);
 }
 
+// A method that corrects its scores for the mesh is compared with one that does not on the mesh that both tell of.
+TEST(Comparison, ScoresAreOfOneMesh) {
+  const Json plain = summary(13300, 1400, 60, 50);
+  Json corrected = summary(13310, 1400, 95, 93);
+  corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}, {"nominal_accuracy", 54}}, {{"name", "B"}, {"accuracy", 73}}}}};
+  const std::vector<MethodSummary> mixed{{"enc", corrected}, {"map", plain}}, alike{{"enc", corrected}, {"spe", corrected}}, none{{"enc", plain}, {"spe", plain}};
+  const auto c = compare_calibrations(mixed);
+  EXPECT_THAT(c.accuracy[0].values, ElementsAre(71, 60));
+  EXPECT_EQ(c.accuracy[0].nominal, 54);
+  EXPECT_THAT(c.accuracy[2].values, ElementsAre(72, 55));
+  EXPECT_THAT(comparison_text(c), HasSubstr("(accuracy and mae on the case's own mesh)"));
+  EXPECT_THAT(compare_calibrations(alike).accuracy[0].values, ElementsAre(95, 95));
+  EXPECT_EQ(compare_calibrations(alike).scores_on, "half the element size");
+  EXPECT_EQ(compare_calibrations(none).scores_on, "");
+}
+
 TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {
   const std::vector<MethodSummary> all{{"enc", summary(13300, 1400, 85, 75)}, {"map", map_summary(13400, 1390)}};
   const auto c = compare_calibrations(all);
