@@ -7,6 +7,7 @@
 #include <list>
 
 #include "base/random.hpp"
+#include "inverse/mesh_pairs.hpp"
 #include "inverse/refined_model.hpp"
 
 namespace calomel {
@@ -166,12 +167,7 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
 void judge_mesh(MapSummary& out, const Problem& problem, const MeshError& mesh, const Likelihood& likelihood, const MeshEvidence& at) {
   MapRefinement& record = out.refinement;
   const Eigen::VectorXd d = mesh.difference(out.theta);
-  const auto n = Eigen::Index(problem.shape.times.size());
-  for (const auto& o : problem.observations) {
-    const auto first = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
-    record.mesh_difference +=
-        d.segment(first, n).norm() / Eigen::Map<const Eigen::VectorXd>(at.history.data() + first, n).norm() / double(problem.observations.size());
-  }
+  record.mesh_difference = relative_difference(problem, d, at.history);
   const auto& errors = likelihood.errors();
   const Eigen::VectorXd halved = errors.whiten(likelihood.grid().apply(Eigen::VectorXd(-0.5 * d)));
   const Eigen::VectorXd move = -at.covariance * (at.jacobian.transpose() * halved);

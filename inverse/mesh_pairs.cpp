@@ -24,17 +24,6 @@ void append(Eigen::MatrixXd& m, const Eigen::VectorXd& column) {
 
 Eigen::VectorXd values_of(const std::vector<float>& v) { return Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>(); }
 
-/// Mean over the observations of |difference| / |history|.
-double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history) {
-  const auto n = Eigen::Index(problem.shape.times.size());
-  double sum = 0;
-  for (const auto& o : problem.observations) {
-    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
-    sum += difference.segment(at, n).norm() / Eigen::Map<const Eigen::VectorXd>(history.data() + at, n).norm();
-  }
-  return sum / double(problem.observations.size());
-}
-
 /// "density -1.2 %, tensile_cutoff +3.0 %": from the answer without the shift to the one with it.
 std::string moves(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to) {
   std::vector<std::string> words;
@@ -45,6 +34,16 @@ std::string moves(const ModelShape& shape, const std::vector<double>& from, cons
 }
 
 }  // namespace
+
+double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history) {
+  const auto n = Eigen::Index(problem.shape.times.size());
+  double sum = 0;
+  for (const auto& o : problem.observations) {
+    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
+    sum += difference.segment(at, n).norm() / Eigen::Map<const Eigen::VectorXd>(history.data() + at, n).norm();
+  }
+  return sum / double(problem.observations.size());
+}
 
 FieldInfo mesh_pairs_info() {
   return {.range = between(0, 20),

@@ -20,6 +20,9 @@ struct RunSource {
   bool has_finer = false;
 };
 
+/// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
+double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
+
 /// Of the options mesh_pairs and mesh_beyond of a calibration.
 FieldInfo mesh_pairs_info();
 FieldInfo mesh_beyond_info();

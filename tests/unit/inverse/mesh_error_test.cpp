@@ -29,6 +29,25 @@ struct Seen {
   }
 };
 
+/// Outputs about 3 of a Gaussian process of unit variance at n points of the square, with a nugget.
+struct Drawn {
+  Eigen::MatrixXd theta, outputs;
+};
+Drawn drawn(RandomStream& random, int n, int outputs, double nugget) {
+  Drawn d{Eigen::MatrixXd(2, n), Eigen::MatrixXd(outputs, n)};
+  for (int i = 0; i < n; ++i) d.theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
+  Eigen::MatrixXd r(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) r(i, j) = std::exp(-0.5 * ((d.theta.col(i) - d.theta.col(j)) / 2).squaredNorm() / (0.4 * 0.4)) + (i == j ? nugget : 0.0);
+  const Eigen::MatrixXd l = r.llt().matrixL();
+  for (int k = 0; k < outputs; ++k) {
+    Eigen::VectorXd e(n);
+    for (auto& v : e) v = random.normal();
+    d.outputs.row(k) = (l * e).transpose().array() + 3;
+  }
+  return d;
+}
+
 TEST(Kriging, WeightsSumToOneAndReproduceSmoothOutputs) {
   const Seen seen(14, 0, 9);
   const Kriging k(square, seen.theta, seen.outputs);
@@ -63,21 +82,7 @@ TEST(Kriging, ErrorsOfPredictionsAreWhatItsVarianceSays) {
   for (int set = 0; set < 60; ++set) {
     RandomStream random(77, std::uint64_t(set));
     const int n = 12, outputs = 5;
-    Eigen::MatrixXd theta(2, n + 1);
-    for (int i = 0; i <= n; ++i) theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
-    Eigen::MatrixXd r(n + 1, n + 1);
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j) {
-        const Eigen::Vector2d d = (theta.col(i) - theta.col(j)) / 2;
-        r(i, j) = std::exp(-0.5 * d.squaredNorm() / (0.4 * 0.4)) + (i == j ? 0.04 : 0.0);
-      }
-    const Eigen::MatrixXd l = r.llt().matrixL();
-    Eigen::MatrixXd y(outputs, n + 1);
-    for (int k = 0; k < outputs; ++k) {
-      Eigen::VectorXd e(n + 1);
-      for (auto& v : e) v = random.normal();
-      y.row(k) = (l * e).transpose().array() + 3;
-    }
+    const auto [theta, y] = drawn(random, n + 1, outputs, 0.04);
     const Kriging k(square, theta.leftCols(n), y.leftCols(n));
     const std::vector<double> at{theta(0, n), theta(1, n)};
     const Eigen::VectorXd error = y.col(n) - y.leftCols(n) * k.weights(at);
@@ -97,17 +102,7 @@ TEST(Kriging, TheSmoothPartIsKnownBetterThanOneMoreOutput) {
   for (int set = 0; set < 80; ++set) {
     RandomStream random(78, std::uint64_t(set));
     const int n = 12, outputs = 6;
-    Eigen::MatrixXd theta(2, n + 1), r(n + 1, n + 1);
-    for (int i = 0; i <= n; ++i) theta.col(i) << random.uniform(0, 2), random.uniform(-1, 1);
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j) r(i, j) = std::exp(-0.5 * ((theta.col(i) - theta.col(j)) / 2).squaredNorm() / (0.4 * 0.4)) + (i == j ? 1e-9 : 0.0);
-    const Eigen::MatrixXd l = r.llt().matrixL();
-    Eigen::MatrixXd y(outputs, n + 1);
-    for (int k = 0; k < outputs; ++k) {
-      Eigen::VectorXd e(n + 1);
-      for (auto& v : e) v = random.normal();
-      y.row(k) = (l * e).transpose().array() + 3;
-    }
+    const auto [theta, y] = drawn(random, n + 1, outputs, 1e-9);
     Eigen::MatrixXd seen = y.leftCols(n);
     for (auto& v : seen.reshaped()) v += std::sqrt(0.4) * random.normal();
     const Kriging k(square, theta.leftCols(n), seen);
