@@ -1,12 +1,9 @@
 #pragma once
 /// Errors of three kinds: the user's (InputError), the numerics' (NumericsError) and our own (contract failures).
-#include <algorithm>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace calomel {
 
@@ -28,27 +25,10 @@ class InputError : public std::runtime_error {
     int column = 0;          ///< counted from 1; 0 = not known
   };
 
-  explicit InputError(Parts parts) : std::runtime_error(text(parts)), parts_(std::move(parts)) {}
+  explicit InputError(Parts parts);
   [[nodiscard]] const Parts& parts() const { return parts_; }
 
  private:
-  static std::string text(const Parts& p) {
-    std::string s;
-    if (!p.file.empty()) {
-      s += p.file;
-      if (p.line > 0) s += ':' + std::to_string(p.line);
-      if (p.line > 0 && p.column > 0) s += ':' + std::to_string(p.column);
-      s += ": ";
-    }
-    if (!p.key.empty())
-      s += p.key + (p.value.empty() ? "" : " = " + p.value) + ": ";
-    else if (!p.value.empty())
-      s += p.value + ": ";
-    s += p.problem;
-    if (!p.range.empty()) s += " (allowed: " + p.range + ")";
-    if (!p.suggestion.empty()) s += "; " + p.suggestion;
-    return s;
-  }
   Parts parts_;
 };
 
@@ -70,41 +50,20 @@ class ContractFailure : public std::logic_error {
   using std::logic_error::logic_error;
 };
 
+[[noreturn]] void fail_contract(const char* what, const char* file, int line);
+
 /// Throws ContractFailure with the caller's place in the source when `holds` is false. (Builtins, because clang 14 has no std::source_location.)
 inline void expect(bool holds, const char* what, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
-  if (!holds) throw ContractFailure(std::string(file) + ':' + std::to_string(line) + ": " + what);
+  if (!holds) fail_contract(what, file, line);
 }
 
 /// Edit distance of two names (Levenshtein 1966), a neighbouring swap counting as one edit.
-inline std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before, previous(b.size() + 1), current(b.size() + 1);
-  std::iota(previous.begin(), previous.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    current[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      current[j] = std::min({previous[j] + 1, current[j - 1] + 1, previous[j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) current[j] = std::min(current[j], before[j - 2] + 1);
-    }
-    before = previous;
-    std::swap(previous, current);
-  }
-  return previous[b.size()];
-}
+std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The known name nearest to `name`; empty when there is none at all.
-inline std::string nearest_name(std::string_view name, std::span<const std::string> known) {
-  std::string best;
-  std::size_t distance = std::string_view::npos;
-  for (const auto& k : known)
-    if (const auto d = edit_distance(name, k); d < distance) distance = d, best = k;
-  return best;
-}
+std::string nearest_name(std::string_view name, std::span<const std::string> known);
 
 /// "a, b, c"
-inline std::string join(std::span<const std::string> words, std::string_view between = ", ") {
-  std::string s;
-  for (const auto& w : words) s += (s.empty() ? "" : std::string(between)) + w;
-  return s;
-}
+std::string join(std::span<const std::string> words, std::string_view between = ", ");
 
 }  // namespace calomel

@@ -30,7 +30,7 @@ std::string moves(const ModelShape& shape, const std::vector<double>& from, cons
   for (std::size_t k = 0; k < from.size(); ++k)
     words.push_back(from[k] != 0 ? fmt::format("{} {:+.1f} %", shape.parameters[k].name, 100 * (to[k] / from[k] - 1))
                                  : fmt::format("{} {:+.4g}", shape.parameters[k].name, to[k]));
-  return fmt::format("{}", fmt::join(words, ", "));
+  return join(words);
 }
 
 }  // namespace

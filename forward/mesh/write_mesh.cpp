@@ -96,7 +96,7 @@ class ExodusFile {
 void write_abaqus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   const SharedMesh shared(mesh);
   std::string text = "*HEADING\nnodes in metres; steel and mercury share the nodes of wetted faces\n*NODE\n";
-  const auto add = [&]<class... A>(fmt::format_string<A...> form, A&&... values) { fmt::format_to(std::back_inserter(text), form, std::forward<A>(values)...); };
+  const auto add = [&]<class... A>(fmt::format_string<A...> form, A&&... values) { text += fmt::format(form, std::forward<A>(values)...); };
   for (std::size_t n = 0; n < shared.nodes.size(); ++n) add("{}, {}, {}, {}\n", n + 1, short_number(shared.nodes[n][0]), short_number(shared.nodes[n][1]), short_number(shared.nodes[n][2]));
   for (std::size_t b = 0; b < 2; ++b) {
     if (shared.block[b].empty()) continue;

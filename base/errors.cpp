@@ -1,0 +1,63 @@
+#include "base/errors.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace calomel {
+namespace {
+
+std::string text(const InputError::Parts& p) {
+  std::string s;
+  if (!p.file.empty()) {
+    s += p.file;
+    if (p.line > 0) s += ':' + std::to_string(p.line);
+    if (p.line > 0 && p.column > 0) s += ':' + std::to_string(p.column);
+    s += ": ";
+  }
+  if (!p.key.empty())
+    s += p.key + (p.value.empty() ? "" : " = " + p.value) + ": ";
+  else if (!p.value.empty())
+    s += p.value + ": ";
+  s += p.problem;
+  if (!p.range.empty()) s += " (allowed: " + p.range + ")";
+  if (!p.suggestion.empty()) s += "; " + p.suggestion;
+  return s;
+}
+
+}  // namespace
+
+InputError::InputError(Parts parts) : std::runtime_error(text(parts)), parts_(std::move(parts)) {}
+
+void fail_contract(const char* what, const char* file, int line) { throw ContractFailure(std::string(file) + ':' + std::to_string(line) + ": " + what); }
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before, previous(b.size() + 1), current(b.size() + 1);
+  std::iota(previous.begin(), previous.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    current[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      current[j] = std::min({previous[j] + 1, current[j - 1] + 1, previous[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) current[j] = std::min(current[j], before[j - 2] + 1);
+    }
+    before = previous;
+    std::swap(previous, current);
+  }
+  return previous[b.size()];
+}
+
+std::string nearest_name(std::string_view name, std::span<const std::string> known) {
+  std::string best;
+  std::size_t distance = std::string_view::npos;
+  for (const auto& k : known)
+    if (const auto d = edit_distance(name, k); d < distance) distance = d, best = k;
+  return best;
+}
+
+std::string join(std::span<const std::string> words, std::string_view between) {
+  std::string s;
+  for (const auto& w : words) s += (s.empty() ? "" : std::string(between)) + w;
+  return s;
+}
+
+}  // namespace calomel
