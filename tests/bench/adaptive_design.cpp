@@ -193,7 +193,7 @@ void errors(const Words& w) {
   const double one = double(study.campaign.pulses) * double(d.elements) * double(d.steps);
   const double fine = finer ? double(study.campaign.pulses) * double(finer->describe().elements) * double(finer->describe().steps) : 0;
   fmt::print("{} runs over the bounds, {} about the reference; an ensemble mean is {:.3g} element-steps, one of half the element size {:.3g}\n\n", truth.wide, truth.theta.cols() - truth.wide, one, fine);
-  fmt::print("| directory | surrogate | campaign | added | with a finer partner | runs of the calibration | element-steps | R2 over the bounds | error over the bounds | error near the optimum | "
+  fmt::print("| directory | surrogate | campaign | added | with a finer partner | candidates and polish | element-steps | R2 over the bounds | error over the bounds | error near the optimum | "
              "error over floor: median, worst | gauges and windows below half the floor | distance from the reference [sd] |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (std::size_t i = 4; i < w.plain.size(); ++i) {
     const path out = w.plain[i];
@@ -215,7 +215,7 @@ void errors(const Words& w) {
     std::string distance;
     if (fitted) distance = fmt::format("{:.2f}", (fit.theta - reference.theta).cwiseQuotient(reference.covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff());
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.3g} | {:.4f} | {:.2f} % | {:.2f} % | {:.2f}, {:.2f} | {:.0f} % | {} |\n", out.filename().string(), surrogate->kind(), runs, fit.added, fit.pairs,
-               fit.model_runs, one * (runs + fit.model_runs) + fine * fit.pairs, fit_metrics(all.leftCols(truth.wide), truth.values.leftCols(truth.wide)).r2,
+               fit.model_runs, one * (runs + fit.added + fit.model_runs) + fine * fit.pairs, fit_metrics(all.leftCols(truth.wide), truth.values.leftCols(truth.wide)).r2,
                100 * median_relative(all.leftCols(truth.wide), truth.values.leftCols(truth.wide)), 100 * median_relative(all.rightCols(local), truth.values.rightCols(local)),
                ratios[ratios.size() / 2], ratios.back(), 100 * below, distance);
   }
