@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Spread of the calibrations of 02_box_slice over seeds and over noise realisations. Needs Python 3 alone.
 
-  calibration_spread.py BUILD_DIR WORK_DIR [--seeds 20] [--noises 5] [--full] [--methods enc,spe,map] [--set table.key=value]... [--threads N]
+  calibration_spread.py BUILD_DIR WORK_DIR [--seeds 20] [--noises 5] [--full] [--methods enc,spe,map] [--set table.key=value]... [--threads N] [--finished]
 
 Noise realisations are recordings made anew from the same truth with other seeds; seeds are those of the campaign's design, the training and the searches.
 By default every seed meets the first realisation and every realisation the first seed; --full takes all pairs. A call that is cut off goes on where it
-stopped. After each pair calibrations.csv in WORK_DIR holds a row for every calibration so far. It ends with a Markdown table of mean and standard deviation, in
+stopped; --finished calibrates nothing and tabulates what stands. After each pair calibrations.csv in WORK_DIR holds a row for every calibration so far. It ends with a Markdown table of mean and standard deviation, in
 percent of the truth; for methods that report a covariance of the distance in their own deviations (over the three parameters and the impedance), and how many
 pass: the impedance within 1 % or two reported deviations, whichever is more, and the logarithm of the cutoff within 0.25.
 """
@@ -33,6 +33,7 @@ def arguments():
     p.add_argument("--methods", default="enc,spe,map")
     p.add_argument("--set", action="append", default=[], dest="overrides")
     p.add_argument("--threads", default="2")
+    p.add_argument("--finished", action="store_true")
     return p.parse_args()
 
 
@@ -126,11 +127,16 @@ def main():
     found = {}
     for s, k in pairs:
         out, begun = os.path.join(args.work, f"pair_{s}_{k}"), time.monotonic()
-        study(args, case, s, realisation(k, truth_text, case, recorder, args.work), out)
+        if not args.finished:
+            study(args, case, s, realisation(k, truth_text, case, recorder, args.work), out)
         for m in methods:
-            found[m, s, k] = answer(out, m, truth)
+            if not args.finished or os.path.exists(os.path.join(out, m + ".json")):
+                found[m, s, k] = answer(out, m, truth)
+        if args.finished:
+            continue
         write_rows(os.path.join(args.work, "calibrations.csv"), found, truth)
         print(f"seed {s}, noise {k} done in {time.monotonic() - begun:.0f} s", flush=True)
+    write_rows(os.path.join(args.work, "calibrations.csv"), found, truth)
     print_table(found, methods, truth)
 
 
