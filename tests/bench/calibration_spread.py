@@ -129,14 +129,11 @@ def main():
         out, begun = os.path.join(args.work, f"pair_{s}_{k}"), time.monotonic()
         if not args.finished:
             study(args, case, s, realisation(k, truth_text, case, recorder, args.work), out)
+            print(f"seed {s}, noise {k} done in {time.monotonic() - begun:.0f} s", flush=True)
         for m in methods:
             if not args.finished or os.path.exists(os.path.join(out, m + ".json")):
                 found[m, s, k] = answer(out, m, truth)
-        if args.finished:
-            continue
         write_rows(os.path.join(args.work, "calibrations.csv"), found, truth)
-        print(f"seed {s}, noise {k} done in {time.monotonic() - begun:.0f} s", flush=True)
-    write_rows(os.path.join(args.work, "calibrations.csv"), found, truth)
     print_table(found, methods, truth)
 
 
@@ -147,6 +144,8 @@ def print_table(found, methods, truth):
         of = {(s, k): r for (m, s, k), r in found.items() if m == method}
         for name, group in (("all", list(of)), ("seeds, first noise", [p for p in of if p[1] == 0]), ("noises, first seed", [p for p in of if p[0] == 1])):
             results = [of[p] for p in group]
+            if not results:
+                continue
             cells = []
             for n in truth:
                 m, sd = mean_sd([100 * (r["value"][n] / truth[n] - 1) for r in results])
