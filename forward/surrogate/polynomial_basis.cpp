@@ -1,6 +1,7 @@
 #include "forward/surrogate/polynomial_basis.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -12,11 +13,12 @@ namespace {
 
 /// Whether products that begin with these degrees belong to the space.
 bool belongs(const PolynomialSpace& space, std::span<const int> degrees) {
-  long sum = 0, product = 1;
+  long sum = 0, product = 1, levels = 0;
   int largest = 0;
-  for (const int i : degrees) sum += i, product *= i + 1, largest = std::max(largest, i);
+  for (const int i : degrees) sum += i, product *= i + 1, largest = std::max(largest, i), levels += sparse_grid_level(i);
   if (space.kind == "total_degree") return sum <= space.order;
   if (space.kind == "tensor_product") return largest <= space.order;
+  if (space.kind == "sparse_grid") return levels <= space.order;
   expect(space.kind == "hyperbolic_cross", "the kind of a polynomial space is known");
   return product <= space.order + 1;
 }
@@ -55,6 +57,8 @@ Eigen::MatrixXi PolynomialSpace::degrees(std::size_t dimensions) const {
   });
   return Eigen::Map<const Eigen::MatrixXi>(all.data(), Eigen::Index(dimensions), Eigen::Index(all.size() / dimensions));
 }
+
+int sparse_grid_level(int degree) { return degree == 0 ? 0 : std::max(1, int(std::bit_width(unsigned(degree - 1)))); }
 
 void chebyshev(double x, std::span<double> value, std::span<double> slope) {
   // T_k and T_k' = k U_{k-1} by their three-term recurrences.

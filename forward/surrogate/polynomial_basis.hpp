@@ -10,7 +10,9 @@ namespace calomel {
 
 /// Which products of one-dimensional polynomials of degrees (i_1, ..., i_d) are taken.
 struct PolynomialSpace {
-  std::string kind = "total_degree";  ///< total_degree: sum i_k <= order; tensor_product: max i_k <= order; hyperbolic_cross: prod (i_k + 1) <= order + 1
+  /// total_degree: sum i_k <= order; tensor_product: max i_k <= order; hyperbolic_cross: prod (i_k + 1) <= order + 1; sparse_grid: sum l(i_k) <= order,
+  /// l(i) the sparse_grid_level of the degree: the union of all boxes i_k <= g(l_k) with levels sum l_k <= order, g(0) = 0, g(l) = 2^l.
+  std::string kind = "total_degree";
   int order = 10;
 
   [[nodiscard]] std::string name() const { return kind + " " + std::to_string(order); }
@@ -19,6 +21,10 @@ struct PolynomialSpace {
   /// Degrees of every product, in lexicographic order: the constant comes first. Shape (dimensions, terms).
   [[nodiscard]] Eigen::MatrixXi degrees(std::size_t dimensions) const;
 };
+
+/// Least level l >= 0 of a nested Clenshaw-Curtis rule (1, 3, 5, 9, 17, ... nodes) whose interpolant holds polynomials of this degree >= 0:
+/// 0 for the constant, otherwise the least l >= 1 with 2^l >= degree.
+int sparse_grid_level(int degree);
 
 /// Psi_0 .. Psi_order at x in [-1, 1] and their derivatives: Psi_0 = 1, Psi_k = sqrt(2) T_k, orthonormal under dx / (pi sqrt(1 - x^2)).
 /// value, slope: (order + 1); slope may be empty.

@@ -17,6 +17,7 @@ struct SpeOptions {
   std::vector<int> total_degree{10, 11, 12, 13, 14, 15, 16, 17, 18};
   std::vector<int> tensor_product{5, 6, 7, 8, 9, 10, 11};
   std::vector<int> hyperbolic_cross{};
+  std::vector<int> sparse_grid{};
   std::vector<int> adaptive{};
   int most_terms = 10000;
   std::string lambda_scale = "cross_validation";
@@ -46,6 +47,8 @@ struct SpeOptions {
     v("total_degree", total_degree, {.range = between(1, 40), .doc = "orders of the total-degree spaces"});
     v("tensor_product", tensor_product, {.range = between(1, 40), .doc = "orders of the tensor-product spaces"});
     v("hyperbolic_cross", hyperbolic_cross, {.range = between(1, 1000), .doc = "orders of the hyperbolic-cross spaces, for many parameters"});
+    v("sparse_grid", sparse_grid,
+      {.range = between(1, 12), .doc = "levels of the spaces of Smolyak's construction: high degrees in one parameter at a time, low ones in products"});
     v("adaptive", adaptive,
       {.range = between(1, 100), .doc = "rounds of adaptive spaces, which grow where the fit puts its weight and keep the set with the least cross-validated error"});
     v("most_terms", most_terms, {.range = between(10, 1e5), .doc = "spaces with more terms than this are left out with a warning"});

@@ -83,9 +83,9 @@ double transformed(const std::string& transform, double cost) { return transform
 double restored(const std::string& transform, double value) { return transform == "log" ? std::exp(value) : value; }
 
 void SpeOptions::validate() const {
-  if (total_degree.empty() && tensor_product.empty() && hyperbolic_cross.empty() && adaptive.empty())
+  if (total_degree.empty() && tensor_product.empty() && hyperbolic_cross.empty() && sparse_grid.empty() && adaptive.empty())
     throw InputError(
-        {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, or rounds of adaptive"});
+        {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, levels of sparse_grid or rounds of adaptive"});
 }
 
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,
@@ -103,11 +103,12 @@ SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOpt
     }
   };
   list("total_degree", options.total_degree), list("tensor_product", options.tensor_product), list("hyperbolic_cross", options.hyperbolic_cross);
+  list("sparse_grid", options.sparse_grid);
   for (const int rounds : options.adaptive) out.spaces.push_back({.space = {adaptive_kind, rounds}});
   if (out.spaces.empty())
     throw InputError({.problem = fmt::format("every listed space has more than {} terms in {} parameters", options.most_terms, d),
                       .key = "spe.total_degree",
-                      .suggestion = "list lower orders, or spe.hyperbolic_cross"});
+                      .suggestion = "list lower orders, or spe.hyperbolic_cross or spe.sparse_grid"});
   if (!too_large.empty()) out.warnings.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", options.most_terms, join(too_large)));
   std::vector<std::vector<SparsePolynomial>> fits(out.spaces.size());
   std::mutex lock;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "base/case_file.hpp"
@@ -318,6 +319,28 @@ TEST(Spe, SpacesThatAreTooLargeAreLeftOut) {
   EXPECT_THROW((void)run_spe(c.problem, c.archive, c.model, o, 1, 2), InputError);
   o = small(), o.hyperbolic_cross = {8}, o.total_degree = {}, o.tensor_product = {};
   EXPECT_LT(away(run_spe(c.problem, c.archive, c.model, o, 1, 2).theta), 0.2);
+}
+
+TEST(Spe, ASparseGridSpaceRecoversWhatLiesInItAndNothingElse) {
+  RandomStream random(11, 0);
+  const auto held_out_error = [&](int first, int second, int third) {
+    ScatteredData data;
+    data.units = Eigen::MatrixXd::NullaryExpr(3, 150, [&] { return 0.5 - 0.5 * std::cos(std::numbers::pi * random.uniform()); });
+    data.values.resize(150), data.weights = Eigen::VectorXd::Ones(150);
+    const auto t = [](int k, double u) { return std::cos(k * std::acos(2 * u - 1)); };
+    for (Eigen::Index i = 0; i < 150; ++i)
+      data.values[i] = 5 + 2 * t(first, data.units(0, i)) * t(second, data.units(1, i)) * t(third, data.units(2, i)) - 1.5 * t(4, data.units(2, i));
+    for (std::size_t i = 0; i < 150; ++i) (i % 5 == 0 ? data.validation : data.train).push_back(i);
+    SpeOptions o;
+    o.total_degree = {}, o.tensor_product = {}, o.sparse_grid = {4}, o.lambda_scale = "lambda_max", o.lambdas = {1e-5};
+    const auto fitted = fit_sparse_polynomials(data, o, 1, 1);
+    EXPECT_EQ(fitted.spaces.at(0).terms, 177u);
+    return fitted.surrogates.at(0).validation.rrmse;
+  };
+  EXPECT_LT(held_out_error(8, 2, 0), 1e-4);   // levels 3, 1, 0
+  EXPECT_LT(held_out_error(16, 0, 0), 1e-4);  // beyond every total degree of so few terms
+  EXPECT_GT(held_out_error(3, 3, 1), 0.05);   // levels 2, 2, 1: outside, though of lower total degree
+  EXPECT_GT(held_out_error(17, 0, 0), 0.05);
 }
 
 TEST(Spe, TheLogarithmIsUndone) {

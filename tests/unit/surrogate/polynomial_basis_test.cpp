@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "base/random.hpp"
 
@@ -25,8 +26,8 @@ TEST(PolynomialBasis, IsOrthonormalUnderTheChebyshevMeasure) {
   const auto node = [](Eigen::Index i) { return 0.5 + 0.5 * std::cos(std::numbers::pi * (double(i) + 0.5) / double(n)); };
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) nodes.col(i * n + j) << node(i), node(j);
-  for (const char* kind : {"total_degree", "tensor_product", "hyperbolic_cross"}) {
-    const auto degrees = PolynomialSpace{kind, 15}.degrees(2);
+  for (const char* kind : {"total_degree", "tensor_product", "hyperbolic_cross", "sparse_grid"}) {
+    const auto degrees = PolynomialSpace{kind, std::string(kind) == "sparse_grid" ? 3 : 15}.degrees(2);
     const Eigen::MatrixXd a = basis_matrix(degrees, nodes);
     const Eigen::MatrixXd gram = a.transpose() * a / double(n * n);
     EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-12) << kind;
@@ -46,6 +47,53 @@ TEST(PolynomialBasis, HasThePublishedNumbersOfTerms) {
   const auto cross = PolynomialSpace{"hyperbolic_cross", 3}.degrees(2);      // (i+1)(j+1) <= 4
   EXPECT_EQ(cross.cols(), 8);
   EXPECT_EQ(cross.col(0), Eigen::Vector2i(0, 0));
+}
+
+TEST(SparseGridSpace, HasAsManyTermsAsTheSparseGridHasNodes) {
+  // Nodes of the Clenshaw-Curtis sparse grids of levels 0, 1, 2, ..., as tabulated since Novak and Ritter (1996).
+  const auto sizes = [](std::size_t d, int levels) {
+    std::vector<std::size_t> n;
+    for (int l = 0; l <= levels; ++l) n.push_back(PolynomialSpace{"sparse_grid", l}.terms(d, 1000000));
+    return n;
+  };
+  EXPECT_EQ(sizes(1, 5), (std::vector<std::size_t>{1, 3, 5, 9, 17, 33}));
+  EXPECT_EQ(sizes(2, 6), (std::vector<std::size_t>{1, 5, 13, 29, 65, 145, 321}));
+  EXPECT_EQ(sizes(3, 7), (std::vector<std::size_t>{1, 7, 25, 69, 177, 441, 1073, 2561}));
+  EXPECT_EQ(sizes(10, 4), (std::vector<std::size_t>{1, 21, 221, 1581, 8801}));
+  // Closed form: a level of one dimension adds 1, 2, 2, 4, 8, ... degrees; sums of their products over |l|_1 <= L.
+  for (std::size_t d = 1; d <= 6; ++d) {
+    std::vector<std::size_t> by_level{1, 0, 0, 0, 0};
+    for (std::size_t k = 0; k < d; ++k) {
+      std::vector<std::size_t> more(5, 0);
+      for (std::size_t l = 0; l < 5; ++l)
+        for (std::size_t m = 0; l + m < 5; ++m) more[l + m] += by_level[l] * (m == 0 ? 1 : m == 1 ? 2 : std::size_t(1) << (m - 1));
+      by_level = more;
+    }
+    std::size_t all = 0;
+    for (int l = 0; l < 5; ++l) EXPECT_EQ(PolynomialSpace({"sparse_grid", l}).terms(d, 1000000), all += by_level[std::size_t(l)]) << d << ' ' << l;
+  }
+}
+
+TEST(SparseGridSpace, IsTheUnionOfItsBoxesAndClosedDownwards) {
+  const auto reach = [](int level) { return level == 0 ? 0 : 1 << level; };
+  std::set<std::vector<int>> boxes;
+  for (int a = 0; a <= 4; ++a)
+    for (int b = 0; a + b <= 4; ++b)
+      for (int c = 0; a + b + c <= 4; ++c)
+        for (int i = 0; i <= reach(a); ++i)
+          for (int j = 0; j <= reach(b); ++j)
+            for (int k = 0; k <= reach(c); ++k) boxes.insert({i, j, k});
+  const auto degrees = PolynomialSpace{"sparse_grid", 4}.degrees(3);
+  std::set<std::vector<int>> space;
+  for (Eigen::Index t = 0; t < degrees.cols(); ++t) space.insert({degrees(0, t), degrees(1, t), degrees(2, t)});
+  EXPECT_EQ(space, boxes);
+  EXPECT_EQ(Eigen::Index(space.size()), degrees.cols());  // every product once
+  EXPECT_EQ(degrees.col(0), Eigen::Vector3i(0, 0, 0));
+  for (const auto& product : space)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (auto below = product; below[k]-- > 0) EXPECT_TRUE(space.contains(below)) << product[0] << ' ' << product[1] << ' ' << product[2];
+  EXPECT_TRUE(space.contains({0, 16, 0}) && space.contains({8, 0, 2}) && space.contains({4, 2, 2}));
+  EXPECT_FALSE(space.contains({17, 0, 0}) || space.contains({9, 2, 0}) || space.contains({4, 4, 1}));
 }
 
 TEST(Expansion, IsTheSumOfItsTerms) {
