@@ -1,5 +1,6 @@
 #include "inverse/likelihood/decimation.hpp"
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <limits>
 #include <numbers>
