@@ -48,7 +48,16 @@ AnswerErrors answer_errors(const Problem& problem, const Recordings& recordings,
 
 DrawnErrors::DrawnErrors(const Problem& problem, const AnswerErrors& errors, std::span<const double> theta, std::span<const double> prediction, std::uint64_t seed)
     : problem_(problem), errors_(errors), seed_(seed), residual_(errors.records.without_shift().residual(theta, prediction)),
-      records_root_(root_of(errors.records.covariance())), run_root_(root_of(errors.run)), surrogate_root_(root_of(errors.surrogate)) {}
+      records_root_(root_of(errors.records.covariance())), run_root_(root_of(errors.run)), surrogate_root_(root_of(errors.surrogate)) {
+  const Eigen::VectorXd within = errors.records.grid().lift(residual_);
+  const std::size_t times = problem.shape.times.size();
+  for (const auto& o : problem.observations) {
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0);
+    const auto predicted = on_record_times(problem, prediction.subspan(at, times)), lifted = on_record_times(problem, {within.data() + at, times});
+    above_.push_back(o.mean);
+    for (std::size_t t = 0; t < predicted.size(); ++t) above_.back()[t] -= predicted[t] + lifted[t];
+  }
+}
 
 DrawnErrors::Records DrawnErrors::records(std::size_t draw) const {
   RandomStream random(seed_, stream + draw * batches);
@@ -60,8 +69,10 @@ DrawnErrors::Records DrawnErrors::records(std::size_t draw) const {
   r.moved = drawn - residual_;
   r.moved_surrogate = r.moved;
   if (surrogate_root_.size()) r.moved_surrogate -= surrogate_root_ * normals(residual_.size(), 1, random);
-  r.of_runs = with_records_moved(r.moved);
-  r.of_surrogate = with_records_moved(r.moved_surrogate);
+  std::vector<bool> flipped;
+  for (std::size_t i = 0; i < above_.size(); ++i) flipped.push_back(random.below(2) == 1);
+  r.of_runs = with_records_moved(r.moved, flipped);
+  r.of_surrogate = with_records_moved(r.moved_surrogate, flipped);
   return r;
 }
 
@@ -71,12 +82,15 @@ Eigen::MatrixXf DrawnErrors::runs(std::size_t draw, std::size_t batch, std::size
   return errors_.records.grid().lift(run_root_ * normals(residual_.size(), Eigen::Index(n), random)).cast<float>();
 }
 
-Problem DrawnErrors::with_records_moved(const Eigen::VectorXd& coarse) const {
+Problem DrawnErrors::with_records_moved(const Eigen::VectorXd& coarse, const std::vector<bool>& flipped) const {
   const Eigen::VectorXd history = errors_.records.grid().lift(coarse);
   Problem p = problem_;
   const std::size_t times = p.shape.times.size();
-  for (auto& o : p.observations) {
-    const auto by = on_record_times(p, {history.data() + p.shape.at(o.condition, o.sensor, 0), times});
+  for (std::size_t i = 0; i < p.observations.size(); ++i) {
+    auto& o = p.observations[i];
+    auto by = on_record_times(p, {history.data() + p.shape.at(o.condition, o.sensor, 0), times});
+    for (std::size_t t = 0; t < by.size(); ++t)
+      if (flipped[i]) by[t] -= 2 * above_[i][t];
     for (std::size_t t = 0; t < by.size(); ++t) {
       o.mean[t] += by[t], o.low[t] += by[t], o.high[t] += by[t];  // absent ones stay NaN
       if (o.compared[t]) o.mean_f[t] = float(o.mean[t]);

@@ -2,6 +2,7 @@
 /// Synthetic records and runs for a parametric bootstrap: the errors of the likelihood's covariance drawn about an answer.
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "inverse/answer_spread.hpp"
 #include "inverse/calibration.hpp"
@@ -25,7 +26,8 @@ using ErrorsAt = std::function<AnswerErrors(std::span<const double> theta, const
                                          const LikelihoodOptions& options, double distance, const MapModels& models, std::span<const double> theta);
 
 /// Records as they might have been were the answer true. Within the band of the likelihood the residual of the mean records is replaced by a draw; what lies
-/// above that band stays as it was recorded. Draw k depends on (seed, k) alone.
+/// above that band, of whose errors only the size is known, keeps it and takes a random sign for each observation (wild bootstrap). Draw k depends on (seed, k)
+/// alone.
 class DrawnErrors {
  public:
   /// `prediction`: (values of the model) at theta, the mesh's shift included. Problem and errors outlive the object.
@@ -41,11 +43,13 @@ class DrawnErrors {
   [[nodiscard]] Eigen::MatrixXf runs(std::size_t draw, std::size_t batch, std::size_t n) const;
 
  private:
-  [[nodiscard]] Problem with_records_moved(const Eigen::VectorXd& coarse) const;
+  /// `flipped`: observations whose residual above the band changes its sign.
+  [[nodiscard]] Problem with_records_moved(const Eigen::VectorXd& coarse, const std::vector<bool>& flipped) const;
   const Problem& problem_;
   const AnswerErrors& errors_;
   std::uint64_t seed_;
   Eigen::VectorXd residual_;
+  std::vector<std::vector<double>> above_;  ///< (observation, record time) residual above the band
   Eigen::MatrixXd records_root_, run_root_, surrogate_root_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "inverse/drawn_errors.hpp"
@@ -77,7 +78,7 @@ TEST(DrawnErrors, TheLeastHistoryHasTheDrawnCoarseValues) {
   EXPECT_LT((grid.apply(grid.lift(z)) - z).cwiseAbs().maxCoeff(), 1e-10);
 }
 
-TEST(DrawnErrors, RecordsHaveTheCovarianceAboutThePredictionAndKeepWhatLiesAboveTheBand) {
+TEST(DrawnErrors, RecordsHaveTheCovarianceAboutThePredictionAndTheSizeOfWhatLiesAboveTheBand) {
   const Linear c(3);
   const auto e = c.errors()(truth, {}, {});
   const auto& grid = e.records.grid();
@@ -92,11 +93,24 @@ TEST(DrawnErrors, RecordsHaveTheCovarianceAboutThePredictionAndKeepWhatLiesAbove
   EXPECT_NEAR(seen.trace() / expected.trace(), 1, 0.15);
   const Eigen::VectorXd smooth = Eigen::VectorXd::Ones(middle.size());
   EXPECT_NEAR(smooth.dot(seen * smooth) / smooth.dot(expected * smooth), 1, 0.25);  // 4 sd of the mean of n squares
-  // Above the band: what the filter takes out of the difference between two draws is nothing new.
-  const auto a = drawn.records(0).of_runs, b = drawn.records(1).of_runs;
-  Eigen::VectorXd difference(300);
-  for (Eigen::Index t = 0; t < 300; ++t) difference[t] = a.observations[0].mean[std::size_t(t)] - b.observations[0].mean[std::size_t(t)];
-  EXPECT_LT((difference - grid.lift(grid.apply(difference))).norm(), 1e-9 * difference.norm());
+  // Above the band the recorded residual stands, with either sign.
+  const auto above = [&](const Problem& problem) {
+    Eigen::VectorXd r(300);
+    for (Eigen::Index t = 0; t < 300; ++t) r[t] = problem.observations[0].mean[std::size_t(t)] - prediction[std::size_t(t)];
+    return Eigen::VectorXd(r - grid.lift(grid.apply(r)));
+  };
+  const Eigen::VectorXd recorded_above = above(c.problem);
+  EXPECT_GT(recorded_above.norm(), 1);
+  int flipped = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const Eigen::VectorXd r = above(drawn.records(k).of_runs);
+    const bool other = r.dot(recorded_above) < 0;
+    flipped += other;
+    EXPECT_LT((r - (other ? -1 : 1) * recorded_above).norm(), 1e-9 * recorded_above.norm());
+  }
+  EXPECT_GT(flipped, 8);
+  EXPECT_LT(flipped, 32);
+  const auto a = drawn.records(0).of_runs;
   EXPECT_NEAR(a.observations[0].high[50] - a.observations[0].low[50], c.problem.observations[0].high[50] - c.problem.observations[0].low[50], 1e-12);
   EXPECT_EQ(drawn.records(0).moved, drawn.records(0).moved);
   EXPECT_EQ(drawn.runs(0, 0, 2).norm(), 0);  // no floor, no error of runs
