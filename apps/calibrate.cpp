@@ -67,7 +67,8 @@ void Stages::compare() {
 bool Stages::draws_errors(const std::string& method) const { return (method == "enc" && study_.enc.draws > 0) || (method == "spe" && study_.spe.draws > 0); }
 
 bool Stages::needs_floor(const std::string& method) const {
-  return study_.map.likelihood.floor > 0 && (method == "map" || draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood()));
+  const bool drawn = draws_errors(method) && study_.campaign.floor;  // without one the energies' scatter stands for it
+  return study_.map.likelihood.floor > 0 && (method == "map" || drawn || (method == "enc" && study_.enc.needs_likelihood()));
 }
 
 LikelihoodOptions Stages::likelihood_options() const {
@@ -85,7 +86,11 @@ Recordings Stages::recordings() {
 MapModels Stages::models_with_errors(const ForwardModel& true_model, const Surrogate* surrogate) {
   MapModels models{.true_model = true_model, .surrogate = surrogate};
   if (surrogate) models.surrogate_variance = [surrogate](std::span<const double> theta) { return surrogate->error_variance(theta); };
-  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), model().shape());
+  const auto floor = command_.out / "floor.json";
+  if (study_.map.likelihood.floor > 0 && std::filesystem::exists(floor)) {  // one that is needed was made before
+    const Json measured = read_json(floor);
+    if (measured.value(Json::json_pointer("/provenance/identity"), "") == floor_provenance().identity()) models.floor_variance = floor_variance(measured, model().shape());
+  }
   models.mesh_relative = study_.map.mesh_error.value_or(assumed_mesh_error * study_.forward.geometry.resolved().element_size.value_or(0));
   models.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
   for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)

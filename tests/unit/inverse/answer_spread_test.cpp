@@ -41,7 +41,7 @@ struct Linear {
   [[nodiscard]] EncSummary enc(int draws, const ErrorsAt& errors, int candidates = 1, double separation = 0) const {
     EncOptions o;
     o.rounds = 4, o.objective = "rrmse", o.candidates = candidates, o.separation = separation, o.compare_optimizers = {}, o.compare_objectives = {}, o.mesh_pairs = 0, o.draws = draws;
-    const EncRuns runs{.source = {}, .archive = archive, .errors = errors};
+    const EncRuns runs{.source = {}, .archive = archive, .errors = errors, .surrogate_variance = {}};
     return run_enc(problem, model, model, o, 1, 2, {}, nullptr, &runs);
   }
   [[nodiscard]] SpeSummary spe(int draws, const ErrorsAt& errors) const {
