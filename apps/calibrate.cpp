@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/stages.hpp"
+#include "apps/unknowns.hpp"
 #include "apps/verbs.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "inverse/comparison.hpp"
@@ -63,8 +64,11 @@ void Stages::compare() {
   say(comparison_text(comparison));
 }
 
+bool Stages::draws_errors(const std::string& method) const { return (method == "enc" && study_.enc.draws > 0) || (method == "spe" && study_.spe.draws > 0); }
+
 bool Stages::needs_floor(const std::string& method) const {
-  return study_.map.likelihood.floor > 0 && (method == "map" || (method == "enc" && study_.enc.needs_likelihood()));
+  const bool drawn = draws_errors(method) && study_.campaign.floor;  // without one the energies' scatter stands for it
+  return study_.map.likelihood.floor > 0 && (method == "map" || drawn || (method == "enc" && study_.enc.needs_likelihood()));
 }
 
 LikelihoodOptions Stages::likelihood_options() const {
@@ -79,10 +83,14 @@ Recordings Stages::recordings() {
   return study_.matched_recordings(model().shape().sensors, said);
 }
 
-MapModels Stages::models_with_errors(const Surrogate& surrogate) {
-  MapModels models{.true_model = model(), .surrogate = &surrogate};
-  models.surrogate_variance = [&](std::span<const double> theta) { return surrogate.error_variance(theta); };
-  if (study_.map.likelihood.floor > 0) models.floor_variance = floor_variance(read_json(command_.out / "floor.json"), model().shape());
+MapModels Stages::models_with_errors(const ForwardModel& true_model, const Surrogate* surrogate) {
+  MapModels models{.true_model = true_model, .surrogate = surrogate};
+  if (surrogate) models.surrogate_variance = [surrogate](std::span<const double> theta) { return surrogate->error_variance(theta); };
+  const auto floor = command_.out / "floor.json";
+  if (study_.map.likelihood.floor > 0 && std::filesystem::exists(floor)) {  // one that is needed was made before
+    const Json measured = read_json(floor);
+    if (measured.value(Json::json_pointer("/provenance/identity"), "") == floor_provenance().identity()) models.floor_variance = floor_variance(measured, model().shape());
+  }
   models.mesh_relative = study_.map.mesh_error.value_or(assumed_mesh_error * study_.forward.geometry.resolved().element_size.value_or(0));
   models.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
   for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
@@ -91,8 +99,19 @@ MapModels Stages::models_with_errors(const Surrogate& surrogate) {
 }
 
 Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
-  return likelihood_at(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models_with_errors(surrogate),
+  return likelihood_at(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models_with_errors(model(), &surrogate),
                        nominal(problem().shape), true);
+}
+
+ErrorsAt Stages::errors_at(const Surrogate* surrogate) {
+  return [this, surrogate](std::span<const double> theta, const MeshError& mesh, const RefinedModel::Variance& surrogate_variance) {
+    const RememberingModel once(model());
+    MapModels models = models_with_errors(once, surrogate);
+    models.mesh = mesh, models.surrogate_variance = surrogate_variance;
+    const UnknownOptions& unknowns = study_.map.unknowns;
+    if (unknowns.young_sd > 0 || unknowns.gauge_place_sd > 0) models.unknowns = unknown_directions(model(), theta, unknowns, command_.threads);
+    return answer_errors(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models, theta);
+  };
 }
 
 EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
@@ -101,7 +120,8 @@ EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& 
   std::optional<Likelihood> likelihood;
   if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
   auto added = added_runs(false, study_.enc.mesh_pairs > 0);
-  const EncRuns runs{run_source(added, progress), archive};
+  const EncRuns runs{run_source(added, progress), archive, study_.enc.draws > 0 ? errors_at(&surrogate) : ErrorsAt(),
+                     [&](std::span<const double> theta) { return surrogate.error_variance(theta); }};
   const auto summary =
       run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr, &runs);
   write_enc(summary, problem(), provenance, command_.out);
@@ -112,6 +132,7 @@ EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& 
 
 void Stages::say_mesh(const std::string& method, const Calibration& summary) const {
   if (!summary.mesh.sentence.empty()) say(method + ": " + summary.mesh.sentence);
+  if (!summary.spread.sentence.empty()) say(method + ": " + summary.spread.sentence);
 }
 
 SpeSummary Stages::calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress) {
@@ -119,7 +140,7 @@ SpeSummary Stages::calibrate_spe(const Provenance& provenance, const Calibration
   say_failures(archive, Feasibility(archive));
   auto added = added_runs(study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
   const RunSource source = run_source(added, progress);
-  const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, &source);
+  const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, &source, study_.spe.draws > 0 ? errors_at(nullptr) : ErrorsAt());
   write_spe(summary, problem(), provenance, command_.out);
   say_mesh("spe", summary);
   return summary;

@@ -43,7 +43,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   Feasibility feasibility(parameters, seen.theta, seen.failed);
   say_failures(archive, feasibility);
   const GuardedModel guarded(surrogate, feasibility);
-  MapModels models = models_with_errors(surrogate);
+  MapModels models = models_with_errors(model(), &surrogate);
   models.surrogate = &guarded;
   MapOptions options = study_.map;
   options.likelihood = likelihood_options();

@@ -96,7 +96,8 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
     if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
-  if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
+  if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
+  if (draws_errors(method)) p.options["map"]["unknowns"] = echo(study_.map.unknowns), p.options["map"]["mesh_error"] = echo(study_.map)["mesh_error"];
   if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
   return p;
 }

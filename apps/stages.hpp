@@ -75,18 +75,22 @@ class Stages {
   RunSource run_source(AddedStage& stage, const CalibrationProgress& progress);
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
+  /// Whether `method` draws errors of records and model for its standard deviations.
+  [[nodiscard]] bool draws_errors(const std::string& method) const;
   /// Whether `method` needs floor.json.
   [[nodiscard]] bool needs_floor(const std::string& method) const;
-  /// What a likelihood is told of the models' errors; `surrogate` outlives it.
-  MapModels models_with_errors(const Surrogate& surrogate);
+  /// What a likelihood is told of the models' errors; both outlive it; `surrogate` may be null.
+  MapModels models_with_errors(const ForwardModel& true_model, const Surrogate* surrogate);
   /// Recordings of the model's sensors, without the warnings, which were said before.
   [[nodiscard]] Recordings recordings();
   /// [map.likelihood] with what the case's elements decide.
   [[nodiscard]] LikelihoodOptions likelihood_options() const;
   /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
   Likelihood likelihood_at_nominal(const Surrogate& surrogate);
-  /// The summary of a calibration with pairs of meshes says what they did.
+  /// The summary of a calibration with pairs of meshes says what they did, and how sure its answer is where that was drawn.
   void say_mesh(const std::string& method, const Calibration& summary) const;
+  /// The errors at a point for the standard deviations of ENC and SPE: those of MAP. `surrogate` outlives it, null: there is none.
+  ErrorsAt errors_at(const Surrogate* surrogate);
   SpeSummary calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress);
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/artefact.hpp"
+#include "inverse/answer_spread.hpp"
 #include "inverse/mesh_correction.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
@@ -46,6 +47,7 @@ struct Calibration {
   std::vector<Candidate> failed;                   ///< candidates replaced by another because the true model failed
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, mesh.used(): with the shift; empty where failed
   MeshCorrection mesh;                             ///< scores and objectives of all candidates are those with the shift
+  AnswerSpread spread;                             ///< of methods that draw it; MAP's covariance is its own
   std::vector<std::string> warnings;
   std::size_t evaluations = 0;       ///< of the surrogate
   std::size_t model_runs = 0;        ///< of the true model

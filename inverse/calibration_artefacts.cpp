@@ -136,6 +136,8 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["sensors"] = sensors(s.best.score, s.at_nominal.score, problem);
   if (s.mesh.wanted > 0) j["mesh"] = mesh_json(s.mesh, s, problem);
   for (const auto& [key, value] : own.items()) j[key] = value;
+  const Json spread = spread_json(s.spread, shape.parameters);
+  for (const auto& [key, value] : spread.items()) j[key] = value;
   j["compared_times"] = problem.time.size(), j["times_outside_simulation"] = problem.outside;
   j["evaluations"] = s.evaluations, j["model_runs"] = s.model_runs;
   j["search_s"] = s.search_s, j["model_s"] = s.model_s;

@@ -10,6 +10,8 @@ namespace calomel {
 
 namespace {
 
+const std::string impedance_row = "impedance";
+
 std::optional<double> number_of(const Json& json, const std::string& key) {
   if (!json.is_object() || !json.contains(key) || !json[key].is_number()) return std::nullopt;
   return json[key].get<double>();
@@ -43,31 +45,28 @@ ComparedRow row(const std::string& name, std::span<const MethodSummary> summarie
   return r;
 }
 
-/// MAP's variances: of the parameters and, by first order, of the product density x sound speed.
-class MapSpread {
+/// A method's variances: of the parameters and, by first order, of the product density x sound speed.
+class MethodSpread {
  public:
-  explicit MapSpread(std::span<const MethodSummary> summaries) {
-    for (const auto& s : summaries)
-      if (s.method == "map") json_ = &s.json;
-  }
+  explicit MethodSpread(const Json& json) : json_(json) {}
+  /// Of a row of the parameters' table.
+  [[nodiscard]] std::optional<double> of(const std::string& row) const { return row == impedance_row ? impedance_sd() : sd(row); }
+
+ private:
+  const Json& json_;
   [[nodiscard]] std::optional<double> sd(const std::string& parameter) const {
     const auto v = covariance(parameter, parameter);
     return v && *v > 0 ? std::optional(std::sqrt(*v)) : std::nullopt;
   }
   [[nodiscard]] std::optional<double> impedance_sd() const {
-    if (!json_) return std::nullopt;
-    const auto rho = number_of(part_of(*json_, "theta"), "density"), c = number_of(part_of(*json_, "theta"), "sound_speed");
+    const auto rho = number_of(part_of(json_, "theta"), "density"), c = number_of(part_of(json_, "theta"), "sound_speed");
     const auto rr = covariance("density", "density"), cc = covariance("sound_speed", "sound_speed"), rc = covariance("density", "sound_speed");
     if (!rho || !c || !rr || !cc || !rc) return std::nullopt;
     const double v = *c * *c * *rr + *rho * *rho * *cc + 2 * *rho * *c * *rc;
     return v > 0 ? std::optional(std::sqrt(v)) : std::nullopt;
   }
-
- private:
-  const Json* json_ = nullptr;
   [[nodiscard]] std::optional<double> covariance(const std::string& a, const std::string& b) const {
-    if (!json_) return std::nullopt;
-    const Json &names = part_of(*json_, "parameters"), &matrix = part_of(*json_, "covariance");
+    const Json &names = part_of(json_, "parameters"), &matrix = part_of(json_, "covariance");
     const auto at = [&](const std::string& name) {
       for (std::size_t i = 0; names.is_array() && i < names.size(); ++i)
         if (names[i] == name) return int(i);
@@ -86,18 +85,18 @@ std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries
   for (const auto& s : summaries)
     if (const Json& theta = part_of(s.json, "theta"); theta.is_object())
       for (const auto& [name, value] : theta.items()) names.add(name);
-  const MapSpread spread(summaries);
   std::vector<ComparedRow> rows;
+  const auto add = [&](ComparedRow r) {
+    for (const auto& s : summaries) {
+      r.sds.push_back(MethodSpread(s.json).of(r.name));
+      if (s.method == "map") r.map_sd = r.sds.back();
+    }
+    rows.push_back(std::move(r));
+  };
   const auto in = [](const char* table, const std::string& name) { return [table, name](const Json& j) { return number_of(part_of(j, table), name); }; };
-  for (const auto& name : names.all()) {
-    rows.push_back(row(name, summaries, in("theta", name), in("nominal", name)));
-    rows.back().map_sd = spread.sd(name);
-  }
-  ComparedRow z = row("impedance", summaries, in("impedance", "value"), in("impedance", "nominal"));
-  if (std::any_of(z.values.begin(), z.values.end(), [](const auto& v) { return v.has_value(); })) {
-    z.map_sd = spread.impedance_sd();
-    rows.push_back(std::move(z));
-  }
+  for (const auto& name : names.all()) add(row(name, summaries, in("theta", name), in("nominal", name)));
+  ComparedRow z = row(impedance_row, summaries, in("impedance", "value"), in("impedance", "nominal"));
+  if (std::any_of(z.values.begin(), z.values.end(), [](const auto& v) { return v.has_value(); })) add(std::move(z));
   return rows;
 }
 

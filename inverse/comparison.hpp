@@ -20,7 +20,8 @@ struct ComparedRow {
   std::string name;  ///< a parameter, "impedance" (rho c), a sensor, or "mean"
   std::optional<double> nominal;
   std::vector<std::optional<double>> values;  ///< (n_methods)
-  std::optional<double> map_sd;               ///< MAP's standard deviation; of parameters and impedance only
+  std::vector<std::optional<double>> sds{};    ///< (n_methods) what each reports; of parameters and impedance only
+  std::optional<double> map_sd{};              ///< MAP's
 };
 
 /// Difference of two methods' answers in one row.

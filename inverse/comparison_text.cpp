@@ -15,7 +15,10 @@ Json rows_json(const Comparison& c, const std::vector<ComparedRow>& rows, bool w
   for (const auto& r : rows) {
     Json j{{"name", r.name}, {"nominal", json_of(r.nominal)}};
     for (std::size_t m = 0; m < c.methods.size(); ++m) j[c.methods[m]] = json_of(r.values[m]);
-    if (with_sd) j["map_sd"] = json_of(r.map_sd);
+    if (with_sd) {
+      for (std::size_t m = 0; m < c.methods.size(); ++m) j[c.methods[m] + "_sd"] = json_of(r.sds[m]);
+      j["map_sd"] = json_of(r.map_sd);
+    }
     all.push_back(std::move(j));
   }
   return all;
@@ -44,11 +47,14 @@ std::string text(const std::optional<double>& x, const std::string& format) { re
 std::string table_text(const Comparison& c, const std::string& title, const std::vector<ComparedRow>& rows, const std::string& format, bool with_sd) {
   std::vector<std::vector<std::string>> lines{{title, "nominal"}};
   for (const auto& m : c.methods) lines[0].push_back(method_label(m));
-  if (with_sd) lines[0].push_back("sd by MAP");
+  std::vector<std::size_t> told;  // methods that report standard deviations
+  for (std::size_t m = 0; m < c.methods.size(); ++m)
+    if (with_sd && std::any_of(rows.begin(), rows.end(), [&](const auto& r) { return r.sds[m].has_value(); })) told.push_back(m);
+  for (const auto m : told) lines[0].push_back("sd by " + method_label(c.methods[m]));
   for (const auto& r : rows) {
     lines.push_back({r.name, text(r.nominal, format)});
     for (const auto& v : r.values) lines.back().push_back(text(v, format));
-    if (with_sd) lines.back().push_back(text(r.map_sd, "{:.3g}"));
+    for (const auto m : told) lines.back().push_back(text(r.sds[m], "{:.3g}"));
   }
   return aligned(lines);
 }

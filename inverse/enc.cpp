@@ -1,6 +1,7 @@
 #include "inverse/enc.hpp"
 
 #include "inverse/enc_mesh.hpp"
+#include "inverse/enc_spread.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -59,7 +60,7 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   const RunSource no_source;
   const RememberingModel model(true_model);
   MeshPairs pairs(problem.shape, runs ? runs->source : no_source, model, options.mesh_pairs, options.mesh_beyond);
-  CorrectedSurrogate corrected(surrogate, pairs);
+  CorrectedSurrogate corrected(surrogate, pairs, runs ? runs->surrogate_variance : RefinedModel::Variance());
   const bool paired = pairs.left() > 0;
   if (paired) learn_mesh(out, problem, surrogate, runs->archive, pairs, corrected, plan, options.separation, seed, threads, progress);
   const ShiftedModel shifted(model, pairs.mesh());
@@ -84,7 +85,11 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   out.model_runs = model.runs();
   pairs.describe(out, problem);
 
-  // 4. Whether other optimisers and objectives lead to the same answer.
+  // 4. How sure the answer is.
+  if (runs && runs->errors && options.draws > 0 && out.trusted())
+    spread_enc(out, problem, corrected.model(), [&] { return runs->errors(out.theta, pairs.mesh(), corrected.variance()); }, options, likelihood, seed, threads, progress);
+
+  // 5. Whether other optimisers and objectives lead to the same answer.
   plan.rounds = std::size_t(options.compare_rounds), plan.pool = 0;
   const Clock comparing;
   out.agreement = find_agreement(problem, corrected.model(), shifted, out.objective, out.rounds,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "inverse/calibration.hpp"
+#include "inverse/drawn_errors.hpp"
 #include "inverse/enc_agreement.hpp"
 #include "inverse/enc_rounds.hpp"
 #include "inverse/mesh_pairs.hpp"
@@ -27,6 +28,7 @@ struct EncOptions {
   double agreement = 0.05;
   int mesh_pairs = 6;
   double mesh_beyond = 0;
+  int draws = 32;
 
   template <class V>
   void visit(V& v) {
@@ -50,6 +52,7 @@ struct EncOptions {
       {.range = between(0, 1), .doc = "answers agree when they differ by no more than this, the largest over the parameters in units of their bounds"});
     v("mesh_pairs", mesh_pairs, mesh_pairs_info());
     v("mesh_beyond", mesh_beyond, mesh_beyond_info());
+    v("draws", draws, draws_info());
   }
   /// Whether any objective of these is the correlated one.
   [[nodiscard]] bool needs_likelihood() const;
@@ -76,10 +79,13 @@ struct EncSummary : Calibration {
   double agreement_s = 0;  ///< wall time of its searches and runs [s]
 };
 
-/// What a calibration needs to take the mesh's error into account: where runs are made, and the campaign, good runs of which are paired first.
+/// What a calibration needs to take the mesh's error into account: where runs are made, and the campaign, good runs of which are paired first; and, for its
+/// standard deviations, the errors at a point (empty: none are drawn) and the variance of (model - surrogate).
 struct EncRuns {
   RunSource source;
   const Archive& archive;
+  ErrorsAt errors{};
+  RefinedModel::Variance surrogate_variance{};
 };
 
 /// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`

@@ -10,8 +10,6 @@ constexpr std::uint64_t first_stream = 900'000'000, streams_apart = 100'000;  //
 constexpr double stays = 0.01;           ///< of the bounds: an optimum that moves by less has settled
 constexpr std::size_t later_pairs = 2;   ///< of a round after the first
 
-const RefinedModel::Variance no_variance;
-
 }  // namespace
 
 void CorrectedSurrogate::learn() {
@@ -23,11 +21,16 @@ void CorrectedSurrogate::learn() {
     theta.rightCols(1) = t, working.rightCols(1) = pairs_.working().col(i);
   }
   shifted_.reset(), refined_.reset();
-  if (theta.cols() >= 2) refined_.emplace(surrogate_, no_variance, theta, working);
+  if (theta.cols() >= 2) refined_.emplace(surrogate_, variance_, theta, working);
   shifted_.emplace(refined_ ? static_cast<const ForwardModel&>(*refined_) : surrogate_, pairs_.mesh());
 }
 
 const ForwardModel& CorrectedSurrogate::model() const { return shifted_ ? static_cast<const ForwardModel&>(*shifted_) : surrogate_; }
+
+RefinedModel::Variance CorrectedSurrogate::variance() const {
+  if (!variance_ || !refined_) return variance_;
+  return [&refined = *refined_](std::span<const double> theta) { return refined.error_variance(theta); };
+}
 
 void learn_mesh(EncSummary& out, const Problem& problem, const ForwardModel& surrogate, const Archive& archive, MeshPairs& pairs, CorrectedSurrogate& corrected,
                 RoundPlan plan, double separation, std::uint64_t seed, int threads, const CalibrationProgress& progress) {

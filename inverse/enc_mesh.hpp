@@ -1,6 +1,7 @@
 #pragma once
 /// The mesh's error in evolutionary neural calibration: pairs of runs where its searches lead, and the surrogate that they set right.
 #include <optional>
+#include <utility>
 
 #include "inverse/enc.hpp"
 #include "inverse/refined_model.hpp"
@@ -10,15 +11,19 @@ namespace calomel {
 /// A surrogate, what it missed at the runs that were made, and the mesh's error. Without runs the surrogate itself.
 class CorrectedSurrogate {
  public:
-  /// Both outlive the object.
-  CorrectedSurrogate(const ForwardModel& surrogate, const MeshPairs& pairs) : surrogate_(surrogate), pairs_(pairs) {}
+  /// `variance`: of (model - surrogate), or none. Models and pairs outlive the object.
+  CorrectedSurrogate(const ForwardModel& surrogate, const MeshPairs& pairs, RefinedModel::Variance variance = {})
+      : surrogate_(surrogate), pairs_(pairs), variance_(std::move(variance)) {}
   /// Takes in the runs that the pairs have by now; a model() taken before is gone.
   void learn();
   [[nodiscard]] const ForwardModel& model() const;
+  /// Of (model - this) by now; nothing where the surrogate's own is not known. Valid until learn() is called.
+  [[nodiscard]] RefinedModel::Variance variance() const;
 
  private:
   const ForwardModel& surrogate_;
   const MeshPairs& pairs_;
+  RefinedModel::Variance variance_;
   std::optional<RefinedModel> refined_;
   std::optional<ShiftedModel> shifted_;
 };

@@ -6,16 +6,6 @@ namespace calomel {
 
 namespace {
 
-Json matrix_json(const Eigen::MatrixXd& m) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 Json pairs_json(const std::vector<std::pair<double, double>>& pairs) {
   Json all = Json::array();
   for (const auto& [scale, weight] : pairs) all.push_back({{"scale", scale}, {"weight", number(weight)}});
@@ -76,10 +66,7 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["adequate"] = s.adequate, own["adequacy"] = s.adequacy;
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
-  own["combinations"] = Json::array();
-  for (const auto& c : s.identification.combinations)
-    own["combinations"].push_back(
-        {{"name", c.name}, {"value", number(c.value)}, {"low", number(c.low)}, {"high", number(c.high)}, {"relative_sd", number(c.relative_sd)}});
+  own["combinations"] = combinations_json(s.identification.combinations);
   if (s.product == "physical") own["discrepancy"] = {{"scale", s.discrepancy_scale}, {"weights", pairs_json(s.discrepancy_weights)}};
   own["covariance_shares"] = Json::object();
   for (const auto& [source, share] : s.shares) own["covariance_shares"][source] = number(share);

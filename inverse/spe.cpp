@@ -5,6 +5,7 @@
 
 #include "inverse/spe/known_runs.hpp"
 #include "inverse/spe/search.hpp"
+#include "inverse/spe/spread.hpp"
 #include "inverse/spe/zoom.hpp"
 
 namespace calomel {
@@ -112,7 +113,7 @@ class SpeRounds {
 }  // namespace
 
 SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed, int threads,
-                   const CalibrationProgress& progress, const RunSource* source) {
+                   const CalibrationProgress& progress, const RunSource* source, const ErrorsAt& errors) {
   expect(archive.shape.values() == problem.shape.values() && true_model.shape().values() == problem.shape.values() &&
              std::size_t(archive.theta.rows()) == problem.shape.parameters.size(),
          "campaign, true model and problem have one shape");
@@ -157,6 +158,8 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   decide_by_true_model(out, problem, ShiftedModel(model, pairs.mesh()), candidates, wanted, at_nominal, threads, progress);
   out.model_runs = model.runs();
   pairs.describe(out, problem);
+  if (errors && options.draws > 0 && out.trusted())
+    spread_spe(out, problem, rounds.known(), box, pairs.mesh(), [&] { return errors(out.theta, pairs.mesh(), {}); }, options, seed, threads, progress);
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "forward/campaign/archive.hpp"
 #include "inverse/calibration.hpp"
+#include "inverse/drawn_errors.hpp"
 #include "inverse/spe/modes.hpp"
 #include "inverse/spe/surrogates.hpp"
 
@@ -37,6 +38,7 @@ struct SpeZoom {
 struct SpeSummary : Calibration {
   std::size_t runs_used = 0, runs_excluded = 0;  ///< of the campaign
   std::size_t n_train = 0, n_validation = 0;
+  std::size_t rows_fitted = 0;  ///< training runs of the last round's fits
   std::size_t runs_added = 0;  ///< true-model runs of earlier rounds that joined the campaign's: candidates, pairs, those of shrunken boxes
   std::string design;
   std::vector<SpaceChoice> spaces;
@@ -56,10 +58,11 @@ ScatteredData discrepancies(const Problem& problem, const Archive& archive, cons
 
 /// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
 /// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out. `source`: where runs are added; null: by `true_model`, with no finer mesh.
+/// shape; runs of the archive that failed are left out. `source`: where runs are added; null: by `true_model`, with no finer mesh. `errors`: at a point, for the
+/// standard deviations; empty: none are drawn.
 /// Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
-                                 int threads, const CalibrationProgress& progress = {}, const RunSource* source = nullptr);
+                                 int threads, const CalibrationProgress& progress = {}, const RunSource* source = nullptr, const ErrorsAt& errors = {});
 
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);

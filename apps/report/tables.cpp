@@ -121,8 +121,10 @@ Table parameter_table(const Study& study, const ReportInput& input) {
   t.columns.push_back({"nominal", "Nominal", 5});
   for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, 5});
   const Comparison compared = comparison_of(study);
-  const bool sds = study.calibration("map") != nullptr;
-  if (sds) t.columns.push_back({"map_sd", "sd by MAP", 3});
+  std::vector<std::size_t> told;  // calibrations that report standard deviations
+  for (std::size_t m = 0; m < study.calibrations.size(); ++m)
+    if (std::any_of(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.sds[m].has_value(); }) || study.calibrations[m].method == "map") told.push_back(m);
+  for (const auto m : told) t.columns.push_back({study.calibrations[m].method + "_sd", "sd by " + study.calibrations[m].label, 3});
   for (const auto& c : study.calibrations) t.columns.push_back({c.method + "_change_percent", c.label + " against nominal [%]", -1});
   t.columns.push_back({"min", "Lower bound", 5});
   t.columns.push_back({"max", "Upper bound", 5});
@@ -138,10 +140,8 @@ Table parameter_table(const Study& study, const ReportInput& input) {
     std::vector<Cell> row{name, unit};
     row.emplace_back(nominal);
     for (const auto& x : found) row.emplace_back(x);
-    if (sds) {
-      const auto of = std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
-      row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->map_sd);
-    }
+    const auto of = std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
+    for (const auto m : told) row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->sds[m]);
     for (const auto& x : found) row.emplace_back(x && nominal && *nominal != 0 ? std::optional(100 * (*x / *nominal - 1)) : std::nullopt);
     row.emplace_back(low);
     row.emplace_back(high);

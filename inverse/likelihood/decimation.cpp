@@ -1,5 +1,6 @@
 #include "inverse/likelihood/decimation.hpp"
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -70,6 +71,13 @@ Eigen::VectorXd Decimation::times() const {
   for (const auto& series : windows_)
     for (const auto& w : series) t[row++] = w.time;
   return t;
+}
+
+Eigen::MatrixXd Decimation::lift(const Eigen::MatrixXd& coarse) const {
+  const Eigen::SparseMatrix<double> gram = map_ * Eigen::SparseMatrix<double>(map_.transpose());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
+  expect(factor.info() == Eigen::Success, "windows of a series differ");
+  return map_.transpose() * factor.solve(coarse).eval();
 }
 
 Eigen::VectorXd Decimation::apply_record(std::size_t observation, std::span<const double> record) const {

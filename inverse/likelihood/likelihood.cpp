@@ -193,6 +193,12 @@ Likelihood Likelihood::mean_with(const Likelihood& other) const {
   return out;
 }
 
+Likelihood Likelihood::moved(const Eigen::VectorXd& by) const {
+  Likelihood out = *this;
+  out.data_ += by;
+  return out;
+}
+
 Likelihood Likelihood::without_shift() const {
   Likelihood out = *this;
   out.mesh_ = {};

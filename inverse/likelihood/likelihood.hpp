@@ -127,6 +127,8 @@ class Likelihood {
   /// The same with the mean of its covariance and another's, which is of the same data: one yardstick for two explanations. The shares are those of the sum.
   /// Errors: contract failure for other data.
   [[nodiscard]] Likelihood mean_with(const Likelihood& other) const;
+  /// The same with the records moved, by (size).
+  [[nodiscard]] Likelihood moved(const Eigen::VectorXd& by) const;
   /// The same for histories that have the mesh's shift in them already.
   [[nodiscard]] Likelihood without_shift() const;
 

@@ -39,6 +39,7 @@ struct SpeOptions {
   int zoom_runs = 25;
   int mesh_pairs = 6;
   double mesh_beyond = 0;
+  int draws = 32;
 
   template <class V>
   void visit(V& v) {
@@ -82,6 +83,7 @@ struct SpeOptions {
     v("zoom_runs", zoom_runs, {.range = between(10, 1000), .doc = "new runs of the true model in the box of each of these rounds"});
     v("mesh_pairs", mesh_pairs, mesh_pairs_info());
     v("mesh_beyond", mesh_beyond, mesh_beyond_info());
+    v("draws", draws, draws_info());
   }
   /// Errors: InputError when no space is listed.
   void validate() const;

@@ -27,11 +27,14 @@ PolynomialFit fit_over(const Eigen::VectorXd& predicted, const ScatteredData& da
   return {std::sqrt(errors / norm), spread > 0 ? 1 - errors / spread : std::numeric_limits<double>::quiet_NaN()};
 }
 
+Eigen::MatrixXi degrees_of(const PolynomialSpace& space, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed) {
+  return space.kind == adaptive_kind ? adaptive_degrees(data, space.order, std::size_t(options.most_terms), options.penalise_constant, options.folds, seed)
+                                     : space.degrees(std::size_t(data.units.rows()));
+}
+
 /// Everything about one space.
 std::vector<SparsePolynomial> fit_space(SpaceChoice& choice, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed) {
-  const auto degrees = choice.space.kind == adaptive_kind
-                           ? adaptive_degrees(data, choice.space.order, std::size_t(options.most_terms), options.penalise_constant, options.folds, seed)
-                           : choice.space.degrees(std::size_t(data.units.rows()));
+  const auto degrees = degrees_of(choice.space, data, options, seed);
   choice.terms = std::size_t(degrees.cols());
   const LassoSystem system(degrees, data, options.penalise_constant);
   const Lasso problem = system.lasso(data.train);
@@ -86,6 +89,15 @@ void SpeOptions::validate() const {
   if (total_degree.empty() && tensor_product.empty() && hyperbolic_cross.empty() && sparse_grid.empty() && adaptive.empty())
     throw InputError(
         {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, levels of sparse_grid or rounds of adaptive"});
+}
+
+std::optional<SparsePolynomial> refit(const SparsePolynomial& before, const ScatteredData& data, const SpeOptions& options, double rows, std::uint64_t seed) {
+  const auto degrees = degrees_of(before.space, data, options, seed);
+  const LassoFit fit = LassoSystem(degrees, data, options.penalise_constant).lasso(data.train).solve(before.lambda * (options.lambda_scale == "absolute" ? 1 : rows), 1e-6);
+  if (fit.all_zero()) return std::nullopt;
+  SparsePolynomial p = before;
+  p.nonzero = fit.nonzero, p.gap = fit.gap, p.expansion = Expansion(degrees, fit.z);
+  return p;
 }
 
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,

@@ -59,6 +59,21 @@ TEST(Comparison, HoldsTheThreeTablesInTheOrderOfTheCase) {
   EXPECT_EQ(c.effort[0].evaluations_per_second(), 101000);
 }
 
+TEST(Comparison, EveryMethodsOwnDeviationsStandBesideItsValues) {
+  Json enc = summary(13300, 1400, 85, 75);
+  enc["parameters"] = {"density", "sound_speed"}, enc["covariance"] = {{9e4, 0}, {0, 400}};
+  const std::vector<MethodSummary> all{{"enc", enc}, {"spe", summary(13350, 1410, 86, 70)}, {"map", map_summary(13400, 1390)}};
+  const auto c = compare_calibrations(all);
+  EXPECT_EQ(c.parameters[0].sds[0], 300);
+  EXPECT_FALSE(c.parameters[0].sds[1].has_value());
+  EXPECT_EQ(c.parameters[0].sds[2], c.parameters[0].map_sd);
+  EXPECT_NEAR(*c.parameters[2].sds[0], std::hypot(1400 * 300.0, 13300 * 20.0), 1);
+  const Json j = comparison_json(c, {.stage = "comparison"});
+  EXPECT_EQ(j["parameters"][0]["enc_sd"], 300);
+  EXPECT_TRUE(j["parameters"][0]["spe_sd"].is_null());
+  EXPECT_THAT(comparison_text(c), testing::AllOf(HasSubstr("sd by ENC"), HasSubstr("sd by MAP"), Not(HasSubstr("sd by SPE"))));
+}
+
 // A method that corrects its scores for the mesh is compared with one that does not on the mesh that both tell of.
 TEST(Comparison, ScoresAreOfOneMesh) {
   const Json plain = summary(13300, 1400, 60, 50);
