@@ -40,7 +40,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   const auto chunks = [](std::size_t count) { return (count + chunk - 1) / chunk; };
   plain_chunks_ = chunks(packed.layout.first_slow_plain), rule_chunks_ = chunks(rules_.size());
   slow_chunks_ = chunks(packed.layout.plain.size() - packed.layout.first_slow_plain);
-  energies_.resize(blocks_.size() + chunk_count(true));
+  for (auto& e : energies_) e.resize(blocks_.size() + chunk_count(true));
 
   const double k = setup.liquid.bulk_modulus, h = mesh.liquid_element_size, r = setup.rear_coefficient;
   base_.u = u_.data(), base_.v = v_.data(), base_.inverse_mass = inverse_mass_.data(), base_.outbox = outbox_.data();
@@ -61,7 +61,7 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
   mass_.resize(std::size_t(layout.nodes));
   inverse_mass_ = AlignedArray<R>(mass_.size());
   const bool damped = setup_.steel_mass_damping != 0;
-  if (damped) motion_factor_.resize(mass_.size());
+  if (damped) motion_factor_.resize(mass_.size()), damped_.resize((mass_.size() + chunk - 1) / chunk);
   for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
     const auto s = std::size_t(layout.to_solver[n]);
     const double steel = setup_.steel_density * volumes.steel[n];
@@ -205,7 +205,7 @@ void Run<R>::set_loads(StepData<R>& s, std::int64_t now, std::int64_t before) co
 
 template <class R>
 StepPair<R> Run<R>::step(std::int64_t n, R* scratch) const {
-  StepPair<R> pair{base_, {}, n % subcycles_ == 0};
+  StepPair<R> pair{base_, {}, n % subcycles_ == 0, std::size_t(n % 2)};
   StepData<R>& s = pair.fast;
   s.scratch = scratch;
   set_loads(s, n, n - 1);
@@ -227,13 +227,14 @@ template <class R>
 void Run<R>::advance_block(std::size_t b, const StepPair<R>& pair) {
   const StepData<R>& s = is_slow(b) ? pair.slow : pair.fast;
   if (packed_.runs) return kernel_.run_block(blocks_[b], s, stateful_);
-  energies_[b] = {};
-  kernel_.element_block(blocks_[b], s, stateful_, &energies_[b]);
+  EnergyTerms& energy = energies_[pair.parity][b];
+  energy = {};
+  kernel_.element_block(blocks_[b], s, stateful_, &energy);
 }
 
 template <class R>
 void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
-  EnergyTerms& energy = energies_[blocks_.size() + c];
+  EnergyTerms& energy = energies_[pair.parity][blocks_.size() + c];
   energy = {};
   const Layout& layout = packed_.layout;
   const auto plain = [&](std::size_t begin, std::size_t end, const StepData<R>& s) {
@@ -256,25 +257,27 @@ void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
 
 template <class R>
 void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
-  const std::size_t begin = mass_.size() * part / parts, end = mass_.size() * (part + 1) / parts, width = packed_.width();
-  double lost = 0;
-  for (std::size_t n = begin; n < end; ++n) {
-    const double f = motion_factor_[n];
-    R* v = v_.data() + n * width;
-    if (booking_)
-      for (std::size_t k = 0; k < 3; ++k) lost += 0.5 * mass_[n] * (1 - f * f) * double(v[k]) * double(v[k]);
-    for (std::size_t k = 0; k < width; ++k) v[k] *= R(f);
+  const std::size_t stretches = damped_.size(), width = packed_.width();
+  for (std::size_t k = stretches * part / parts; k < stretches * (part + 1) / parts; ++k) {
+    damped_[k] = 0;
+    for (std::size_t n = k * chunk; n < std::min(mass_.size(), (k + 1) * chunk); ++n) {
+      const double f = motion_factor_[n];
+      R* v = v_.data() + n * width;
+      if (booking_)
+        for (std::size_t c = 0; c < 3; ++c) damped_[k] += 0.5 * mass_[n] * (1 - f * f) * double(v[c]) * double(v[c]);
+      for (std::size_t c = 0; c < width; ++c) v[c] *= R(f);
+    }
   }
-  damped_.resize(parts);
-  damped_[part] = lost;
 }
 
 template <class R>
-EnergyTerms Run<R>::energies(bool outer) const {
+EnergyTerms Run<R>::energies(std::int64_t n) const {
   EnergyTerms sum;
+  const auto& terms = energies_[std::size_t(n % 2)];
+  const bool outer = n % subcycles_ == 0;
   const std::size_t blocks = outer ? blocks_.size() : packed_.layout.first_slow_block;
-  for (std::size_t b = 0; b < blocks; ++b) sum.add(energies_[b]);
-  for (std::size_t c = 0; c < chunk_count(outer); ++c) sum.add(energies_[blocks_.size() + c]);
+  for (std::size_t b = 0; b < blocks; ++b) sum.add(terms[b]);
+  for (std::size_t c = 0; c < chunk_count(outer); ++c) sum.add(terms[blocks_.size() + c]);
   for (const double d : damped_) sum.damped_after += d;
   return sum;
 }
