@@ -12,6 +12,9 @@
 
 namespace calomel {
 
+inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finite in single precision
+inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time
+
 /// Volume of steel and of liquid that each mesh node carries, an eighth of each element [m^3].
 struct NodalVolumes {
   std::vector<double> steel, liquid;

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "forward/solver/step_barrier.hpp"
+
 namespace calomel {
 
 namespace {
@@ -52,15 +54,20 @@ double (*chains(int vector_bytes))(long) {
 template <class Body>
 double best_seconds(int repeats, int threads, Body&& body) {
   double best = 1e300;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    const double t0 = now();
-    {
-      std::vector<std::jthread> pool;
-      for (int t = 1; t < threads; ++t) pool.emplace_back([&, t] { body(t); });
-      body(0);
+  StepBarrier barrier(threads);
+  const auto work = [&](int t) {
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      barrier.arrive_and_wait();
+      const double t0 = now();
+      body(t);
+      barrier.arrive_and_wait();
+      if (t == 0) best = std::min(best, now() - t0);
     }
-    best = std::min(best, now() - t0);
-  }
+  };
+  std::vector<std::jthread> pool;
+  for (int t = 1; t < threads; ++t) pool.emplace_back(work, t);
+  work(0);
+  pool.clear();
   return best;
 }
 
@@ -84,9 +91,9 @@ template <class R>
 double peak_arithmetic(int vector_bytes, int threads) {
   const auto loop = chains<R>(vector_bytes);
   if (!loop) return 0;
-  constexpr long repeats = 2'000'000;  // about ten milliseconds
+  constexpr long repeats = 100'000;  // under a millisecond: some of them are undisturbed on a busy machine too
   std::atomic<double> total = 0;
-  const double seconds = best_seconds(10, threads, [&](int) { total = total + loop(repeats); });
+  const double seconds = best_seconds(200, threads, [&](int) { total = total + loop(repeats); });
   return total > 0 ? double(threads) * double(repeats) * 12 * 2 * (vector_bytes / double(sizeof(R))) / seconds / 1e9 : 0;
 }
 

@@ -180,7 +180,7 @@ void measure_kinds() {
       auto solver = std::make_unique<ExplicitSolver>(*mesh, LinearElastic::from_young(c.steel.young, c.steel.poisson));
       kinds.push_back({liquid, general, std::move(mesh), std::move(solver)});
     }
-  fmt::print("half box of {} elements of one kind, one thread: ns an element-step (and run), over that of general mercury\n", kinds[0].mesh->elements.size());
+  fmt::print("half box of {} elements of one kind, one thread: time of an element-step (and run)\n", kinds[0].mesh->elements.size());
   for (const char* precision : {"single", "double"})
     for (const bool runs : {false, true}) {
       std::vector<double> best(kinds.size(), 1e300);
@@ -193,9 +193,16 @@ void measure_kinds() {
           const auto run = kinds[k].solver->solve(s, {}, o);
           best[k] = std::min(best[k], 1e9 * run.processor_seconds / (double(run.steps) * double(kinds[k].mesh->elements.size()) * double(s.energies.size())));
         }
-      fmt::print("  {:6}  {:19}", precision, runs ? "8 runs in the lanes" : "one run");
-      for (std::size_t k = 0; k < kinds.size(); ++k) fmt::print("  {} {} {:5.1f} ({:.2f})", kinds[k].liquid ? "mercury" : "steel", kinds[k].general ? "general" : "parallelepiped", best[k], best[k] / best[2]);
-      fmt::print("\n");
+      const std::size_t real = *precision == 's' ? 4 : 8;
+      const int width = vector_bytes(kernels<float>().name, real, runs);
+      const double peak = real == 4 ? peak_arithmetic<float>(width, 1) : peak_arithmetic<double>(width, 1);
+      fmt::print("  {}, {}; peak {:.1f} GFLOP/s with vectors of {} bytes\n", precision, runs ? "8 runs in the lanes" : "one run", peak, width);
+      for (std::size_t k = 0; k < kinds.size(); ++k) {
+        const MeshWork work = mesh_work(*kinds[k].mesh, real, runs);
+        fmt::print("    {:7} {:14} {:6.1f} ns, {:.2f} times general mercury; {:.0f} flops, {:.0f} B: {:5.1f} GFLOP/s, {:4.1f} % of the peak, {:.2f} flops/B\n",
+                   kinds[k].liquid ? "mercury" : "steel", kinds[k].general ? "general" : "parallelepiped", best[k], best[k] / best[2], work.flops, work.bytes, work.flops / best[k],
+                   100 * work.flops / best[k] / peak, work.flops / work.bytes);
+      }
       std::fflush(stdout);
     }
 }

@@ -53,7 +53,7 @@ TEST(HeatConduction, HasThePublishedSpeedsAndTheDefaultsAtItsResonance) {
 
 TEST(HeatConduction, IsIsothermalWhenSlowAndAdiabaticWhenFast) {
   EXPECT_NEAR(conduction(2 * M_PI, 1e-4, 1e5).polytropic, 1, 1e-5);
-  EXPECT_NEAR(conduction(1e9, 1e-4, 1e5).polytropic, ratio_of_heats, 0.01);
+  EXPECT_NEAR(conduction(1e11, 1e-4, 1e5).polytropic, ratio_of_heats, 0.002);
 }
 
 TEST(HeatConduction, IsWhatTheTableOfTheTheorySays) {
