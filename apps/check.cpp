@@ -38,8 +38,9 @@ ExitStatus Stages::check() {
   const bool finer = study_.floor.finer_mesh && finer_is_small_enough(study_.floor, model().mesh());
   const double floor = conditions * floor_cost(study_.floor, model().mesh().plane_strain, finer, d.estimated_seconds / d.estimated_mean_seconds);
   say(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}, {} repeatability floor {}", command_.threads,
-                  duration_text(conditions * d.estimated_seconds / command_.threads), study_.campaign.runs, shape.parameters.size(),
+                  duration_text(conditions * d.estimated_seconds / d.run_gain), study_.campaign.runs, shape.parameters.size(),
                   duration_text(means * mean_seconds), study_.campaign.floor ? "its" : "a", duration_text(floor * mean_seconds)));
+  if (d.run_threads < command_.threads) say(fmt::format("a single run is too small to gain by more than {} thread{}", d.run_threads, d.run_threads > 1 ? "s" : ""));
   if (!command_.write_mesh.empty()) {
     calomel::write_mesh(model().mesh(), command_.write_mesh);
     say("mesh written to " + command_.write_mesh.string());

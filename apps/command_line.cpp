@@ -27,7 +27,7 @@ void add_shared(CLI::App& verb, CommandLine& command, Takes takes) {
   }
   verb.add_option("CASE", command.case_file, "case file (TOML)")->required()->type_name("");
   verb.add_option("--set", command.overrides, "override a value of the case; may be repeated")->type_name("TABLE.KEY=VALUE")->allow_extra_args(false);
-  verb.add_option("--threads", command.threads, "threads (default: all)")->check(CLI::Range(1, 4096))->type_name("N");
+  verb.add_option("--threads", command.threads, "threads at most (default: all); a run that would not gain by them takes fewer")->check(CLI::Range(1, 4096))->type_name("N");
   verb.add_option("--seed", command.seed, "seed of all random streams (default: 1)")->type_name("S")->check([](const std::string& text) {
     return text.starts_with('-') ? "a seed is not negative: " + text : std::string();
   });

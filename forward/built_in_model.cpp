@@ -196,7 +196,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
         const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
         SolveOptions options = solve_options(at.solver);
-        options.threads = threads_;
+        options.threads = solver.useful_threads(s, options, threads_).threads;
         const SolveSummary summary = solver.solve(s, rows, options);
         expect(summary.times.size() == times, "the solver observes at every output time");
         for (std::size_t r = 0; r < count; ++r)
@@ -258,7 +258,9 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, con
       own.field_interval = 0;
       own.checkpoint.identity += "|" + shape_.conditions[condition];
     }
-    SolveSummary s = solver_->solve(setup(case_, *mesh_, condition, {1.0}), rows, own);
+    const RunSetup one = setup(case_, *mesh_, condition, {1.0});
+    own.threads = solver_->useful_threads(one, own, options.threads).threads;
+    SolveSummary s = solver_->solve(one, rows, own);
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
@@ -293,6 +295,8 @@ ModelDescription BuiltInModel::describe() const {
   d.steps = std::int64_t(stepping.per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
   const double element_steps = double(d.elements) * double(d.steps) * stepping.work;
+  const ThreadChoice choice = solver_->useful_threads(s, options, threads_);
+  d.run_threads = choice.threads, d.run_gain = choice.gain;
   d.estimated_seconds = element_steps / measured_rate(single, d.elements, false);
   const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
   d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * element_steps / measured_rate(single, d.elements, true);

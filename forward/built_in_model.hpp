@@ -31,6 +31,8 @@ struct ModelDescription {
   double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
   double slice_thickness = 0;    ///< in plane strain [m]
   double estimated_seconds = 0;       ///< of one run on one thread, at the rate that was measured for this size and precision
+  int run_threads = 1;                ///< of those that the model may use, how many a single run takes
+  double run_gain = 1;                ///< estimated, over one thread
   double estimated_mean_seconds = 0;  ///< of one ensemble mean on one thread
   double estimated_bytes = 0;
   std::vector<std::string> warnings;
@@ -39,7 +41,7 @@ struct ModelDescription {
 
 class BuiltInModel : public ForwardModel {
  public:
-  /// `threads`: of one run (a campaign runs points side by side on one thread each).
+  /// `threads`: of one run at most, as many as it gains by (a campaign runs points side by side on one thread each).
   /// Errors: InputError for a mesh or gauge that cannot be made.
   explicit BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble = {}, int threads = 1);
   /// The same on a mesh that the caller made (jittered, deformed); parameters of the geometry are then refused.

@@ -184,6 +184,16 @@ Stepping ExplicitSolver::stepping(const RunSetup& s, const SolveOptions& options
   return cheapest_stepping(*layout, s.liquid_law != nullptr, least, least_steps(stable.liquid), options.subcycles);
 }
 
+ThreadChoice ExplicitSolver::useful_threads(const RunSetup& s, const SolveOptions& options, int most) const {
+  if (most <= 1) return {};
+  const bool lanes = s.energies.size() > 1;
+  const int subcycles = options.subcycles > 1 ? stepping(s, options).subcycles : 1;
+  return Parts::in_precision(options, [&](auto zero) {
+    const auto& packed = parts_->packed<decltype(zero)>(lanes, kind_of(options), subcycles > 1 ? options.subcycle_buffer : no_subcycles);
+    return calomel::useful_threads(packed.layout, s.liquid_law != nullptr, lanes ? group_cost : 1, subcycles, most);
+  });
+}
+
 SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const {
   expect(!setup.energies.empty() && setup.energies.size() <= std::size_t(run_lanes), "one to eight runs in a group");
   expect(!options.booking || setup.energies.size() == 1, "energy is booked in single runs");

@@ -17,6 +17,7 @@
 #include "forward/solver/load.hpp"
 #include "forward/solver/reentrant_edges.hpp"
 #include "forward/solver/subcycles.hpp"
+#include "forward/solver/thread_shares.hpp"
 
 namespace calomel {
 
@@ -103,7 +104,7 @@ struct SolveOptions {
   bool heated_rear = true;
   bool booking = false;                    ///< one run only
   bool every_step = false;                 ///< observe at every step (every slow one) instead of every output interval
-  int threads = 1;
+  int threads = 1;                         ///< exactly so many, as far as there are blocks; see ExplicitSolver::useful_threads
   double field_interval = 0;               ///< 0 = no fields
   std::function<void(const FieldSnapshot&)> on_field;
   std::function<void(double share)> on_progress;
@@ -149,6 +150,9 @@ class ExplicitSolver {
   /// How the output interval is divided. Of the numbers of sub-cycles that `options` allow and the liquid's own stable step bears, the
   /// cheapest, 1 when none pays. Errors: NumericsError when there would be more than a million steps.
   [[nodiscard]] Stepping stepping(const RunSetup& setup, const SolveOptions& options) const;
+
+  /// The number of threads, at most `most`, that such a run is fastest on: a small one has too little work for several.
+  [[nodiscard]] ThreadChoice useful_threads(const RunSetup& setup, const SolveOptions& options, int most) const;
 
   /// Runs from the setup's initial state (rest unless given). `rows` observe displacements. Errors: NumericsError (step, time, place), Interrupted.
   [[nodiscard]] SolveSummary solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const;

@@ -76,7 +76,14 @@ std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Fac
 }
 
 double block_cost(const Block& block, bool own_law) {
-  return double(block.elements.size()) * (block.liquid ? own_law ? 4.0 : 1.0 : 1.8) * (block.parallelepiped ? 0.7 : 1.0);
+  const double element = block.liquid ? (block.parallelepiped ? 0.75 : 1.0) + (own_law ? 3.0 : 0.0) : block.parallelepiped ? 1.6 : 1.9;
+  return double(block.elements.size()) * element;
+}
+
+double node_cost(const Layout& layout, bool slow) {
+  constexpr double shared = 0.25, ruled = 0.7;
+  const std::size_t plain = slow ? layout.plain.size() - layout.first_slow_plain : layout.first_slow_plain;
+  return shared * double(plain) + (slow ? 0 : ruled * double(layout.special.size()));
 }
 
 Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow) {

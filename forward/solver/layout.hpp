@@ -64,8 +64,11 @@ struct Layout {
 /// `block_size`: elements per block. `slow`: per element, whether it takes long steps (subcycles.hpp); empty: none does. Blocks of fast elements come first.
 Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow = {});
 
-/// What a block costs beside others: elements of liquid that are parallelepipeds count 1 each. `own_law`: the liquid's is not Riemer's.
+/// What a block costs beside others: general elements of liquid count 1 each (`bench_solver --kinds`). `own_law`: the liquid's is not Riemer's.
 double block_cost(const Block& block, bool own_law);
+
+/// The same of the nodes that blocks share or that have a rule, of slow blocks alone or of the others.
+double node_cost(const Layout& layout, bool slow);
 
 /// Shares of the faces' area vectors at their nodes, exact for bilinear faces.
 std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces);

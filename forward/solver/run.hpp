@@ -2,6 +2,7 @@
 /// The arrays of one run (or of a group that fills the lanes) and the phases of its step. A step is: every block; then the
 /// shared nodes and those with a rule; then, where the steel's motion is damped, every node. The phases may be spread over
 /// threads in any way; the result does not depend on it.
+#include <array>
 #include <filesystem>
 #include <iosfwd>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "forward/solver/packed_mesh.hpp"
 
 namespace calomel {
+
+inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finite in single precision
+inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time
 
 /// Volume of steel and of liquid that each mesh node carries, an eighth of each element [m^3].
 struct NodalVolumes {
@@ -21,6 +25,7 @@ template <class R>
 struct StepPair {
   StepData<R> fast, slow;
   bool outer;  ///< the slow ones are at work
+  std::size_t parity;  ///< of the step's number: energies are kept until the step after the next, so that they may be summed while that begins
 };
 
 template <class R>
@@ -40,10 +45,10 @@ class Run {
   [[nodiscard]] StepPair<R> step(std::int64_t n, R* scratch) const;
   void advance_block(std::size_t block, const StepPair<R>& step);
   void advance_chunk(std::size_t chunk, const StepPair<R>& step);
-  /// Mass-proportional damping of the steel on the nodes [begin, end).
+  /// Mass-proportional damping of the steel on one of `parts` equal parts of the nodes.
   void damp_motion(std::size_t part, std::size_t parts);
-  /// Energies of the step just done, summed in a fixed order; of slow blocks at outer steps only.
-  [[nodiscard]] EnergyTerms energies(bool outer) const;
+  /// Energies of step n, the last one done, summed in a fixed order; of slow blocks at outer steps only.
+  [[nodiscard]] EnergyTerms energies(std::int64_t n) const;
 
   /// sum_k weights_k . u(nodes_k) of a lane.
   [[nodiscard]] double observe(const ObservationRow& row, std::size_t lane) const;
@@ -105,8 +110,8 @@ class Run {
   std::vector<BlockData<R>> blocks_;
   std::vector<SpecialData<R>> rules_;
   std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0, slow_chunks_ = 0;
-  std::vector<EnergyTerms> energies_;
-  std::vector<double> damped_;  ///< energy taken by damp_motion, by part of the nodes [J]
+  std::array<std::vector<EnergyTerms>, 2> energies_;  ///< by parity of the step: of blocks, then of chunks
+  std::vector<double> damped_;  ///< energy taken by damp_motion, by stretch of the nodes [J]
 };
 
 extern template class Run<float>;

@@ -29,7 +29,7 @@ std::vector<std::uint8_t> slow_elements(const Mesh& mesh, int buffer) {
 }
 
 Stepping cheapest_stepping(const Layout& layout, bool own_law, int least, int least_slow, int most) {
-  double fast = 0, slow = 0;
+  double fast = node_cost(layout, false), slow = node_cost(layout, true);
   for (std::size_t b = 0; b < layout.blocks.size(); ++b) (b < layout.first_slow_block ? fast : slow) += block_cost(layout.blocks[b], own_law);
   Stepping best{.per_output = least};
   double least_cost = least * (fast + slow);

@@ -6,16 +6,18 @@
 #endif
 
 #include <algorithm>
-#include <barrier>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <thread>
 
 #include "base/artefact.hpp"
 #include "base/errors.hpp"
+#include "forward/solver/step_barrier.hpp"
+#include "forward/solver/thread_shares.hpp"
 
 namespace calomel {
 
@@ -78,6 +80,7 @@ class TimeLoop {
     const std::size_t samples = std::size_t(steps_ / sample_every_) + 1;
     out_.times.resize(samples);
     out_.observations.assign(setup.energies.size() * rows.size() * samples, 0);
+    const auto shares = [&](std::size_t begin, std::size_t end) { return thread_shares(layout, setup.liquid_law != nullptr, begin, end, threads_); };
     first_fast_ = shares(0, layout.first_slow_block), first_slow_ = shares(layout.first_slow_block, run.block_count());
     for (int t = 0; t < threads_; ++t) scratch_.emplace_back(run.scratch_size());
   }
@@ -96,25 +99,15 @@ class TimeLoop {
   }
 
  private:
-  /// Contiguous shares of the blocks [begin, end) by cost: the first of each thread, and the end.
-  [[nodiscard]] std::vector<std::size_t> shares(std::size_t begin, std::size_t end) const {
-    std::vector<double> cost{0};
-    for (std::size_t b = begin; b < end; ++b) cost.push_back(cost.back() + block_cost(layout_.blocks[b], setup_.liquid_law != nullptr));
-    std::vector<std::size_t> first;
-    for (int t = 0; t <= threads_; ++t)
-      first.push_back(t == threads_ ? end : begin + std::size_t(std::lower_bound(cost.begin(), cost.end(), cost.back() * t / threads_ - 1e-9) - cost.begin()));
-    return first;
-  }
-
-  /// Runs `body`, keeping the first exception for the end.
+  /// Runs `body`, keeping the first exception for the end; `step`: the last one that the threads still do together.
   template <class Body>
-  void guarded(Body&& body) {
+  void guarded(std::int64_t step, Body&& body) {
     try {
       body();
     } catch (...) {
       const std::lock_guard guard(lock_);
       if (!error_) error_ = std::current_exception();
-      halt_ = true;
+      last_step_ = std::min(last_step_.load(), step);
     }
   }
   void wait() {
@@ -133,12 +126,12 @@ class TimeLoop {
     const auto me = std::size_t(t), all = std::size_t(threads_);
     for (std::int64_t n = first_step_;; ++n) {
       if (n % sample_every_ == 0 || n % per_output_ == 0) {
-        if (t == 0) guarded([&] { output(n); });
+        if (t == 0) guarded(n - 1, [&] { output(n); });
         wait();
       }
-      if (halt_ || n == steps_) return;
+      if (last_step_ < n || n == steps_) return;
       const StepPair<R> s = run_.step(n, scratch_[me].data());
-      guarded([&] { advance_blocks(me, n, s); });
+      guarded(n, [&] { advance_blocks(me, n, s); });
       wait();
       for (std::size_t c = me; c < run_.chunk_count(s.outer); c += all) run_.advance_chunk(c, s);
       wait();
@@ -146,10 +139,7 @@ class TimeLoop {
         run_.damp_motion(me, all);
         wait();
       }
-      if (options_.booking) {
-        if (t == 0) balance_.add(run_.energies(s.outer), s.outer, n <= run_.subcycles(), has_initial_state_);
-        wait();
-      }
+      if (options_.booking && t == 0) balance_.add(run_.energies(n), s.outer, n <= run_.subcycles(), has_initial_state_);
     }
   }
 
@@ -266,10 +256,10 @@ class TimeLoop {
   std::vector<AlignedArray<R>> scratch_;
   Balance balance_;
   SolveSummary out_;
-  std::barrier<> sync_;
+  StepBarrier sync_;
   std::mutex lock_;
   std::exception_ptr error_;
-  std::atomic<bool> halt_{false};
+  std::atomic<std::int64_t> last_step_{std::numeric_limits<std::int64_t>::max()};  ///< after an error
   std::chrono::steady_clock::time_point began_, last_saved_;
 };
 

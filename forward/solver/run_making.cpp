@@ -1,0 +1,207 @@
+// How a run comes to be: masses, blocks with their state and law, rules of boundary nodes, initial state.
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "forward/solver/run.hpp"
+
+namespace calomel {
+
+namespace {
+
+Vec3 centre_of(const Mesh& mesh, std::size_t e) {
+  Vec3 x{};
+  for (const NodeId n : mesh.elements[e])
+    for (std::size_t c = 0; c < 3; ++c) x[c] += mesh.nodes[std::size_t(n)][c] / 8;
+  return x;
+}
+
+std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / node_chunk; }
+
+}  // namespace
+
+template <class R>
+Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
+    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), booking_(options.booking),
+      stateful_(options.booking || setup.quadratic_viscosity > 0) {
+  const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
+  make_masses(volumes);
+  u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
+  start_from(setup.initial_displacement, u_);
+  start_from(setup.initial_velocity, v_);
+  make_blocks();
+  if (!setup.initial_displacement.empty() || !setup.initial_velocity.empty()) remember_strain();
+  make_rules(options.heated_rear);
+  plain_chunks_ = node_chunks(packed.layout.first_slow_plain), rule_chunks_ = node_chunks(rules_.size());
+  slow_chunks_ = node_chunks(packed.layout.plain.size() - packed.layout.first_slow_plain);
+  for (auto& e : energies_) e.resize(blocks_.size() + chunk_count(true));
+
+  const double k = setup.liquid.bulk_modulus, h = mesh.liquid_element_size, r = setup.rear_coefficient;
+  base_.u = u_.data(), base_.v = v_.data(), base_.inverse_mass = inverse_mass_.data(), base_.outbox = outbox_.data();
+  base_.outbox_end = packed.layout.outbox_begin.data() + 1, base_.outbox_scale = 1;
+  base_.dt = R(dt_), base_.kick = R(dt_);
+  base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited_cutoff)), base_.hourglass = R(setup.hourglass * k);
+  base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
+  base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
+  base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
+  const double late = 0.5 + 0.5 * std::max(r, 0.0);
+  base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
+  base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
+}
+
+template <class R>
+void Run<R>::make_masses(const NodalVolumes& volumes) {
+  const Layout& layout = packed_.layout;
+  mass_.resize(std::size_t(layout.nodes));
+  inverse_mass_ = AlignedArray<R>(mass_.size());
+  const bool damped = setup_.steel_mass_damping != 0;
+  if (damped) motion_factor_.resize(mass_.size()), damped_.resize(node_chunks(mass_.size()));
+  for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
+    const auto s = std::size_t(layout.to_solver[n]);
+    const double steel = setup_.steel_density * volumes.steel[n];
+    mass_[s] = steel + setup_.liquid_density * volumes.liquid[n];
+    inverse_mass_[s] = R(1 / mass_[s]);
+    if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel / mass_[s]);
+  }
+}
+
+template <class R>
+void Run<R>::make_blocks() {
+  const std::size_t count = packed_.layout.blocks.size(), lanes = packed_.lanes();
+  p0_.resize(count), state_.resize(count), memory_.resize(count), blocks_.resize(count);
+  if (setup_.liquid_law) laws_.resize(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const Block& block = packed_.layout.blocks[b];
+    const auto& elements = packed_.elements[b];
+    const std::size_t slots = elements.size();
+    if (block.liquid) {
+      p0_[b] = AlignedArray<R>(slots);
+      for (std::size_t i = 0; i < slots; ++i)
+        if (elements[i] >= 0 && !setup_.p0.empty()) p0_[b][i] = R(setup_.p0[std::size_t(elements[i])]);
+    }
+    if (stateful_ && block.liquid) state_[b] = AlignedArray<R>(packed_.runs ? slots * run_state * run_lanes : slots * element_state);
+    if (stateful_ && !block.liquid && !packed_.runs) state_[b] = AlignedArray<R>(slots * steel_state);
+    blocks_[b] = {block.liquid, packed_.form[b], std::int32_t(slots / lanes), packed_.geometry[b].data(), packed_.connectivity[b].data(), p0_[b].data(),
+                  state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
+                  std::int32_t(block.shared.size()), block.outbox, {}};
+    if (block.liquid && setup_.liquid_law) make_law(b);
+    scratch_rows_ = std::max(scratch_rows_, std::size_t(block.interior) + block.shared.size());
+  }
+}
+
+template <class R>
+void Run<R>::make_rules(bool heated_rear) {
+  const Layout& layout = packed_.layout;
+  for (const auto& s : layout.special) {
+    SpecialData<R> r{};
+    r.node = s.node, r.partner = s.partner, r.normals = s.normals;
+    r.fixed_node = layout.fixed[std::size_t(s.node)];
+    r.mass_node = R(mass_[std::size_t(s.node)]);
+    if (s.partner >= 0) r.fixed_partner = layout.fixed[std::size_t(s.partner)], r.mass_partner = R(mass_[std::size_t(s.partner)]);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t c = 0; c < 3; ++c) r.normal[k][c] = R(s.normal[k][c]);
+    if (s.rear >= 0) {
+      const BoundaryNode& n = layout.rear[std::size_t(s.rear)];
+      const double area = std::sqrt(n.area[0] * n.area[0] + n.area[1] * n.area[1] + n.area[2] * n.area[2]);
+      r.rear_area = R(area);
+      for (std::size_t c = 0; c < 3; ++c) r.rear_normal[c] = R(n.area[c] / area);
+      if (heated_rear && setup_.p0_at) r.rear_p0 = R(setup_.p0_at(mesh_.nodes[std::size_t(n.node)]));
+    }
+    if (s.loaded >= 0)
+      for (std::size_t c = 0; c < 3; ++c) r.load_area[c] = R(layout.loaded[std::size_t(s.loaded)].area[c]);
+    rules_.push_back(r);
+  }
+}
+
+template <class R>
+void Run<R>::start_from(const std::vector<Vec3>& field, AlignedArray<R>& to) {
+  const std::size_t stride = packed_.stride();
+  for (std::size_t n = 0; n < field.size(); ++n)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!(mesh_.fixed[n] & (1 << c)))
+        for (std::size_t l = 0; l < stride; ++l) to[std::size_t(packed_.layout.to_solver[n]) * packed_.width() + c * stride + l] = R(field[n][c]);
+}
+
+/// The liquid's strain one step before the start, had it moved with the initial velocity: what rates are taken from.
+template <class R>
+void Run<R>::remember_strain() {
+  const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
+  const std::size_t lanes = packed_.lanes(), copies = packed_.runs ? run_lanes : 1;
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
+      if (!blocks_[b].liquid || packed_.elements[b][slot] < 0) continue;
+      const auto e = std::size_t(packed_.elements[b][slot]);
+      const double dt = is_slow(b) ? subcycles_ * dt_ : dt_;
+      const HexGeometry g = hex_geometry(corners_of(mesh_, e));
+      Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
+      for (int k = 0; k < 8; ++k) {
+        const std::size_t row = std::size_t(packed_.layout.to_solver[std::size_t(mesh_.elements[e][std::size_t(k)])]) * packed_.width();
+        for (int c = 0; c < 3; ++c) {
+          const std::size_t at = row + std::size_t(c) * packed_.stride();
+          grad.row(c) += (double(u_[at]) - dt * double(v_[at])) * g.gradient.col(k).transpose();
+        }
+      }
+      const double strain = finite ? (Eigen::Matrix3d::Identity() + grad).determinant() - 1 : grad.trace();
+      for (std::size_t l = 0; l < copies; ++l) {
+        if (setup_.liquid_law) memory_[b][slot * copies + l] = strain;
+        if (stateful_) state_[b][packed_.runs ? (slot * run_state) * run_lanes + l : (slot / lanes * element_state) * lanes + slot % lanes] = R(strain);
+      }
+    }
+}
+
+template <class R>
+void Run<R>::make_law(std::size_t b) {
+  const LiquidLaw& law = *setup_.liquid_law;
+  const auto& elements = packed_.elements[b];
+  const std::size_t copies = packed_.runs ? run_lanes : 1, points = elements.size() * copies;
+  std::vector<Vec3> centres;
+  for (const std::int32_t e : elements)  // padding repeats the block's first element
+    centres.insert(centres.end(), copies, centre_of(mesh_, std::size_t(e >= 0 ? e : elements[0])));
+  memory_[b] = AlignedArray<double>(points * (2 + law.state_size()));
+  law.initialise(centres, memory_[b].data() + 2 * points, points);
+  laws_[b] = {&law, this, b};
+  blocks_[b].law = {advance_law, &laws_[b], memory_[b].data(), points};
+}
+
+template <class R>
+void Run<R>::advance_law(const void* law_of_block, const LiquidPoints& p) {
+  const auto& [law, run, block] = *static_cast<const LawOfBlock*>(law_of_block);
+  try {
+    law->advance(p);
+  } catch (const LiquidPointError& e) {
+    const LawHook& hook = run->blocks_[block].law;
+    throw run->located(e, block, std::size_t(p.pressure - (hook.memory + hook.points)) + e.point());
+  }
+}
+
+template <class R>
+NumericsError Run<R>::located(const NumericsError& error, std::size_t block, std::size_t point) const {
+  const auto& elements = packed_.elements[block];
+  const std::int32_t slot = elements[point / (packed_.runs ? run_lanes : 1)], e = slot >= 0 ? slot : elements[0];
+  const Vec3 x = centre_of(mesh_, std::size_t(e));
+  return NumericsError(fmt::format("{}, in mercury element {} at ({:.4g}, {:.4g}, {:.4g}) m", error.what(), e, x[0], x[1], x[2]));
+}
+
+template Run<float>::Run(const PackedMesh<float>&, const Mesh&, const NodalVolumes&, const RunSetup&, const SolveOptions&, double, int);
+template void Run<float>::make_masses(const NodalVolumes&);
+template void Run<float>::make_blocks();
+template void Run<float>::make_rules(bool);
+template void Run<float>::start_from(const std::vector<Vec3>&, AlignedArray<float>&);
+template void Run<float>::remember_strain();
+template void Run<float>::make_law(std::size_t);
+template void Run<float>::advance_law(const void*, const LiquidPoints&);
+template NumericsError Run<float>::located(const NumericsError&, std::size_t, std::size_t) const;
+template Run<double>::Run(const PackedMesh<double>&, const Mesh&, const NodalVolumes&, const RunSetup&, const SolveOptions&, double, int);
+template void Run<double>::make_masses(const NodalVolumes&);
+template void Run<double>::make_blocks();
+template void Run<double>::make_rules(bool);
+template void Run<double>::start_from(const std::vector<Vec3>&, AlignedArray<double>&);
+template void Run<double>::remember_strain();
+template void Run<double>::make_law(std::size_t);
+template void Run<double>::advance_law(const void*, const LiquidPoints&);
+template NumericsError Run<double>::located(const NumericsError&, std::size_t, std::size_t) const;
+
+}  // namespace calomel
