@@ -100,7 +100,7 @@ EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& 
   say_failures(archive, feasibility);
   std::optional<Likelihood> likelihood;
   if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
-  auto added = added_runs(false, study_.enc.mesh_pairs > 0);
+  auto added = added_runs("enc", false, study_.enc.mesh_pairs > 0);
   const EncRuns runs{run_source(added, progress), archive};
   const auto summary =
       run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr, &runs);
@@ -117,7 +117,7 @@ void Stages::say_mesh(const std::string& method, const Calibration& summary) con
 SpeSummary Stages::calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress) {
   const Archive archive = read_archive(command_.out / "campaign.nc");
   say_failures(archive, Feasibility(archive));
-  auto added = added_runs(study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
+  auto added = added_runs("spe", study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
   const RunSource source = run_source(added, progress);
   const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, &source);
   write_spe(summary, problem(), provenance, command_.out);

@@ -53,7 +53,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   if (unknowns)
     models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
 
-  auto added = added_runs(options.added_runs > 0, options.mesh_pairs > 0);
+  auto added = added_runs("map", options.added_runs > 0, options.mesh_pairs > 0);
   const RunSource source = run_source(added, progress);
   models.has_finer = source.has_finer;
   if (source.run)

@@ -97,7 +97,7 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
     if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
   if (method == "enc" && study_.enc.needs_likelihood()) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
-  if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
+  if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;
 }
 

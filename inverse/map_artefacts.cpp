@@ -49,7 +49,7 @@ Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
 Json mesh_json(const MapRefinement& r, const ModelShape& shape) {
   Json moves = Json::object();
   for (Eigen::Index k = 0; k < r.next_halving.size(); ++k) moves[shape.parameters[std::size_t(k)].name] = number(r.next_halving[k]);
-  return {{"relative_difference", number(r.mesh_difference)}, {"next_halving_sds", moves}, {"sentence", r.sentence}};
+  return {{"next_halving_sds", moves}, {"sentence", r.sentence}};
 }
 
 }  // namespace
@@ -85,10 +85,14 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   for (const auto& [source, share] : s.shares) own["covariance_shares"][source] = number(share);
   own["replicates"] = {{"energy_sd", number(s.energy_sd)}, {"split_half", number(s.split_half)}, {"noise_time_s", numbers(s.noise_time)}};
   if (!s.refinement.rounds.empty()) own["added_runs"] = refinement_json(s.refinement, shape);
-  if (s.refinement.next_halving.size()) own["mesh"] = mesh_json(s.refinement, shape);
   if (s.rival) own["rival"] = rival_json(*s.rival, shape);
   own["surrogate_slope"] = number(s.gradient), own["polish_steps"] = s.polish_steps;
-  return calibration_json(s, problem, own, provenance);
+  Json json = calibration_json(s, problem, own, provenance);
+  if (s.refinement.next_halving.size()) {
+    json["mesh"]["scores"] = s.mesh.sentence;
+    json["mesh"].update(mesh_json(s.refinement, shape));
+  }
+  return json;
 }
 
 void write_map(const MapSummary& s, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir) {
