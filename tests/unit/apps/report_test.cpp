@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "apps/report/page.hpp"
 #include "apps/report/study.hpp"
 #include "apps/report/surface.hpp"
 #include "apps/report/table.hpp"
