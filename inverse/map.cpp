@@ -204,6 +204,8 @@ void MapRun::judge() {
   } else {
     out_.warnings.push_back("the model fails beside the optimum: the covariance is the search's");
   }
+  if (at_ && models_.left_out)
+    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, models_.left_out(point_.theta)));
   out_.log_likelihood = final_likelihood_->log_likelihood(point_.theta, point_.history);
   out_.log_prior = log_prior(space_.priors(), point_.theta);
   out_.log_evidence_laplace = search_.log_evidence({x_, point_.log_posterior, covariance_});

@@ -73,7 +73,9 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["chi2"] = number(s.chi2), own["values"] = s.values;
   own["effective_data"] = number(s.effective_data), own["effective_chi2"] = number(s.effective_chi2);
   own["p_value"] = number(s.p_value), own["effective_p_value"] = number(s.effective_p_value);
+  own["chi2_critical"] = s.chi2_critical > 0 ? number(s.chi2_critical) : Json();
   own["adequate"] = s.adequate, own["adequacy"] = s.adequacy;
+  if (s.screening) own["screening"] = screening_json(*s.screening);
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
   own["combinations"] = Json::array();
