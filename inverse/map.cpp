@@ -204,8 +204,12 @@ void MapRun::judge() {
   } else {
     out_.warnings.push_back("the model fails beside the optimum: the covariance is the search's");
   }
-  if (at_ && models_.left_out)
-    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, models_.left_out(point_.theta)));
+  if (at_ && std::size_t(at_->jacobian.rows()) == out_.values) {
+    std::vector<LeftOut> left_out{gauge_gains(problem_, point_.history)};
+    if (models_.left_out)
+      for (auto& l : models_.left_out(point_.theta)) left_out.push_back(std::move(l));
+    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, left_out));
+  }
   out_.log_likelihood = final_likelihood_->log_likelihood(point_.theta, point_.history);
   out_.log_prior = log_prior(space_.priors(), point_.theta);
   out_.log_evidence_laplace = search_.log_evidence({x_, point_.log_posterior, covariance_});

@@ -75,7 +75,7 @@ struct MapOptions {
     v("mesh_beyond_sd", mesh_beyond_sd, {.range = between(0, 3), .doc = "standard deviation of that multiple; marginalised"});
     v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
     v("screen", screen,
-      {.doc = "look whether the residual at the answer points where a mechanism that the case does not enable would show, by secants of the true model: two runs a key of the mechanisms, about two dozen"});
+      {.doc = "look whether the residual at the answer points where a mechanism that the case does not enable would show, by secants of the true model: two runs a key, about two dozen"});
     v("compare_with", compare_with,
       {.doc = "output directory of a finished fit of the same records by a model with fewer of these parameters, relative to the case: both are judged under one covariance"});
     v.table("likelihood", likelihood, "covariance of data and model");
@@ -119,7 +119,7 @@ struct MapSummary : Calibration {
   double chi2_critical = 0;                ///< above which chi2 alone would have called the fit not adequate; 0 where it did
   bool adequate = false;                   ///< neither chi2 nor the screening speaks against the fit
   std::string adequacy;                    ///< in a sentence
-  std::optional<Screening> screening;      ///< with map.screen and a model that has mechanisms
+  std::optional<Screening> screening;      ///< with map.screen also by mechanisms
   Identification identification;           ///< which combination the data pin and which they leave free
   double discrepancy_scale = 0;            ///< s of the physical product
   std::vector<std::pair<double, double>> discrepancy_weights;  ///< (s, posterior weight)

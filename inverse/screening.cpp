@@ -14,6 +14,7 @@ namespace calomel {
 
 namespace {
 
+const std::string gains = "gauge_gains";
 constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the greatest singular value: what is left of it is rounding
 
 /// Orthonormal columns that span those of `m`, (rows, rank).
@@ -90,11 +91,27 @@ Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, 
   out.stands_out = out.p_value < least_screening_p;
   std::string names;
   for (const auto& m : out.mechanisms) names += (names.empty() ? "" : ", ") + m.name;
-  out.sentence = out.stands_out
-                     ? fmt::format("whatever the covariance's scale, the residual points where {} would show (F {:.3g} for {} directions, p {:.2g} of {} mechanisms{}): enable it, fit anew and compare (map.compare_with)",
-                                   first.name, first.f, first.directions, out.p_value, out.mechanisms.size(), numbers_of(first))
-                     : fmt::format("whatever the covariance's scale, the residual does not point where one of {} would show (least p {:.2g}); what else may be missing was not looked for", names,
-                                   out.p_value);
+  const std::string test = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, out.mechanisms.size());
+  if (!out.stands_out)
+    out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
+                               out.p_value);
+  else if (first.name == gains)
+    out.sentence = fmt::format("whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than its standard deviations", test);
+  else
+    out.sentence = fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)", first.name, test, numbers_of(first));
+  return out;
+}
+
+LeftOut gauge_gains(const Problem& problem, const std::vector<double>& history) {
+  const auto n = Eigen::Index(problem.shape.times.size());
+  LeftOut out{.name = gains};
+  out.directions = Eigen::MatrixXd::Zero(Eigen::Index(history.size()), Eigen::Index(problem.observations.size()));
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const auto& o = problem.observations[i];
+    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
+    out.directions.col(Eigen::Index(i)).segment(at, n) = Eigen::Map<const Eigen::VectorXd>(history.data() + at, n);
+    out.keys.push_back(problem.shape.sensors[o.sensor] + (problem.shape.conditions.size() > 1 ? " " + problem.shape.conditions[o.condition] : "")), out.off.push_back(1);
+  }
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace calomel {
 
 /// How physics that the model leaves out would change its values, to first order.
 struct LeftOut {
-  std::string name;               ///< of the mechanism
+  std::string name;               ///< of the mechanism, or gauge_gains
   std::vector<std::string> keys;  ///< its numbers
   std::vector<double> off;        ///< their values that switch it off; infinite ones are counted by their inverse
   Eigen::MatrixXd directions;     ///< (values of the model, keys): change of the model's values per unit of the key
@@ -47,6 +47,10 @@ constexpr double least_screening_p = 1e-3;
 /// alone tells nothing. Directions that whiten to nothing beside the parameters' are left out; a mechanism with none has p_value 1.
 /// Errors: contract failure where shapes do not fit.
 [[nodiscard]] Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out);
+
+/// What another gain of each gauge would do: nothing that the case could enable, but errors of the load, of gauges and of an answer that lies off show as amplitudes
+/// that do not fit together. `history`: (values of the model) at the answer.
+[[nodiscard]] LeftOut gauge_gains(const Problem& problem, const std::vector<double>& history);
 
 /// For map.json.
 Json screening_json(const Screening& screening);
