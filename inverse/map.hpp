@@ -73,7 +73,7 @@ struct MapOptions {
     v("mesh_beyond", mesh_beyond,
       {.range = between(0, 3), .doc = "how far beyond the finer mesh the records lie, in units of (finer - working): 0 on it, 1 at vanishing elements where errors fall with the element size"});
     v("mesh_beyond_sd", mesh_beyond_sd, {.range = between(0, 3), .doc = "standard deviation of that multiple; marginalised"});
-    v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
+    v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations, or twice running by less than the model's roughness moves it"});
     v("screen", screen,
       {.doc = "look whether the residual at the answer points where a mechanism that the case does not enable would show, by secants of the true model: two runs a key, about two dozen"});
     v("compare_with", compare_with,
@@ -90,6 +90,7 @@ struct RefinementRound {
   int failed = 0;             ///< of them
   std::vector<double> theta;  ///< the optimum with them
   double moved = 0;           ///< since the round before, largest over the parameters, in posterior sds
+  double roughness = 0;       ///< sd of that parameter's optimum by how rough one run is, likewise; smaller moves tell of nothing else
 };
 
 /// What added runs and pairs of meshes did.

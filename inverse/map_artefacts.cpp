@@ -42,7 +42,7 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
 Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
   Json rounds = Json::array();
   for (const auto& round : r.rounds)
-    rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}});
+    rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}, {"roughness_sds", number(round.roughness)}});
   return {{"rounds", rounds}, {"stable", r.stable}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
 }
 
