@@ -10,8 +10,8 @@ Provenance Stages::added_provenance() const {
   return {.stage = "added_runs", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
 }
 
-AddedStage Stages::added_runs(bool alone, bool paired) {
-  AddedStage stage;
+AddedStage Stages::added_runs(const std::string& method, bool alone, bool paired) {
+  AddedStage stage{.method = method};
   if (paired) stage.finer = finer_model(model());
   if (!alone && !stage.finer) return stage;
   const auto own = added_provenance();
@@ -26,7 +26,7 @@ RunSource Stages::run_source(AddedStage& stage, const CalibrationProgress& progr
   if (!stage.runs) return source;
   source.run = [this, &stage, progress](const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) {
     auto runs = stage.runs->run(thetas, with_fine, command_.threads, [&](std::size_t done, std::size_t total) { progress("added runs", done, total); }, &stop_requested());
-    stage.runs->write(command_.out);
+    stage.runs->write(command_.out, stage.method);
     return runs;
   };
   return source;

@@ -119,7 +119,7 @@ EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& 
   say_failures(archive, feasibility);
   std::optional<Likelihood> likelihood;
   if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
-  auto added = added_runs(false, study_.enc.mesh_pairs > 0);
+  auto added = added_runs("enc", false, study_.enc.mesh_pairs > 0);
   const EncRuns runs{run_source(added, progress), archive, study_.enc.draws > 0 ? errors_at(&surrogate) : ErrorsAt(),
                      [&](std::span<const double> theta) { return surrogate.error_variance(theta); }};
   const auto summary =
@@ -138,7 +138,7 @@ void Stages::say_mesh(const std::string& method, const Calibration& summary) con
 SpeSummary Stages::calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress) {
   const Archive archive = read_archive(command_.out / "campaign.nc");
   say_failures(archive, Feasibility(archive));
-  auto added = added_runs(study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
+  auto added = added_runs("spe", study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
   const RunSource source = run_source(added, progress);
   const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, &source, study_.spe.draws > 0 ? errors_at(nullptr) : ErrorsAt());
   write_spe(summary, problem(), provenance, command_.out);

@@ -1,6 +1,7 @@
 // What the MAP calibration needs of the other stages.
 #include <fmt/format.h>
 
+#include "apps/left_out.hpp"
 #include "apps/rival_fit.hpp"
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
@@ -52,8 +53,9 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   const bool unknowns = options.unknowns.young_sd > 0 || options.unknowns.gauge_place_sd > 0;
   if (unknowns)
     models.unknown_directions = [&](std::span<const double> theta) { return unknown_directions(model(), theta, options.unknowns, command_.threads); };
+  if (options.screen) models.left_out = [&](std::span<const double> theta) { return left_out_directions(model(), theta, command_.threads); };
 
-  auto added = added_runs(options.added_runs > 0, options.mesh_pairs > 0);
+  auto added = added_runs("map", options.added_runs > 0, options.mesh_pairs > 0);
   const RunSource source = run_source(added, progress);
   models.has_finer = source.has_finer;
   if (source.run)
@@ -72,6 +74,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Surrogate& 
   write_map(summary, problem(), provenance, command_.out);
   if (summary.best.objective_model) say("map: " + summary.identification.sentence);
   if (!summary.refinement.sentence.empty()) say("map: " + summary.refinement.sentence);
+  if (summary.screening) say("map: " + summary.screening->sentence);
   if (summary.rival) say("map: " + summary.rival->sentence);
   return summary;
 }

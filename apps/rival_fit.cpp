@@ -21,26 +21,14 @@ std::vector<double> in_full(const ModelShape& shape, const std::vector<std::stri
   return theta;
 }
 
-RunRecord record(const std::vector<double>& values, std::size_t run, std::size_t count, int status) {
-  RunRecord r{.done = status == 0};
-  if (r.done) r.mean.assign(values.begin() + std::ptrdiff_t(run * count), values.begin() + std::ptrdiff_t((run + 1) * count));
-  return r;
-}
-
-std::vector<AddedRun> read_runs(const std::filesystem::path& path, const ModelShape& shape) {
+/// The runs that its MAP asked for; all of a file that does not tell who asked.
+std::vector<AddedRun> runs_of_map(const std::filesystem::path& path, const ModelShape& shape) {
+  std::vector<std::string> names;
   std::vector<AddedRun> runs;
-  if (!std::filesystem::exists(path)) return runs;
-  const NetcdfReader file(path);
-  const auto names = file.strings("parameter");
-  const auto theta = file.doubles("theta"), working = file.doubles("strain");
-  const auto status = file.integers("status"), status_fine = file.integers("status_fine");
-  const auto fine = file.has("strain_fine") ? file.doubles("strain_fine") : std::vector<double>{};
-  const std::size_t n = names.size(), values = shape.values();
-  if (working.size() != status.size() * values) throw InputError({.problem = path.string() + " holds histories of another length than this case's", .key = key});
-  for (std::size_t i = 0; i < status.size(); ++i) {
-    AddedRun r{.theta = in_full(shape, names, {theta.data() + i * n, n}), .working = record(working, i, values, status[i])};
-    if (!fine.empty() && status_fine[i] != 2) r.fine = record(fine, i, values, status_fine[i]);
-    runs.push_back(std::move(r));
+  for (auto& k : read_added_runs(path, shape.values(), names)) {
+    if (!k.asked_by.empty() && std::find(k.asked_by.begin(), k.asked_by.end(), "map") == k.asked_by.end()) continue;
+    k.run.theta = in_full(shape, names, k.run.theta);
+    runs.push_back(std::move(k.run));
   }
   return runs;
 }
@@ -60,8 +48,9 @@ RivalFit read_rival_fit(const std::filesystem::path& directory, const ModelShape
   std::vector<double> answer;
   for (const auto& name : json.at("parameters")) out.sought.push_back(name), answer.push_back(json.at("theta").at(out.sought.back()));
   out.theta = in_full(shape, out.sought, answer);
-  out.history = NetcdfReader(directory / "map.nc").doubles("calibrated");
-  out.runs = read_runs(directory / "added_runs.nc", shape);
+  const NetcdfReader file(directory / "map.nc");
+  out.history = file.doubles(file.has("calibrated_working_mesh") ? "calibrated_working_mesh" : "calibrated");
+  out.runs = runs_of_map(directory / "added_runs.nc", shape);
   out.discrepancy_scale = json.value(Json::json_pointer("/discrepancy/scale"), 0.0);
   return out;
 }

@@ -98,7 +98,7 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
   }
   if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
   if (draws_errors(method)) p.options["map"]["unknowns"] = echo(study_.map.unknowns), p.options["map"]["mesh_error"] = echo(study_.map)["mesh_error"];
-  if (needs_floor(method)) p.inputs["floor.json"] = hash_file(command_.out / "floor.json");
+  if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;
 }
 

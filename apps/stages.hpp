@@ -24,6 +24,7 @@ namespace calomel {
 
 /// Runs added beside the campaign, and the finer model of their pairs; both empty where none are added.
 struct AddedStage {
+  std::string method;  ///< that asks for them
   std::unique_ptr<BuiltInModel> finer;
   std::unique_ptr<AddedRuns> runs;
 };
@@ -70,13 +71,17 @@ class Stages {
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;
   /// The journal of added runs: opened where runs are added by themselves (`alone`) or paired with a finer mesh that can be made.
-  AddedStage added_runs(bool alone, bool paired);
-  /// What a calibration asks for its runs, nothing where none are added. `stage` outlives it. The runs of the last calibration stand in added_runs.nc.
+  AddedStage added_runs(const std::string& method, bool alone, bool paired);
+  /// What a calibration asks for its runs, nothing where none are added. `stage` outlives it. The runs stand in added_runs.nc.
   RunSource run_source(AddedStage& stage, const CalibrationProgress& progress);
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
   /// Whether `method` draws errors of records and model for its standard deviations.
   [[nodiscard]] bool draws_errors(const std::string& method) const;
+  /// Hash of floor.json among the inputs of METHOD.json: of what is read of it, or of its bytes where METHOD.json was written by programs that took these.
+  [[nodiscard]] std::string floor_input(const std::string& method) const;
+  /// Sets aside floor.json if it is of before there were comparisons, and with it the calibrations that were made from it.
+  void set_old_floor_aside() const;
   /// Whether `method` needs floor.json.
   [[nodiscard]] bool needs_floor(const std::string& method) const;
   /// What a likelihood is told of the models' errors; both outlive it; `surrogate` may be null.

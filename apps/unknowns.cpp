@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/parallel.hpp"
 
@@ -13,19 +12,18 @@ namespace {
 constexpr double young_secant = 0.02;
 const std::string young_key = "material.steel.young";
 
-/// The mean of a changed case at theta; empty where it cannot be made or fails.
-std::vector<double> mean_of(const BuiltInModel& model, std::span<const double> theta, const std::function<void(ForwardCase&)>& change) {
+}  // namespace
+
+std::vector<double> mean_of_changed(const BuiltInModel& model, std::span<const double> theta, const std::function<void(ForwardCase&)>& change) {
   ForwardCase c = model.forward_case();
   change(c);
   try {
     Prediction p = BuiltInModel(std::move(c), model.ensemble(), 1).evaluate(theta);
     return p.ok ? std::move(p.mean) : std::vector<double>{};
-  } catch (const InputError&) {  // a gauge off the target
+  } catch (const InputError&) {  // a gauge off the target, a source that the modelled part cannot show
     return {};
   }
 }
-
-}  // namespace
 
 Eigen::MatrixXd unknown_directions(const BuiltInModel& model, std::span<const double> theta, const UnknownOptions& options, int threads) {
   const ModelShape& shape = model.shape();
@@ -41,7 +39,7 @@ Eigen::MatrixXd unknown_directions(const BuiltInModel& model, std::span<const do
   };
   const std::vector<std::function<void(ForwardCase&)>> changes{stiffen(1 + young_secant), stiffen(1 - young_secant), move(1), move(-1)};
   std::vector<std::vector<double>> means(changes.size());
-  parallel_for(changes.size(), threads, [&](std::size_t i) { means[i] = mean_of(model, theta, changes[i]); });
+  parallel_for(changes.size(), threads, [&](std::size_t i) { means[i] = mean_of_changed(model, theta, changes[i]); });
 
   const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), 1 + sensors);

@@ -90,7 +90,9 @@ namespace {
 /// The options of a written provenance without those that once were told apart though they change nothing of what is made.
 Json telling_options(const Json& written) {
   Json options = written.value("options", Json::object());
-  if (written.value("stage", "") != "simulate" && options.contains("solver") && options["solver"].is_object()) options["solver"].erase("booking");
+  if (!options.contains("solver") || !options["solver"].is_object()) return options;
+  options["solver"].erase("checkpoint");  // how often a run is saved
+  if (written.value("stage", "") != "simulate") options["solver"].erase("booking");
   return options;
 }
 }  // namespace

@@ -128,7 +128,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["nrmse"] = average(s.best, &Score::nrmse), j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
   j["delta1"] = average(s.best, &Score::delta1), j["delta2"] = average(s.best, &Score::delta2);
   j["nominal_delta1"] = average(s.at_nominal, &Score::delta1), j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
-  j["mae_unit"] = problem.mae_unit;
+  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.mesh.scores_on();
   if (const Json z = impedance(shape, s); !z.is_null()) j["impedance"] = z;
   j["candidates"] = Json::array(), j["failed_candidates"] = Json::array();
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape));

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "inverse/finer_scores.hpp"
 #include "inverse/map_discrepancy.hpp"
 #include "inverse/map_judgement.hpp"
 #include "inverse/map_refine.hpp"
@@ -37,9 +38,11 @@ class MapRun {
     if (!optima_.empty()) refine();
     choose_likelihood();
     decide();
-    if (!out_.best.objective_model) return std::move(out_);
-    settle_on_model();
-    judge();
+    if (out_.best.objective_model) {
+      settle_on_model();
+      judge();
+    }
+    show_on_finer_mesh();
     return std::move(out_);
   }
 
@@ -51,6 +54,7 @@ class MapRun {
   void settle_on_model();
   void take_polished(const Polished& p);
   void judge();
+  void show_on_finer_mesh();
   [[nodiscard]] double curvature_seen() const;
   /// What the mesh's error is of the likelihood's covariance at the answer, (values, values).
   [[nodiscard]] Eigen::MatrixXd mesh_covariance();
@@ -70,6 +74,7 @@ class MapRun {
   Eigen::MatrixXd design_;
   std::optional<Likelihood> likelihood_;  ///< that of the search
   std::vector<Optimum> optima_;
+  FinerScores finer_{problem_, current_.mesh};
   std::optional<Likelihood> of_model_;           ///< that of the true model, where it has the last word
   const Likelihood* final_likelihood_ = nullptr;
   std::optional<PosteriorMode> on_search_;       ///< the final likelihood on the search's model
@@ -125,6 +130,7 @@ void MapRun::decide() {
   const double at_nominal = search_.on_surrogate() ? -on_search_->at(space_.from(out_.nominal)).log_posterior : nan;
   decide_by_true_model(out_, problem_, models_.true_model, ranked, std::size_t(options_.candidates), at_nominal, threads_, progress_,
                        [&](std::span<const double> theta, std::span<const double> values, const Score&) {
+                         finer_.see(theta, values);
                          return final_likelihood_->log_likelihood(theta, values) + space_.log_prior(theta);
                        });
   out_.evaluations = search_.evaluations() + on_search_->evaluations();
@@ -156,7 +162,7 @@ void MapRun::take_polished(const Polished& p) {
   if (p.steps == 0) return;
   point_ = p.point, x_ = p.x;
   Candidate c{.theta = point_.theta, .objective_surrogate = on_search_->at(x_).log_posterior, .objective_model = point_.log_posterior};
-  c.score = score(problem_, point_.history);
+  c.score = score(problem_, point_.history), finer_.see(point_.theta, point_.history);
   out_.best = c, out_.theta = point_.theta, out_.calibrated = point_.history;
   out_.candidates.insert(out_.candidates.begin(), std::move(c));
 }
@@ -177,6 +183,13 @@ Eigen::MatrixXd MapRun::mesh_covariance() {
   return with - without;
 }
 
+/// Scores and histories as the calibrations that correct for the mesh have them.
+void MapRun::show_on_finer_mesh() {
+  out_.mesh.wanted = models_.add_runs && models_.has_finer ? options_.mesh_pairs : int(current_.mesh.pairs()), out_.mesh.settled = out_.refinement.stable;
+  if (!out_.refinement.rounds.empty()) out_.mesh.failed = out_.refinement.rounds.back().pairs - int(current_.mesh.pairs());
+  finer_.put_into(out_);
+}
+
 /// What the answer is worth.
 void MapRun::judge() {
   judge_fit(out_, *final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), std::size_t(space_.size()), options_.widen);
@@ -190,6 +203,12 @@ void MapRun::judge() {
     sharp = covariance_;
   } else {
     out_.warnings.push_back("the model fails beside the optimum: the covariance is the search's");
+  }
+  if (at_ && std::size_t(at_->jacobian.rows()) == out_.values) {
+    std::vector<LeftOut> left_out{gauge_gains(problem_, point_.history)};
+    if (models_.left_out)
+      for (auto& l : models_.left_out(point_.theta)) left_out.push_back(std::move(l));
+    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, left_out));
   }
   out_.log_likelihood = final_likelihood_->log_likelihood(point_.theta, point_.history);
   out_.log_prior = log_prior(space_.priors(), point_.theta);

@@ -43,6 +43,7 @@ struct MapOptions {
   double mesh_beyond = 1;
   double mesh_beyond_sd = 0.5;
   double stable = 0.25;
+  bool screen = true;
   std::string compare_with;
   LikelihoodOptions likelihood;
   DiscrepancyOptions discrepancy;
@@ -72,7 +73,9 @@ struct MapOptions {
     v("mesh_beyond", mesh_beyond,
       {.range = between(0, 3), .doc = "how far beyond the finer mesh the records lie, in units of (finer - working): 0 on it, 1 at vanishing elements where errors fall with the element size"});
     v("mesh_beyond_sd", mesh_beyond_sd, {.range = between(0, 3), .doc = "standard deviation of that multiple; marginalised"});
-    v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations"});
+    v("stable", stable, {.range = above(0), .doc = "no more runs are added once the optimum has moved by less than this since the last ones, in posterior standard deviations, or twice running by less than the model's roughness moves it"});
+    v("screen", screen,
+      {.doc = "look whether the residual at the answer points where a mechanism that the case does not enable would show, by secants of the true model: two runs a key, about two dozen"});
     v("compare_with", compare_with,
       {.doc = "output directory of a finished fit of the same records by a model with fewer of these parameters, relative to the case: both are judged under one covariance"});
     v.table("likelihood", likelihood, "covariance of data and model");
@@ -87,6 +90,7 @@ struct RefinementRound {
   int failed = 0;             ///< of them
   std::vector<double> theta;  ///< the optimum with them
   double moved = 0;           ///< since the round before, largest over the parameters, in posterior sds
+  double roughness = 0;       ///< sd of that parameter's optimum by how rough one run is, likewise; smaller moves tell of nothing else
 };
 
 /// What added runs and pairs of meshes did.
@@ -113,8 +117,10 @@ struct MapSummary : Calibration {
   double effective_data = 0;               ///< ErrorDistribution::effective_data
   double effective_chi2 = 0;               ///< expectation effective_data
   double p_value = 0, effective_p_value = 0;  ///< share of replicated data that would fit worse
-  bool adequate = false;
+  double chi2_critical = 0;                ///< above which chi2 alone would have called the fit not adequate; 0 where it did
+  bool adequate = false;                   ///< neither chi2 nor the screening speaks against the fit
   std::string adequacy;                    ///< in a sentence
+  std::optional<Screening> screening;      ///< with map.screen also by mechanisms
   Identification identification;           ///< which combination the data pin and which they leave free
   double discrepancy_scale = 0;            ///< s of the physical product
   std::vector<std::pair<double, double>> discrepancy_weights;  ///< (s, posterior weight)

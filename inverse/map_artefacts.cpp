@@ -32,14 +32,14 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
 Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
   Json rounds = Json::array();
   for (const auto& round : r.rounds)
-    rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}});
+    rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}, {"roughness_sds", number(round.roughness)}});
   return {{"rounds", rounds}, {"stable", r.stable}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
 }
 
 Json mesh_json(const MapRefinement& r, const ModelShape& shape) {
   Json moves = Json::object();
   for (Eigen::Index k = 0; k < r.next_halving.size(); ++k) moves[shape.parameters[std::size_t(k)].name] = number(r.next_halving[k]);
-  return {{"relative_difference", number(r.mesh_difference)}, {"next_halving_sds", moves}, {"sentence", r.sentence}};
+  return {{"next_halving_sds", moves}, {"sentence", r.sentence}};
 }
 
 }  // namespace
@@ -63,7 +63,9 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["chi2"] = number(s.chi2), own["values"] = s.values;
   own["effective_data"] = number(s.effective_data), own["effective_chi2"] = number(s.effective_chi2);
   own["p_value"] = number(s.p_value), own["effective_p_value"] = number(s.effective_p_value);
+  own["chi2_critical"] = s.chi2_critical > 0 ? number(s.chi2_critical) : Json();
   own["adequate"] = s.adequate, own["adequacy"] = s.adequacy;
+  if (s.screening) own["screening"] = screening_json(*s.screening);
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
   own["combinations"] = combinations_json(s.identification.combinations);
@@ -72,10 +74,14 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   for (const auto& [source, share] : s.shares) own["covariance_shares"][source] = number(share);
   own["replicates"] = {{"energy_sd", number(s.energy_sd)}, {"split_half", number(s.split_half)}, {"noise_time_s", numbers(s.noise_time)}};
   if (!s.refinement.rounds.empty()) own["added_runs"] = refinement_json(s.refinement, shape);
-  if (s.refinement.next_halving.size()) own["mesh"] = mesh_json(s.refinement, shape);
   if (s.rival) own["rival"] = rival_json(*s.rival, shape);
   own["surrogate_slope"] = number(s.gradient), own["polish_steps"] = s.polish_steps;
-  return calibration_json(s, problem, own, provenance);
+  Json json = calibration_json(s, problem, own, provenance);
+  if (s.refinement.next_halving.size()) {
+    json["mesh"]["scores"] = s.mesh.sentence;
+    json["mesh"].update(mesh_json(s.refinement, shape));
+  }
+  return json;
 }
 
 void write_map(const MapSummary& s, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir) {

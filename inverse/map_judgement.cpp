@@ -14,12 +14,19 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double least_p_value = 0.01;
+constexpr double told_apart = 0.8;  ///< chi-squared over its expectation below which the covariance is called too wide
 
 /// The share of replicated data that would fit worse: chi-squared, or F for the multivariate t.
 double tail(double chi2, double freedom, double of_scale) {
   if (!(freedom > 0)) return nan;
   if (std::isinf(of_scale)) return boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), chi2));
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(freedom, of_scale), chi2 / freedom));
+}
+
+/// The chi-squared at which tail() comes to least_p_value.
+double critical(double freedom, double of_scale) {
+  if (std::isinf(of_scale)) return boost::math::quantile(boost::math::complement(boost::math::chi_squared(freedom), least_p_value));
+  return freedom * boost::math::quantile(boost::math::complement(boost::math::fisher_f(freedom, of_scale), least_p_value));
 }
 
 /// Spread of rival optima about x, each weighed by exp(-(drop of its log posterior) / temperature), (n, n).
@@ -47,11 +54,24 @@ void judge_fit(MapSummary& out, const Likelihood& likelihood, const Eigen::Vecto
   out.effective_p_value = tail(out.effective_chi2, effective, errors.freedom());
   out.adequate = out.p_value >= least_p_value && out.effective_p_value >= least_p_value;
   if (widen && !out.adequate) out.widening = std::max({1.0, out.chi2 / freedom, out.effective_chi2 / effective});
-  out.adequacy = fmt::format(
-      "the fit is {}: chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})",
-      out.adequate ? "adequate" : "not adequate: the model leaves out more than noise and known errors explain", out.chi2, out.values, parameters, out.p_value,
-      out.effective_chi2, out.effective_data, out.effective_p_value);
+  const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", out.chi2, out.values,
+                                          parameters, out.p_value, out.effective_chi2, out.effective_data, out.effective_p_value);
+  out.adequacy = out.adequate ? "the records do not contradict the fit: " + numbers : "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
+  if (out.adequate && freedom > 0) {
+    out.chi2_critical = critical(freedom, errors.freedom());
+    if (out.chi2 < told_apart * freedom)
+      out.adequacy += fmt::format("; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not seen what adds less than {:.3g} to it",
+                                  std::sqrt(freedom / out.chi2), out.chi2_critical, out.chi2_critical - out.chi2);
+  }
   if (out.widening > 1) out.adequacy += fmt::format("; standard deviations are widened by {:.3g}", std::sqrt(out.widening));
+}
+
+void take_screening(MapSummary& out, Screening screening) {
+  if (screening.stands_out) {
+    out.adequacy = (out.adequate ? "the fit is not adequate: " : out.adequacy + "; ") + screening.sentence;
+    out.adequate = false;
+  }
+  out.screening = std::move(screening);
 }
 
 double exact_slope(const ForwardModel& surrogate, const Likelihood& likelihood, const SearchSpace& space, const Optimum& o) {

@@ -5,8 +5,11 @@
 
 namespace calomel {
 
-/// Fills values, chi2, effective_data, effective_chi2, their p-values, adequate, adequacy and, with `widen`, widening from the residual at the answer.
+/// Fills values, chi2, effective_data, effective_chi2, their p-values, adequate, adequacy, chi2_critical and, with `widen`, widening from the residual at the answer.
 void judge_fit(MapSummary& out, const Likelihood& likelihood, const Eigen::VectorXd& residual, std::size_t parameters, bool widen);
+
+/// Puts a screening into `out`: where it stands out the fit is not adequate, whatever its chi-squared.
+void take_screening(MapSummary& out, Screening screening);
 
 /// Largest slope of the log posterior at o.x by the surrogate's own gradient, in units of the posterior sd; NaN without a gradient.
 double exact_slope(const ForwardModel& surrogate, const Likelihood& likelihood, const SearchSpace& space, const Optimum& o);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
+#include <utility>
 
 #include "base/random.hpp"
 #include "inverse/mesh_pairs.hpp"
@@ -101,6 +101,32 @@ std::vector<Eigen::VectorXd> later_points(const Optimum& best, const SearchSpace
   return chosen;
 }
 
+/// Standard deviations of the optimum by the repeatability floor alone, (n), in posterior sds: how far another run as good as each would move it.
+/// G C_floor G' with the gain G = C J' L^-1 of the linearised mode.
+Eigen::VectorXd sd_by_roughness(MapSearch& search, MapModels& current, const Likelihood& likelihood, const Optimum& best) {
+  const SearchSpace& space = search.space();
+  const Eigen::VectorXd sd = best.covariance.diagonal().cwiseSqrt();
+  const PosteriorMode mode(search.model(), likelihood, space, 1);
+  const auto at = mode.linearise(best.x, Eigen::MatrixXd(space.secant_widths(best.x, search.secant() * sd, search.secant()).asDiagonal()));
+  if (!at) return Eigen::VectorXd::Zero(sd.size());
+  const auto theta = space.theta(best.x);
+  const Eigen::MatrixXd with = search.likelihood(theta, true).covariance();
+  const Eigen::VectorXd smooth = Eigen::VectorXd::Zero(Eigen::Index(search.model().shape().values()));
+  const Eigen::VectorXd floor = std::exchange(current.floor_variance, smooth);
+  const Eigen::MatrixXd rough = with - search.likelihood(theta, true).covariance();
+  current.floor_variance = floor;
+  const auto& errors = likelihood.errors();
+  const Eigen::MatrixXd gain = best.covariance * at->jacobian.transpose(), whitened = errors.whiten(errors.whiten(rough).transpose());
+  return (gain * whitened * gain.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt().cwiseQuotient(sd);
+}
+
+/// Whether the optimum stays: it moved by less than `stable`, or in each of the last two rounds by less than the roughness of a run moves it.
+bool settled(const std::vector<RefinementRound>& rounds, double stable) {
+  const auto within = [](const RefinementRound& r) { return r.moved < r.roughness; };
+  const std::size_t n = rounds.size();
+  return n > 1 && (rounds[n - 1].moved < stable || (n > 2 && within(rounds[n - 1]) && within(rounds[n - 2])));
+}
+
 }  // namespace
 
 std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels& current, const MapModels& models, const Eigen::MatrixXd& design,
@@ -148,9 +174,10 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     likelihood.emplace(search.likelihood(space.theta(before), true));
     if (auto found = search.global(likelihood, design, also, progress); !found.empty()) optima = std::move(found);
     const Eigen::VectorXd sd = optima[0].covariance.diagonal().cwiseSqrt();
-    const double moved = (optima[0].x - before).cwiseQuotient(sd).cwiseAbs().maxCoeff();
-    record.rounds.push_back({int(runs.size()), pairs, failed, space.theta(optima[0].x), moved});
-    record.stable = record.rounds.size() > 1 && moved < options.stable;
+    Eigen::Index farthest = 0;
+    const double moved = (optima[0].x - before).cwiseQuotient(sd).cwiseAbs().maxCoeff(&farthest);
+    record.rounds.push_back({int(runs.size()), pairs, failed, space.theta(optima[0].x), moved, sd_by_roughness(search, current, *likelihood, optima[0])[farthest]});
+    record.stable = settled(record.rounds, options.stable);
     if (record.stable) break;
     points = later_points(optima[0], space, random, [&](const Eigen::VectorXd& x) {
       const auto t = space.theta(x);
@@ -159,8 +186,10 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     });
   }
   if (!record.stable && !record.rounds.empty())
-    out.warnings.push_back(fmt::format("the optimum still moved by {:.2g} standard deviations with the last of {} added runs: allow more (map.added_runs, map.mesh_pairs)",
-                                       record.rounds.back().moved, runs.size()));
+    out.warnings.push_back(fmt::format("the optimum still moved by {:.2g} standard deviations with the last of {} added runs, where the roughness of one run accounts for {:.2g}: {}",
+                                       record.rounds.back().moved, runs.size(), record.rounds.back().roughness,
+                                       record.rounds.back().moved < record.rounds.back().roughness ? "it may have settled, one round more would tell (map.added_runs)"
+                                                                                                     : "allow more (map.added_runs, map.mesh_pairs)"));
   return optima;
 }
 

@@ -27,6 +27,8 @@ struct MeshCorrection {
   Score best, at_nominal;                          ///< of these
   std::string sentence;
   [[nodiscard]] bool used() const { return pairs >= 2; }
+  /// Which mesh the scores beside it are on, in words.
+  [[nodiscard]] std::string scores_on() const;
 };
 
 }  // namespace calomel

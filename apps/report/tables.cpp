@@ -96,7 +96,7 @@ std::string mesh_caption(const Study& study) {
 
 Table mesh_table(const Study& study, const ReportInput& input) {
   const auto unit = display_unit(input);
-  Table t{.id = "mesh", .caption = "Scores with the correction for the mesh, which is what was calibrated, and of the same runs on the case\u2019s own mesh."};
+  Table t{.id = "mesh", .caption = "Scores with the correction for the mesh, and of the same runs on the case\u2019s own mesh."};
   t.columns = {{"simulation", "Simulation", 4, true},
                {"pairs", "Pairs of runs", 4},
                {"accuracy_percent", "Inside the band [%]", -1},

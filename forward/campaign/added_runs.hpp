@@ -23,6 +23,16 @@ struct AddedRun {
   [[nodiscard]] bool done() const { return working.done && (!fine || fine->done); }
 };
 
+/// A run of added_runs.nc.
+struct KeptRun {
+  AddedRun run;
+  std::vector<std::string> asked_by;  ///< empty in files that do not tell
+};
+
+/// What added_runs.nc at `path` holds; nothing where there is none. `names`: of its parameters, in the order of theta.
+/// Errors: InputError when its histories are of another length than `values`.
+std::vector<KeptRun> read_added_runs(const std::filesystem::path& path, std::size_t values, std::vector<std::string>& names);
+
 class AddedRuns {
  public:
   using Progress = std::function<void(std::size_t done, std::size_t total)>;
@@ -43,8 +53,10 @@ class AddedRuns {
   /// Solver runs that were made, not taken from the journal.
   [[nodiscard]] std::size_t made() const { return made_; }
   [[nodiscard]] std::size_t reused() const { return reused_; }
-  /// Writes added_runs.nc: theta(run, parameter), strain and strain_fine(run, sensor, time), status and status_fine(run), message(run).
-  void write(const std::filesystem::path& directory) const;
+  /// Writes added_runs.nc: theta(run, parameter), strain and strain_fine(run, sensor, time), status and status_fine(run), message(run), and asked_by(run), the
+  /// calibrations ("enc", "map", "spe") that asked for it. Runs that other calibrations asked for, as an earlier added_runs.nc of the same model tells, stay; those
+  /// that `method` asked for once and not in this object's life go (the journal keeps them).
+  void write(const std::filesystem::path& directory, const std::string& method) const;
 
  private:
   /// Where the journal keeps a run: FNV-1a over the parameters' bytes and the mesh.

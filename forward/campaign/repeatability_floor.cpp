@@ -2,9 +2,18 @@
 
 #include <algorithm>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 
 namespace calomel {
+
+namespace {
+
+InputError no_floor(const Json::exception& e) {
+  return InputError({.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it anew: calomel check --floor", .file = "floor.json"});
+}
+
+}  // namespace
 
 void FloorOptions::validate() const {
   if (single_runs == 1)
@@ -64,7 +73,7 @@ RepeatabilityFloor read_floor(const Json& json) try {
   }
   return floor;
 } catch (const Json::exception& e) {
-  throw InputError({.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it anew: calomel check --floor", .file = "floor.json"});
+  throw no_floor(e);
 }
 
 void write_floor(NetcdfWriter& file, const RepeatabilityFloor& floor, const std::string& units) {
@@ -98,6 +107,14 @@ Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape) {
       }
     }
   return variance;
+}
+
+std::string floor_hash(const Json& floor) try {
+  Json read{{"window_end_s", floor.at("window_end_s")}, {"sensors", Json::array()}};
+  for (const auto& row : floor.at("sensors")) read["sensors"].push_back({{"condition", row.at("condition")}, {"name", row.at("name")}, {"sd", row.at("sd")}});
+  return hash_text(read.dump());
+} catch (const Json::exception& e) {
+  throw no_floor(e);
 }
 
 }  // namespace calomel

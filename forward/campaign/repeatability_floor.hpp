@@ -78,4 +78,8 @@ void write_floor(NetcdfWriter& file, const RepeatabilityFloor& floor, const std:
 /// Errors: InputError when its gauges or conditions are not the model's.
 Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape);
 
+/// Hash of what floor_variance reads of floor.json: a floor measured anew with the same outcome is the same to those who use it.
+/// Errors: InputError when it is of another form.
+std::string floor_hash(const Json& floor);
+
 }  // namespace calomel

@@ -65,6 +65,19 @@ TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
   }
 }
 
+// Nor does it matter how often a run was to be saved, which once was part of every identity too.
+TEST(Artefact, CheckpointOfAnOlderArtefactIsNoOtherSetting) {
+  for (const char* stage : {"campaign", "simulate"}) {
+    const Provenance now{.stage = stage, .options = {{"solver", {{"precision", "double"}}}}, .seed = 3, .inputs = {}};
+    Provenance before = now;
+    before.options["solver"]["checkpoint"] = 60.0;
+    EXPECT_NE(before.identity(), now.identity());
+    EXPECT_EQ(identity_of(before.json()), now.identity());
+    before.options["solver"]["precision"] = "single";
+    EXPECT_NE(identity_of(before.json()), now.identity());
+  }
+}
+
 TEST(Artefact, SetAsideNeverDeletes) {
   const auto dir = scratch("aside");
   write_atomically(dir / "a.json", "1");

@@ -96,7 +96,7 @@ TEST(AddedRuns, AreWrittenForReaders) {
   const auto directory = scratch("added_file");
   AddedRuns added(working, &fine, of_test, directory);
   (void)added.run(points, {true, false, true, true}, 1);
-  added.write(directory);
+  added.write(directory, "map");
   const NetcdfReader file(directory / "added_runs.nc");
   EXPECT_EQ(file.dimensions("strain_fine"), (std::vector<std::string>{"run", "sensor", "time"}));
   EXPECT_EQ(file.doubles("theta"), (std::vector<double>{1, 2, 7, 3}));
@@ -106,6 +106,45 @@ TEST(AddedRuns, AreWrittenForReaders) {
   const auto y = file.doubles("strain_fine");
   EXPECT_NEAR(y[2], 2.2, 1e-6);
   EXPECT_TRUE(std::isnan(y[5]));
+  EXPECT_EQ(file.strings("asked_by"), (std::vector<std::string>(4, "map")));
+}
+
+// A later calibration must not hide what an earlier one asked for: map.compare_with learns from it.
+TEST(AddedRuns, ThoseOfOtherCalibrationsStayInTheFile) {
+  const Slope working(1), fine(1.1);
+  const auto directory = scratch("added_by_two");
+  const auto ask = [&](const std::string& method, const Eigen::MatrixXd& at, bool with_fine) {
+    AddedRuns added(working, with_fine ? &fine : nullptr, of_test, directory);
+    (void)added.run(at, std::vector<bool>(std::size_t(at.cols()), with_fine), 1);
+    added.write(directory, method);
+  };
+  using Asked = std::vector<std::pair<double, std::string>>;
+  const auto kept = [&] {
+    std::vector<std::string> names;
+    Asked all;
+    for (const auto& k : read_added_runs(directory / "added_runs.nc", 3, names)) all.emplace_back(k.run.theta[0], join(k.asked_by, " "));
+    return all;
+  };
+  ask("map", points, true);
+  ask("spe", Eigen::RowVector2d(3, 4), false);  // 3 is one of MAP's, there with its finer partner
+  EXPECT_EQ(kept(), (Asked{{1, "map"}, {2, "map"}, {7, "map"}, {3, "map spe"}, {4, "spe"}}));
+  std::vector<std::string> names;
+  const auto runs = read_added_runs(directory / "added_runs.nc", 3, names);
+  EXPECT_EQ(names, std::vector<std::string>{"a"});
+  ASSERT_TRUE(runs[3].run.fine.has_value());
+  EXPECT_FLOAT_EQ(runs[3].run.fine->mean[2], 6.6f);
+  EXPECT_THAT(runs[2].run.working.message, HasSubstr("collapsed"));
+  EXPECT_FALSE(runs[4].run.fine.has_value());
+  ask("map", Eigen::RowVector2d(1, 5), true);  // MAP anew, elsewhere
+  EXPECT_EQ(kept(), (Asked{{3, "spe"}, {4, "spe"}, {1, "map"}, {5, "map"}}));
+
+  AddedRuns other(working, &fine, {.stage = "added_runs", .seed = 4}, scratch("added_other"));  // another model's file is no help
+  (void)other.run(points, {true, true, true, true}, 1);
+  std::filesystem::copy_file(directory / "added_runs.nc", scratch("added_other_file") / "added_runs.nc");
+  other.write(directory.parent_path() / "added_other_file", "spe");
+  std::vector<std::string> of_other;
+  EXPECT_EQ(read_added_runs(directory.parent_path() / "added_other_file" / "added_runs.nc", 3, of_other).size(), 4u);
+  EXPECT_THROW((void)read_added_runs(directory / "added_runs.nc", 5, of_other), InputError);
 }
 
 }  // namespace

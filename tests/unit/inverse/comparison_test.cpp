@@ -88,6 +88,11 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   EXPECT_THAT(compare_calibrations(alike).accuracy[0].values, ElementsAre(95, 95));
   EXPECT_EQ(compare_calibrations(alike).scores_on, "half the element size");
   EXPECT_EQ(compare_calibrations(none).scores_on, "");
+  Json beyond = corrected;
+  beyond["mesh"]["beyond"] = 1;
+  const std::vector<MethodSummary> unlike{{"enc", corrected}, {"spe", beyond}};
+  EXPECT_EQ(compare_calibrations(unlike).scores_on, "the case's own mesh");
+  EXPECT_THAT(compare_calibrations(unlike).accuracy[0].values, ElementsAre(71, 71));
 }
 
 TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {

@@ -265,6 +265,26 @@ TEST(Map, AddedRunsAndPairsBringItToTheFinerMeshAndStopWhenItStays) {
   ASSERT_EQ(both.refinement.next_halving.size(), 2);
   EXPECT_THAT(both.refinement.sentence, HasSubstr("next halving"));
   EXPECT_EQ(alone.refinement.next_halving.size(), 0);
+
+  // Histories and scores are those on the finer mesh, the working mesh's beside them; without pairs there is one mesh.
+  const auto exact = levels.fine.evaluate(both.theta).mean, own = levels.working.evaluate(both.theta).mean;
+  EXPECT_EQ(both.mesh.calibrated, own);
+  EXPECT_EQ(alone.calibrated, levels.working.evaluate(alone.theta).mean);
+  double to_exact = 0, to_own = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) to_exact += std::pow(both.calibrated[i] - exact[i], 2), to_own += std::pow(both.calibrated[i] - own[i], 2);
+  EXPECT_LT(to_exact, 0.05 * to_own);
+  EXPECT_NEAR(both.best.score.mae, score(problem, both.calibrated).mae, 1e-12);
+  EXPECT_NEAR(both.mesh.best.mae, score(problem, own).mae, 1e-12);
+  EXPECT_LT(both.best.score.mae, 0.5 * both.mesh.best.mae);
+  EXPECT_NE(both.at_nominal.score.mae, both.mesh.at_nominal.mae);
+  EXPECT_NEAR(both.candidates[0].score.mae, both.best.score.mae, 1e-12);
+  const Json with_pairs = map_json(both, problem, {}), without = map_json(alone, problem, {});
+  EXPECT_EQ(with_pairs["scores_on"], "half the element size");
+  EXPECT_NEAR(with_pairs["mesh"]["working_mesh"]["mae"].get<double>(), both.mesh.best.mae, 1e-12);
+  EXPECT_EQ(with_pairs["mesh"]["pairs"], both.mesh.pairs);
+  EXPECT_TRUE(with_pairs["mesh"]["next_halving_sds"].contains("damping"));
+  EXPECT_EQ(without["scores_on"], "the case's own mesh");
+  EXPECT_FALSE(without.contains("mesh"));
 }
 
 }  // namespace

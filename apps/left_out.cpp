@@ -1,0 +1,77 @@
+#include "apps/left_out.hpp"
+
+#include <cmath>
+
+#include "apps/unknowns.hpp"
+#include "base/parallel.hpp"
+#include "forward/mechanism/mechanism.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double part_of_range = 0.25;
+constexpr const char* too_dear = "bubbly_liquid";
+
+/// One secant: the model with a mechanism's key at either value.
+struct Secant {
+  std::size_t mechanism = 0;
+  const MechanismKey* key = nullptr;
+  double low = 0, high = 0;  ///< of the key; low is its off value where that has one side
+};
+
+Secant secant_of(std::size_t mechanism, const MechanismKey& key) {
+  Secant s{.mechanism = mechanism, .key = &key, .low = key.off, .high = key.low + part_of_range * (key.high - key.low)};
+  if (std::isfinite(key.off)) {
+    if (key.off >= key.low) s.high = key.off + part_of_range * (key.high - key.off);
+    if (key.off > key.low) s.low = key.off - part_of_range * (key.off - key.low);
+  }
+  return s;
+}
+
+/// An infinite value stands for none: such keys are counted by their inverse.
+double coordinate(const MechanismKey& key, double value) { return std::isfinite(key.off) ? value : 1 / value; }
+
+}  // namespace
+
+std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<const double> theta, int threads) {
+  const auto& own = model.forward_case();
+  std::vector<const Registry<MechanismEntry>::Row*> rows;
+  for (const auto& row : mechanisms().rows()) {
+    bool enabled = row.name == too_dear || !row.entry.built();
+    for (const auto& m : own.mechanisms) enabled = enabled || m.name == row.name;
+    if (!enabled) rows.push_back(&row);
+  }
+  std::vector<Secant> secants;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const auto& key : rows[i]->entry.keys)
+      if (key.decides) secants.push_back(secant_of(i, key));
+
+  std::vector<std::vector<double>> means(2 * secants.size());
+  parallel_for(means.size(), threads, [&](std::size_t i) {
+    const Secant& s = secants[i / 2];
+    const auto& row = *rows[s.mechanism];
+    means[i] = mean_of_changed(model, theta, [&](ForwardCase& c) {
+      EnabledMechanism m{row.name, &row.entry, MechanismValues(row.entry.keys)};
+      *m.values.find(s.key->name) = i % 2 == 0 ? s.low : s.high;
+      c.mechanisms.push_back(std::move(m));
+    });
+  });
+
+  std::vector<LeftOut> out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    LeftOut l{.name = rows[i]->name};
+    for (std::size_t k = 0; k < secants.size(); ++k) {
+      if (secants[k].mechanism != i || means[2 * k].empty() || means[2 * k + 1].empty()) continue;
+      const auto vector = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
+      const auto& key = *secants[k].key;
+      l.keys.push_back(key.name), l.off.push_back(key.off);
+      l.directions.conservativeResize(Eigen::Index(means[2 * k].size()), Eigen::Index(l.keys.size()));
+      l.directions.rightCols(1) = (vector(means[2 * k + 1]) - vector(means[2 * k])) / (coordinate(key, secants[k].high) - coordinate(key, secants[k].low));
+    }
+    if (!l.keys.empty()) out.push_back(std::move(l));
+  }
+  return out;
+}
+
+}  // namespace calomel

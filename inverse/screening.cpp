@@ -1,0 +1,128 @@
+#include "inverse/screening.hpp"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+#include "inverse/calibration.hpp"
+
+namespace calomel {
+
+namespace {
+
+const std::string gains = "gauge_gains";
+constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the greatest singular value: what is left of it is rounding
+
+/// Orthonormal columns that span those of `m`, (rows, rank).
+Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(m, Eigen::ComputeThinU);
+  const auto& s = svd.singularValues();
+  Eigen::Index rank = 0;
+  while (rank < s.size() && s[rank] > 0 && s[rank] > nothing * s[0]) ++rank;
+  return svd.matrixU().leftCols(rank);
+}
+
+class Screen {
+ public:
+  Screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian) : likelihood_(likelihood), fitted_(span_of(jacobian)) {
+    expect(jacobian.rows() == residual.size() && likelihood.errors().size() == residual.size(), "residual and secants are of the likelihood's values");
+    residual_ = beside(likelihood.errors().whiten(residual));
+    freedom_ = double(residual.size() - fitted_.cols());
+  }
+  [[nodiscard]] double scale() const { return residual_.squaredNorm() / freedom_; }
+
+  [[nodiscard]] ScreenedMechanism of(const LeftOut& l) const {
+    ScreenedMechanism out{.name = l.name};
+    expect(std::size_t(l.directions.cols()) == l.keys.size() && l.off.size() == l.keys.size(), "every direction has a key");
+    const Eigen::MatrixXd whitened = likelihood_.errors().whiten(likelihood_.grid().apply(l.directions)), free = beside(whitened);
+    std::vector<Eigen::Index> seen;
+    for (Eigen::Index k = 0; k < free.cols(); ++k)
+      if (free.col(k).norm() > nothing * whitened.col(k).norm() && whitened.col(k).norm() > 0) seen.push_back(k);
+    if (seen.empty()) return out;
+    // Each in its own unit, so that small numbers of a key do not count as nothing.
+    const Eigen::VectorXd length = free(Eigen::all, seen).colwise().norm();
+    const Eigen::MatrixXd unit = free(Eigen::all, seen) * length.cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd span = span_of(unit);
+    out.directions = int(span.cols());
+    out.chi2_drop = (span.transpose() * residual_).squaredNorm();
+    const double rest = residual_.squaredNorm() - out.chi2_drop, of_rest = freedom_ - out.directions;
+    if (!(rest > 0) || !(of_rest > 0)) return out;
+    out.f = out.chi2_drop / out.directions / (rest / of_rest);
+    out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f));
+    if (out.directions < unit.cols()) return out;  // its keys are not told apart
+    const Eigen::MatrixXd inverse = (unit.transpose() * unit).ldlt().solve(Eigen::MatrixXd::Identity(unit.cols(), unit.cols()));
+    const Eigen::VectorXd best = inverse * (unit.transpose() * residual_);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const auto k = Eigen::Index(i);
+      const double off = l.off[std::size_t(seen[i])];
+      out.keys.push_back({l.keys[std::size_t(seen[i])], (std::isfinite(off) ? off : 0) + best[k] / length[k], std::sqrt(rest / of_rest * inverse(k, k)) / length[k]});
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd beside(const Eigen::MatrixXd& m) const { return m - fitted_ * (fitted_.transpose() * m); }
+  const Likelihood& likelihood_;
+  Eigen::MatrixXd fitted_;
+  Eigen::VectorXd residual_;
+  double freedom_ = 0;
+};
+
+std::string numbers_of(const ScreenedMechanism& m) {
+  std::string s;
+  for (const auto& k : m.keys) s += fmt::format("{}{} {:.3g} ± {:.2g}", s.empty() ? "" : ", ", k.name, k.value, k.sd);
+  return s.empty() ? "" : ", to first order " + s;
+}
+
+}  // namespace
+
+Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out) {
+  const Screen test(likelihood, residual, jacobian);
+  Screening out{.scale = test.scale()};
+  for (const auto& l : left_out) out.mechanisms.push_back(test.of(l));
+  std::stable_sort(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& a, const auto& b) { return a.p_value < b.p_value; });
+  if (out.mechanisms.empty()) return out;
+  const auto& first = out.mechanisms[0];
+  out.p_value = std::min(1.0, double(out.mechanisms.size()) * first.p_value);
+  out.stands_out = out.p_value < least_screening_p;
+  std::string names;
+  for (const auto& m : out.mechanisms) names += (names.empty() ? "" : ", ") + m.name;
+  const std::string test = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, out.mechanisms.size());
+  if (!out.stands_out)
+    out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
+                               out.p_value);
+  else if (first.name == gains)
+    out.sentence = fmt::format("whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than its standard deviations", test);
+  else
+    out.sentence = fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)", first.name, test, numbers_of(first));
+  return out;
+}
+
+LeftOut gauge_gains(const Problem& problem, const std::vector<double>& history) {
+  const auto n = Eigen::Index(problem.shape.times.size());
+  LeftOut out{.name = gains};
+  out.directions = Eigen::MatrixXd::Zero(Eigen::Index(history.size()), Eigen::Index(problem.observations.size()));
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const auto& o = problem.observations[i];
+    const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
+    out.directions.col(Eigen::Index(i)).segment(at, n) = Eigen::Map<const Eigen::VectorXd>(history.data() + at, n);
+    out.keys.push_back(problem.shape.sensors[o.sensor] + (problem.shape.conditions.size() > 1 ? " " + problem.shape.conditions[o.condition] : "")), out.off.push_back(1);
+  }
+  return out;
+}
+
+Json screening_json(const Screening& s) {
+  Json all = Json::array();
+  for (const auto& m : s.mechanisms) {
+    Json keys = Json::object();
+    for (const auto& k : m.keys) keys[k.name] = {{"value", number(k.value)}, {"sd", number(k.sd)}};
+    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"p_value", number(m.p_value)}, {"keys", keys}});
+  }
+  return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
+}
+
+}  // namespace calomel

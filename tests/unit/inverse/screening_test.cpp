@@ -1,0 +1,127 @@
+// Score tests with a free scale: uniform p-values whatever the covariance's factor, power where chi-squared is blind, nothing from what the parameters do.
+#include "inverse/screening.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "inverse/map.hpp"
+#include "tests/unit/inverse/lines.hpp"
+
+namespace calomel {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::size_t times = 60;
+
+/// Two gauges, pulses with correlated noise; one fitted direction.
+struct Case {
+  AnalyticModel model{{uniform_parameter("a", 0.5, 2, 1)},
+                      {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 30 * p[0] * std::cos(1.1e5 * t); }},
+                      times, 1e-6};
+  Recordings recordings = pulses_of(model, {1}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
+  Problem problem = make_problem(model.shape(), recordings, {});
+  Likelihood likelihood{problem, recordings, {}, {.values = 120}, {}};
+  std::vector<double> history = model.evaluate(std::vector<double>{1}).mean;
+  Eigen::MatrixXd fitted = Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size()));
+  Eigen::MatrixXd jacobian = likelihood.errors().whiten(likelihood.grid().apply(fitted));
+  Eigen::MatrixXd factor = likelihood.covariance().llt().matrixL();
+
+  /// Two shapes in time that the model knows nothing of.
+  [[nodiscard]] LeftOut other() const {
+    LeftOut l{.name = "other", .keys = {"early", "late"}, .off = {0, 3}, .directions = Eigen::MatrixXd::Zero(Eigen::Index(2 * times), 2)};
+    for (std::size_t t = 0; t < times; ++t) l.directions(Eigen::Index(t), 0) = std::exp(-double(t) / 20), l.directions(Eigen::Index(times + t), 1) = std::sin(0.25 * double(t));
+    return l;
+  }
+  /// A residual of the covariance times `scale`, seen beside the fitted direction, with `amount` of the other shapes.
+  [[nodiscard]] Eigen::VectorXd residual(double scale, const Eigen::Vector2d& amount, std::uint64_t draw) const {
+    RandomStream random(11, draw);
+    Eigen::VectorXd z(factor.rows());
+    for (auto& x : z) x = random.normal();
+    return std::sqrt(scale) * factor * z + likelihood.grid().apply(Eigen::VectorXd(other().directions * amount + 0.3 * fitted.col(0)));
+  }
+};
+
+TEST(Screening, PValuesAreUniformWhateverTheCovariancesScale) {
+  const Case c;
+  for (const double scale : {0.05, 1.0, 20.0}) {
+    constexpr int draws = 400;
+    int below_half = 0, below_twentieth = 0, stands_out = 0;
+    double mean_scale = 0;
+    for (int i = 0; i < draws; ++i) {
+      const auto s = screen(c.likelihood, c.residual(scale, {0, 0}, std::uint64_t(i)), c.jacobian, {c.other()});
+      ASSERT_EQ(s.mechanisms.size(), 1u);
+      EXPECT_EQ(s.mechanisms[0].directions, 2);
+      below_half += s.mechanisms[0].p_value < 0.5, below_twentieth += s.mechanisms[0].p_value < 0.05, stands_out += s.stands_out, mean_scale += s.scale / draws;
+    }
+    EXPECT_NEAR(double(below_half) / draws, 0.5, 3 * std::sqrt(0.25 / draws));
+    EXPECT_NEAR(double(below_twentieth) / draws, 0.05, 3 * std::sqrt(0.05 * 0.95 / draws));
+    EXPECT_LE(stands_out, 3);
+    EXPECT_NEAR(mean_scale, scale, 0.05 * scale);
+  }
+}
+
+TEST(Screening, SeesThroughACovarianceThatIsTooWideWhereChiSquaredDoesNot) {
+  const Case c;
+  const double scale = 0.1;  // ten times too wide
+  const Eigen::Vector2d amount(3, 1.5);
+  const Eigen::VectorXd r = c.residual(scale, amount, 1);
+  const double freedom = double(r.size() - 1);
+  EXPECT_LT(c.likelihood.errors().chi2(r - c.likelihood.grid().apply(Eigen::VectorXd(0.3 * c.fitted.col(0)))), freedom);  // by its size nothing is missing
+  const auto s = screen(c.likelihood, r, c.jacobian, {gauge_gains(c.problem, c.history), c.other()});
+  EXPECT_TRUE(s.stands_out) << s.p_value;
+  EXPECT_EQ(s.mechanisms[0].name, "other");
+  EXPECT_THAT(s.sentence, HasSubstr("points where other would show"));
+  ASSERT_EQ(s.mechanisms[0].keys.size(), 2u);
+  EXPECT_NEAR(s.mechanisms[0].keys[0].value, 3, 4 * s.mechanisms[0].keys[0].sd);
+  EXPECT_NEAR(s.mechanisms[0].keys[1].value, 3 + 1.5, 4 * s.mechanisms[0].keys[1].sd);  // from its off value
+  EXPECT_LT(s.mechanisms[0].keys[0].sd, 1);
+  const Json j = screening_json(s);
+  EXPECT_EQ(j["mechanisms"][0]["name"], "other");
+  EXPECT_TRUE(j["mechanisms"][0]["keys"].contains("late"));
+  EXPECT_EQ(j["stands_out"], true);
+}
+
+TEST(Screening, WhatTheParametersCanDoIsNotHeldAgainstTheModel) {
+  const Case c;
+  const LeftOut same{.name = "same", .keys = {"k"}, .off = {0}, .directions = 1e-6 * c.fitted}, none{.name = "none", .keys = {"k"}, .off = {0}, .directions = 0 * c.fitted};
+  const auto s = screen(c.likelihood, c.residual(0.1, {3, 1.5}, 1), c.jacobian, {same, none});
+  for (const auto& m : s.mechanisms) {
+    EXPECT_EQ(m.directions, 0) << m.name;
+    EXPECT_EQ(m.p_value, 1) << m.name;
+  }
+  EXPECT_FALSE(s.stands_out);
+  // The gains of two gauges, of which the parameter is one combination.
+  EXPECT_EQ(screen(c.likelihood, c.residual(1, {0, 0}, 1), c.jacobian, {gauge_gains(c.problem, c.history)}).mechanisms[0].directions, 1);
+}
+
+TEST(Screening, AMapWhoseGaugesDoNotFitTogetherIsNotAdequateThoughChiSquaredIsContent) {
+  // The second gauge reads 6 % less than the model has it; all errors are taken for granted at 30 % of the amplitude.
+  const Case c;
+  const AnalyticModel truth{c.model.shape().parameters,
+                            {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 28.2 * p[0] * std::cos(1.1e5 * t); }},
+                            times, 1e-6};
+  const auto recordings = pulses_of(truth, {1}, {.pulses = 6, .noise = 0.3, .noise_time = 4e-6}, 2);
+  const Problem problem = make_problem(c.model.shape(), recordings, {});
+  const auto of = [&](const Recordings& r, bool mechanism) {
+    MapModels models{.true_model = c.model, .mesh_relative = 0.3};
+    if (mechanism) models.left_out = [&](std::span<const double>) { return std::vector<LeftOut>{c.other()}; };
+    return run_map(make_problem(c.model.shape(), r, {}), r, {}, models, {.likelihood = {.values = 120, .energy_scale_sd = 0, .gain_sd = 0.001}}, 1, 1);
+  };
+  const auto off = of(recordings, true);
+  EXPECT_GT(off.p_value, 0.5);
+  EXPECT_GT(off.chi2_critical, double(off.values));
+  ASSERT_TRUE(off.screening.has_value());
+  EXPECT_EQ(off.screening->mechanisms.size(), 2u);
+  EXPECT_FALSE(off.adequate) << off.adequacy;
+  EXPECT_THAT(off.adequacy, HasSubstr("amplitudes of single gauges do not fit together"));
+  EXPECT_EQ(off.widening, 1);
+  const auto fitting = of(pulses_of(c.model, {1}, {.pulses = 6, .noise = 0.3, .noise_time = 4e-6}, 2), false);
+  EXPECT_TRUE(fitting.adequate) << fitting.adequacy;
+  EXPECT_THAT(fitting.adequacy, HasSubstr("do not contradict"));
+  EXPECT_THAT(fitting.adequacy, HasSubstr("has not seen"));
+}
+
+}  // namespace
+}  // namespace calomel
