@@ -59,7 +59,7 @@ class Screen {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const auto k = Eigen::Index(i);
       const double off = l.off[std::size_t(seen[i])];
-      out.keys.push_back({l.keys[std::size_t(seen[i])], (std::isfinite(off) ? off : 0) + best[k] / length[k], std::sqrt(rest / of_rest * inverse(k, k)) / length[k]});
+      out.keys.push_back({l.keys[std::size_t(seen[i])], off + best[k] / length[k], std::sqrt(rest / of_rest * inverse(k, k)) / length[k]});
     }
     return out;
   }
