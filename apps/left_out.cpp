@@ -11,6 +11,7 @@ namespace calomel {
 namespace {
 
 constexpr double part_of_range = 0.25;
+constexpr double rounding = 1e-5;  ///< of the histories: less is what single precision leaves
 constexpr const char* too_dear = "bubbly_liquid";
 
 /// One secant: the model with a mechanism's key at either value.
@@ -65,9 +66,12 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
       if (secants[k].mechanism != i || means[2 * k].empty() || means[2 * k + 1].empty()) continue;
       const auto vector = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
       const auto& key = *secants[k].key;
-      l.keys.push_back(key.name), l.off.push_back(key.off);
-      l.directions.conservativeResize(Eigen::Index(means[2 * k].size()), Eigen::Index(l.keys.size()));
-      l.directions.rightCols(1) = (vector(means[2 * k + 1]) - vector(means[2 * k])) / (coordinate(key, secants[k].high) - coordinate(key, secants[k].low));
+      const Eigen::VectorXd change = vector(means[2 * k + 1]) - vector(means[2 * k]);
+      if (!(change.norm() > rounding * vector(means[2 * k]).norm())) continue;  // it cannot show here
+      const bool finite = std::isfinite(key.off);
+      l.keys.push_back(finite ? key.name : "1/" + key.name), l.off.push_back(finite ? key.off : 0);
+      l.directions.conservativeResize(change.size(), Eigen::Index(l.keys.size()));
+      l.directions.rightCols(1) = change / (coordinate(key, secants[k].high) - coordinate(key, secants[k].low));
     }
     if (!l.keys.empty()) out.push_back(std::move(l));
   }

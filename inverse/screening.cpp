@@ -59,7 +59,7 @@ class Screen {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const auto k = Eigen::Index(i);
       const double off = l.off[std::size_t(seen[i])];
-      out.keys.push_back({l.keys[std::size_t(seen[i])], (std::isfinite(off) ? off : 0) + best[k] / length[k], std::sqrt(rest / of_rest * inverse(k, k)) / length[k]});
+      out.keys.push_back({l.keys[std::size_t(seen[i])], off + best[k] / length[k], std::sqrt(rest / of_rest * inverse(k, k)) / length[k]});
     }
     return out;
   }
@@ -91,14 +91,14 @@ Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, 
   out.stands_out = out.p_value < least_screening_p;
   std::string names;
   for (const auto& m : out.mechanisms) names += (names.empty() ? "" : ", ") + m.name;
-  const std::string test = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, out.mechanisms.size());
+  const std::string outcome = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, out.mechanisms.size());
   if (!out.stands_out)
     out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
                                out.p_value);
   else if (first.name == gains)
-    out.sentence = fmt::format("whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than its standard deviations", test);
+    out.sentence = fmt::format("whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than its standard deviations", outcome);
   else
-    out.sentence = fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)", first.name, test, numbers_of(first));
+    out.sentence = fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)", first.name, outcome, numbers_of(first));
   return out;
 }
 

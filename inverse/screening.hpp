@@ -13,7 +13,7 @@ namespace calomel {
 struct LeftOut {
   std::string name;               ///< of the mechanism, or gauge_gains
   std::vector<std::string> keys;  ///< its numbers
-  std::vector<double> off;        ///< their values that switch it off; infinite ones are counted by their inverse
+  std::vector<double> off;        ///< their values that switch it off
   Eigen::MatrixXd directions;     ///< (values of the model, keys): change of the model's values per unit of the key
 };
 
