@@ -41,7 +41,7 @@ struct Linear {
   [[nodiscard]] EncSummary enc(int draws, const ErrorsAt& errors, int candidates = 1, double separation = 0) const {
     EncOptions o;
     o.rounds = 4, o.objective = "rrmse", o.candidates = candidates, o.separation = separation, o.compare_optimizers = {}, o.compare_objectives = {}, o.mesh_pairs = 0, o.draws = draws;
-    const EncRuns runs{.source = {}, .archive = archive, .errors = errors, .surrogate_variance = {}};
+    const EncRuns runs{RunSource(), archive, errors, {}};
     return run_enc(problem, model, model, o, 1, 2, {}, nullptr, &runs);
   }
   [[nodiscard]] SpeSummary spe(int draws, const ErrorsAt& errors) const {
@@ -154,7 +154,7 @@ TEST(EncSpread, WhatTheSurrogateMissesIsPartOfIt) {
   EncOptions o;
   o.rounds = 4, o.objective = "rrmse", o.candidates = 1, o.separation = 0, o.compare_optimizers = {}, o.compare_objectives = {}, o.mesh_pairs = 0, o.draws = 60;
   const auto sure = c.enc(60, c.errors());
-  const EncRuns runs{.source = {}, .archive = c.archive, .errors = c.errors(), .surrogate_variance = [](auto) { return Eigen::VectorXd(Eigen::VectorXd::Constant(300, 400)); }};
+  const EncRuns runs{RunSource(), c.archive, c.errors(), [](auto) { return Eigen::VectorXd(Eigen::VectorXd::Constant(300, 400)); }};
   const auto unsure = run_enc(c.problem, c.model, c.model, o, 1, 2, {}, nullptr, &runs);
   for (Eigen::Index k = 0; k < 2; ++k) EXPECT_GT(unsure.spread.covariance(k, k), 2 * sure.spread.covariance(k, k));
 }
