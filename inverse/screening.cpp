@@ -36,7 +36,7 @@ class Screen {
   [[nodiscard]] double scale() const { return residual_.squaredNorm() / freedom_; }
 
   [[nodiscard]] ScreenedMechanism of(const LeftOut& l) const {
-    ScreenedMechanism out{.name = l.name};
+    ScreenedMechanism out{.name = l.name, .counts = !l.like_the_mesh};
     expect(std::size_t(l.directions.cols()) == l.keys.size() && l.off.size() == l.keys.size(), "every direction has a key");
     const Eigen::MatrixXd whitened = likelihood_.errors().whiten(likelihood_.grid().apply(l.directions)), free = beside(whitened);
     std::vector<Eigen::Index> seen;
@@ -85,13 +85,15 @@ Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, 
   Screening out{.scale = test.scale()};
   for (const auto& l : left_out) out.mechanisms.push_back(test.of(l));
   std::stable_sort(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& a, const auto& b) { return a.p_value < b.p_value; });
-  if (out.mechanisms.empty()) return out;
-  const auto& first = out.mechanisms[0];
-  out.p_value = std::min(1.0, double(out.mechanisms.size()) * first.p_value);
+  const auto counted = std::count_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
+  if (counted == 0) return out;
+  const auto& first = *std::find_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
+  out.p_value = std::min(1.0, double(counted) * first.p_value);
   out.stands_out = out.p_value < least_screening_p;
   std::string names;
-  for (const auto& m : out.mechanisms) names += (names.empty() ? "" : ", ") + m.name;
-  const std::string outcome = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, out.mechanisms.size());
+  for (const auto& m : out.mechanisms)
+    if (m.counts) names += (names.empty() ? "" : ", ") + m.name;
+  const std::string outcome = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, counted);
   if (!out.stands_out)
     out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
                                out.p_value);
@@ -120,7 +122,7 @@ Json screening_json(const Screening& s) {
   for (const auto& m : s.mechanisms) {
     Json keys = Json::object();
     for (const auto& k : m.keys) keys[k.name] = {{"value", number(k.value)}, {"sd", number(k.sd)}};
-    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"p_value", number(m.p_value)}, {"keys", keys}});
+    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
   }
   return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
 }

@@ -15,6 +15,7 @@ struct LeftOut {
   std::vector<std::string> keys;  ///< its numbers
   std::vector<double> off;        ///< their values that switch it off
   Eigen::MatrixXd directions;     ///< (values of the model, keys): change of the model's values per unit of the key
+  bool like_the_mesh = false;     ///< damping, lag: a coarse mesh does the same, so that it is told but does not count
 };
 
 /// A number of a mechanism as the residual would have it, to first order, the fitted parameters moving with it.
@@ -28,13 +29,14 @@ struct ScreenedMechanism {
   int directions = 0;
   double chi2_drop = 0;  ///< share of chi-squared in its directions
   double f = 0, p_value = 1;
+  bool counts = true;     ///< not LeftOut::like_the_mesh
   std::vector<ScreenedKey> keys;
 };
 
 struct Screening {
   std::vector<ScreenedMechanism> mechanisms;  ///< the most telling first
   double scale = 1;        ///< mean square of the whitened residual outside the parameters' directions: 1 where the covariance is as wide as the residual
-  double p_value = 1;      ///< least of the mechanisms', times their number
+  double p_value = 1;      ///< least of those that count, times their number
   bool stands_out = false; ///< p_value below least_screening_p
   std::string sentence;
 };
