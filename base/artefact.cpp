@@ -72,15 +72,15 @@ Json read_json(const std::filesystem::path& path) {
 }
 
 namespace {
-void expect_finite(const Json& j) {
-  if (j.is_number_float()) expect(std::isfinite(j.get<double>()), "a number in a JSON artefact is finite");
+void expect_finite(const Json& j, const std::string& place) {
+  if (j.is_number_float()) expect(std::isfinite(j.get<double>()), fmt::format("the number {} of a JSON artefact is finite", place).c_str());
   if (j.is_structured())
-    for (const auto& item : j) expect_finite(item);
+    for (const auto& [key, item] : j.items()) expect_finite(item, place + '/' + key);
 }
 }  // namespace
 
 void write_json(const std::filesystem::path& path, const Json& json) {
-  expect_finite(json);
+  expect_finite(json, "");
   write_atomically(path, json.dump(2) + "\n");
 }
 

@@ -53,7 +53,7 @@ void judge_fit(MapSummary& out, const Likelihood& likelihood, const Eigen::Vecto
   out.p_value = tail(out.chi2, freedom, errors.freedom());
   out.effective_p_value = tail(out.effective_chi2, effective, errors.freedom());
   out.adequate = out.p_value >= least_p_value && out.effective_p_value >= least_p_value;
-  if (widen && !out.adequate) out.widening = std::max({1.0, out.chi2 / freedom, out.effective_chi2 / effective});
+  if (widen && !out.adequate) out.widening = std::max({1.0, out.chi2 / std::max(1.0, freedom), out.effective_chi2 / effective});
   const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", out.chi2, out.values,
                                           parameters, out.p_value, out.effective_chi2, out.effective_data, out.effective_p_value);
   out.adequacy = out.adequate ? "the records do not contradict the fit: " + numbers : "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
