@@ -1,17 +1,14 @@
-# With CALOMEL_PRECOMPILED_HEADERS the heavy headers from outside are parsed once for all libraries and once for all programs (position-independent
-# code differs); every file still includes what it uses. What is compiled with options of its own does without: it could not read them.
+# With CALOMEL_PRECOMPILED_HEADERS the heavy headers from outside are parsed once for all libraries; every file still includes what it uses. Sources
+# with options of their own do without: they could not read them.
 if(CALOMEL_PRECOMPILED_HEADERS)
-  set(heavy <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <sstream>
-      <string> <vector> <fmt/format.h> <nlohmann/json.hpp> <Eigen/Dense>)
   file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
-  function(precompiled_headers target)
-    target_link_libraries(${target} PRIVATE fmt::fmt nlohmann_json::nlohmann_json Eigen3::Eigen)
-    target_compile_features(${target} PRIVATE cxx_std_20)
-    target_compile_options(${target} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
-    target_precompile_headers(${target} PRIVATE ${heavy} ${ARGN})
-  endfunction()
   add_library(calomel_precompiled OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
-  precompiled_headers(calomel_precompiled)
+  target_link_libraries(calomel_precompiled PRIVATE fmt::fmt nlohmann_json::nlohmann_json Eigen3::Eigen)
+  target_compile_features(calomel_precompiled PRIVATE cxx_std_20)
+  target_compile_options(calomel_precompiled PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
+  target_precompile_headers(calomel_precompiled PRIVATE
+    <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <sstream>
+    <string> <vector> <fmt/format.h> <nlohmann/json.hpp> <Eigen/Dense>)
 endif()
 
 # One static library a folder: calomel_library(mesh SOURCES a.cpp b.cpp LINKS calomel::base Eigen3::Eigen)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "inverse/calibration.hpp"
 #include "inverse/prior.hpp"
 
 namespace calomel {
@@ -15,8 +16,6 @@ namespace {
 constexpr Eigen::Index fewest = 8;     ///< answers, for a covariance
 constexpr double on_bound = 1e-3;      ///< of the interval
 constexpr double worth_telling = 0.1;  ///< share of draws on a bound
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 std::string percent(double share) { return share < 1 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("a factor of {:.2g}", 1 + share); }
 
