@@ -25,6 +25,11 @@ function(calomel_library name)
   if(CALOMEL_PRECOMPILED_HEADERS)
     target_precompile_headers(calomel_${name} REUSE_FROM calomel_precompiled)
   endif()
+  if(CALOMEL_UNITY)
+    set_target_properties(calomel_${name} PROPERTIES UNITY_BUILD ON)
+    # GCC collects its garbage at 128 MiB unless told: with these sources a tenth of the time.
+    target_compile_options(calomel_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
+  endif()
   set_property(GLOBAL APPEND PROPERTY CALOMEL_LIBRARIES calomel_${name})
 endfunction()
 

@@ -7,15 +7,10 @@
 #include <limits>
 #include <mutex>
 
+#include "base/nan.hpp"
 #include "base/parallel.hpp"
 
 namespace calomel {
-
-namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 double distance(const Proposal& a, const Proposal& b, const Bounds& bounds) {
   double d = 0;

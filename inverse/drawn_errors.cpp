@@ -11,7 +11,7 @@ namespace calomel {
 
 namespace {
 
-constexpr std::uint64_t stream = 0xd0a50000, batches = 1000;
+constexpr std::uint64_t drawn_stream = 0xd0a50000, batches = 1000;
 
 /// A root of a covariance that may be singular; nothing for one that is zero.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
@@ -60,7 +60,7 @@ DrawnErrors::DrawnErrors(const Problem& problem, const AnswerErrors& errors, std
 }
 
 DrawnErrors::Records DrawnErrors::records(std::size_t draw) const {
-  RandomStream random(seed_, stream + draw * batches);
+  RandomStream random(seed_, drawn_stream + draw * batches);
   Eigen::VectorXd drawn = records_root_ * normals(residual_.size(), 1, random);
   // A scale that was learnt from few repeats: Student's t is a Gaussian over a random scale.
   const double nu = errors_.records.errors().freedom(), u = std::min(std::max(random.uniform(), 1e-9), 1 - 1e-9);
@@ -78,7 +78,7 @@ DrawnErrors::Records DrawnErrors::records(std::size_t draw) const {
 
 Eigen::MatrixXf DrawnErrors::runs(std::size_t draw, std::size_t batch, std::size_t n) const {
   if (run_root_.size() == 0) return Eigen::MatrixXf::Zero(Eigen::Index(problem_.shape.values()), Eigen::Index(n));
-  RandomStream random(seed_, stream + draw * batches + 1 + batch);
+  RandomStream random(seed_, drawn_stream + draw * batches + 1 + batch);
   return errors_.records.grid().lift(run_root_ * normals(residual_.size(), Eigen::Index(n), random)).cast<float>();
 }
 

@@ -1,5 +1,6 @@
 #include "inverse/enc.hpp"
 
+#include "base/nan.hpp"
 #include "inverse/enc_mesh.hpp"
 #include "inverse/enc_spread.hpp"
 
@@ -10,8 +11,6 @@
 namespace calomel {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<EncOptimizer> by_optimizer(const EncSummary& summary, const std::vector<std::string>& names) {
   std::vector<EncOptimizer> all;

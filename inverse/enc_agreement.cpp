@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
+#include "base/nan.hpp"
 #include "base/parallel.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::uint64_t streams_apart = 1'000'000;  // no calibration has as many rounds
+constexpr std::uint64_t streams_of_a_search = 1'000'000;  // no calibration has as many rounds
 
 /// The best of the rounds that have a value; null when none has.
 const EncRound* best_of(const std::vector<EncRound>& rounds, const Objective& objective, const std::string& optimizer = "") {
@@ -121,7 +120,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
   std::uint64_t searches = 0;
   const auto search = [&](const Objective& by, const std::vector<std::string>& optimizers, const std::string& what) {
     RoundPlan rounds = plan.rounds;
-    rounds.optimizers = optimizers, rounds.first_stream = ++searches * streams_apart;
+    rounds.optimizers = optimizers, rounds.first_stream = ++searches * streams_of_a_search;
     auto found = search_rounds(problem, surrogate, by, rounds, seed, threads, [&](std::size_t done) {
       if (progress) progress(what, done, rounds.rounds);
     });

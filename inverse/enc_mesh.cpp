@@ -6,7 +6,7 @@ namespace calomel {
 
 namespace {
 
-constexpr std::uint64_t first_stream = 900'000'000, streams_apart = 100'000;  // apart from those of the calibration and of what it is compared with
+constexpr std::uint64_t first_stream = 900'000'000, mesh_streams_apart = 100'000;  // apart from those of the calibration and of what it is compared with
 constexpr double stays = 0.01;           ///< of the bounds: an optimum that moves by less has settled
 constexpr std::size_t later_pairs = 2;   ///< of a round after the first
 
@@ -41,7 +41,7 @@ void learn_mesh(EncSummary& out, const Problem& problem, const ForwardModel& sur
     auto found = search_rounds(problem, model, out.objective, plan, seed, threads, [&](std::size_t done) {
       if (progress) progress("rounds to place pairs of runs", done, plan.rounds);
     });
-    plan.first_stream += streams_apart;
+    plan.first_stream += mesh_streams_apart;
     for (const auto& r : found.rounds) out.evaluations += r.evaluations;
     return well_separated(std::move(found.pool), 10, separation, bounds);
   };

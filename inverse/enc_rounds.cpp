@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <mutex>
 
+#include "base/nan.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 
 namespace calomel {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The best point of every cell of a coarse grid that a round has visited: what candidates are chosen from, so that they can lie apart
 /// even when every round ends in the same optimum.

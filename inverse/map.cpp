@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "base/nan.hpp"
 #include "inverse/finer_scores.hpp"
 #include "inverse/map_discrepancy.hpp"
 #include "inverse/map_judgement.hpp"
@@ -16,8 +16,6 @@
 namespace calomel {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// One calibration, step by step; what a step leaves to the next ones are members.
 class MapRun {

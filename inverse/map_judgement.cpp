@@ -6,13 +6,13 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
-#include <limits>
+
+#include "base/nan.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double least_p_value = 0.01;
 constexpr double told_apart = 0.8;  ///< chi-squared over its expectation below which the covariance is called too wide
 

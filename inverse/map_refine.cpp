@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t first_round = 6, later_round = 3;
 constexpr double not_ruled_out = 150;  ///< log posterior below the best at which a model of the wrong mesh may still be the right one
-constexpr std::uint64_t stream = 4711;
+constexpr std::uint64_t refinement_stream = 4711;
 
 double apart(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& box) { return (a - b).cwiseQuotient(box).cwiseAbs().maxCoeff(); }
 
@@ -136,7 +136,7 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
   const Eigen::VectorXd box = space.high() - space.low();
   MapRefinement& record = out.refinement;
   record.before = space.theta(optima[0].x);
-  RandomStream random(seed, stream);
+  RandomStream random(seed, refinement_stream);
   std::vector<AddedRun> runs;
   std::vector<Eigen::VectorXd> points = first_points(search, optima, *likelihood, design, box);
   const int pairs_wanted = models.has_finer ? options.mesh_pairs : 0;

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include "base/nan.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double narrow_share = 0.01;
 
 /// Weights of the derivative at x[i] of the parabola through three neighbours (Lagrange), exact for quadratics.

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <numeric>
 
 #include "base/artefact.hpp"
+#include "base/nan.hpp"
 #include "base/netcdf_file.hpp"
 #include "inverse/record_rows.hpp"
 
@@ -16,7 +16,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double microstrain = 1e-6;
 
 bool is_netcdf(const std::filesystem::path& path) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t starts = 2;
 constexpr double first_width = 0.02;  ///< of the box, before a covariance is known
-constexpr std::uint64_t stream = 90210;
+constexpr std::uint64_t rival_stream = 90210;
 
 std::vector<Parameter> chosen(const std::vector<Parameter>& parameters, const std::vector<std::size_t>& free) {
   std::vector<Parameter> out;
@@ -142,7 +142,7 @@ double roughness_of(const Linearisation& at, const Likelihood& likelihood, const
 
 double share_within(const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, std::uint64_t seed) {
   constexpr int draws = 4000;
-  RandomStream random(seed, stream);
+  RandomStream random(seed, rival_stream);
   const Eigen::MatrixXd root = covariance.llt().matrixL();
   int within = 0;
   for (int i = 0; i < draws; ++i) {

@@ -1,7 +1,7 @@
 #include "inverse/screening.hpp"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,13 +17,19 @@ namespace {
 const std::string gains = "gauge_gains";
 constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the greatest singular value: what is left of it is rounding
 
-/// Orthonormal columns that span those of `m`, (rows, rank).
+/// Orthonormal columns that span those of `m`, (rows, rank): its left singular vectors by the eigenvectors of m^T m. Of columns down to `nothing` of the
+/// greatest singular value they are orthonormal to 1e-16 / nothing^2; a second pass takes that to rounding.
 Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(m, Eigen::ComputeThinU);
-  const auto& s = svd.singularValues();
-  Eigen::Index rank = 0;
-  while (rank < s.size() && s[rank] > 0 && s[rank] > nothing * s[0]) ++rank;
-  return svd.matrixU().leftCols(rank);
+  Eigen::MatrixXd span = m;
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(span.transpose() * span);  // ascending
+    const Eigen::VectorXd squares = eigen.eigenvalues().reverse();
+    Eigen::Index rank = 0;
+    while (rank < squares.size() && squares[rank] > 0 && squares[rank] > nothing * nothing * squares[0]) ++rank;
+    const Eigen::MatrixXd vectors = eigen.eigenvectors().rowwise().reverse().leftCols(rank);
+    span = span * vectors * squares.head(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  }
+  return span;
 }
 
 class Screen {

@@ -36,14 +36,12 @@ void respond(const MechanismValues& v, const std::string& sensor, double interva
     for (auto& x : y) x = gain * x + offset;
 }
 
-constexpr double none = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 MechanismEntry sensor_response() {
   return {.law = "gain, low pass, delay, angle, transverse part and offset of each gauge",
           .keys = {{.name = "gain", .unit = "", .off = 1, .low = 0.85, .high = 1.15, .doc = "reading per true strain, on top of the sensor's own"},
-                   {.name = "low_pass", .unit = "Hz", .off = none, .low = 20e3, .high = 500e3, .log_uniform = true, .least = 1, .doc = "-3 dB frequency of a second-order Butterworth; inf = none"},
+                   {.name = "low_pass", .unit = "Hz", .off = std::numeric_limits<double>::infinity(), .low = 20e3, .high = 500e3, .log_uniform = true, .least = 1, .doc = "-3 dB frequency of a second-order Butterworth; inf = none"},
                    {.name = "delay", .unit = "s", .off = 0, .low = -2e-6, .high = 2e-6, .doc = "by which the reading lags"},
                    {.name = "angle", .unit = "deg", .off = 0, .low = -10, .high = 10, .least = -90, .greatest = 90, .doc = "by which the gauge is turned in its plane, from its direction towards normal x direction"},
                    {.name = "transverse", .unit = "", .off = 0, .low = -0.05, .high = 0.05, .least = -1, .greatest = 1, .doc = "share of the strain across that it reads too"},

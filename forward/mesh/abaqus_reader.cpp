@@ -63,9 +63,9 @@ struct Entry {
 };
 using Sets = std::map<std::string, std::vector<Entry>>;
 
-class Reader {
+class AbaqusReader {
  public:
-  explicit Reader(const std::filesystem::path& path) : in_(path) {
+  explicit AbaqusReader(const std::filesystem::path& path) : in_(path) {
     mesh_.path = path;
     if (!in_ || !std::filesystem::is_regular_file(path)) fail(0, "there is no such file", "check geometry.file; relative paths start at the case file");
   }
@@ -318,6 +318,6 @@ class Reader {
 
 }  // namespace
 
-MeshFile read_abaqus_mesh(const std::filesystem::path& path) { return Reader(path).read(); }
+MeshFile read_abaqus_mesh(const std::filesystem::path& path) { return AbaqusReader(path).read(); }
 
 }  // namespace calomel

@@ -11,9 +11,9 @@ namespace calomel {
 namespace {
 
 /// An open Exodus file, numbers as 64 bit integers.
-class Reader {
+class ExodusReader {
  public:
-  explicit Reader(const std::filesystem::path& path) {
+  explicit ExodusReader(const std::filesystem::path& path) {
     mesh_.path = path;
     if (!std::filesystem::is_regular_file(path)) fail("there is no such file", "check geometry.file; relative paths start at the case file");
     ex_opts(0);
@@ -25,11 +25,11 @@ class Reader {
     name_length_ = std::max(longest, 32);
     ex_set_max_name_length(id_, name_length_);
   }
-  ~Reader() {
+  ~ExodusReader() {
     if (id_ >= 0) ex_close(id_);
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
+  ExodusReader(const ExodusReader&) = delete;
+  ExodusReader& operator=(const ExodusReader&) = delete;
 
   MeshFile read() {
     ex_init_params sizes{};
@@ -157,6 +157,6 @@ class Reader {
 
 }  // namespace
 
-MeshFile read_exodus_mesh(const std::filesystem::path& path) { return Reader(path).read(); }
+MeshFile read_exodus_mesh(const std::filesystem::path& path) { return ExodusReader(path).read(); }
 
 }  // namespace calomel

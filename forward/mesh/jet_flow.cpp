@@ -7,12 +7,12 @@
 namespace calomel {
 namespace {
 
-using Point = Eigen::Vector2d;  // (x, z)
+using PlanePoint = Eigen::Vector2d;  // (x, z)
 
 /// A place on the outer contour: rear end of the bottom -> nose -> rear end of the top.
 struct ContourPoint {
-  Point outer;       ///< [m]
-  Point inward;      ///< unit normal
+  PlanePoint outer;       ///< [m]
+  PlanePoint inward;      ///< unit normal
   double wall = 0;   ///< thickness of the wall [m]
   double angle = 0;  ///< about the nose, from where it begins; 0 on the legs, 90 at the front [deg]
   bool upper = false;
@@ -32,7 +32,7 @@ std::vector<ContourPoint> half_contour(const GeometryOptions& g, const JetFlowPl
   const auto add = [&](double x, double angle) {
     const double a = angle * std::numbers::pi / 180;
     const double depth = R - R * std::cos(a);
-    Point inward(std::sin(a), std::cos(a));
+    PlanePoint inward(std::sin(a), std::cos(a));
     if (angle == 90) inward = {1, 0};
     if (upper) inward.y() *= -1;
     points.push_back(
@@ -53,7 +53,7 @@ std::vector<ContourPoint> half_contour(const GeometryOptions& g, const JetFlowPl
 std::vector<ContourPoint> contour(const GeometryOptions& g, const JetFlowPlan& plan) {
   auto points = half_contour(g, plan, false);
   const auto upper = half_contour(g, plan, true);
-  const Point a = points.back().outer, b = upper.back().outer;
+  const PlanePoint a = points.back().outer, b = upper.back().outer;
   for (int k = 1; k < int(plan.flat_count); ++k) {
     ContourPoint p = points.back();
     p.outer = a + (b - a) * k / plan.flat_count;
@@ -86,7 +86,7 @@ class SectionBuilder {
       for (int layer = 0; layer < 3; ++layer)
         for (int k = 0; k < layers[std::size_t(layer)]; ++k)
           put(c.outer + c.inward * (ends[std::size_t(layer)] + (ends[std::size_t(layer) + 1] - ends[std::size_t(layer)]) * k / layers[std::size_t(layer)]));
-      const Point start = c.outer + c.inward * ends[3], end = core_boundary_[std::size_t(i)];
+      const PlanePoint start = c.outer + c.inward * ends[3], end = core_boundary_[std::size_t(i)];
       for (int k = 0; k <= layers[3]; ++k) put(start + (end - start) * k / layers[3]);
     }
     const auto wrap = [&](int i, int j) { return NodeId(i * (depth + 1) + j); };
@@ -97,7 +97,7 @@ class SectionBuilder {
       }
     // Core: (i, j), i from the rear to the front, j from bottom to top; its edges are wrap points.
     const auto edge = [&](int i, int j) { return j == 0 ? i : j == front_ ? last_ - i : corner_ + j; };
-    const auto boundary = [&](int i, int j) -> Point {
+    const auto boundary = [&](int i, int j) -> PlanePoint {
       if (j == 0 || j == front_ || i == corner_) return core_boundary_[std::size_t(edge(i, j))];
       // The rear end is plane.
       return core_boundary_[0] + (core_boundary_[std::size_t(last_)] - core_boundary_[0]) * j / front_;
@@ -131,8 +131,8 @@ class SectionBuilder {
   void place_core_boundary() {
     core_boundary_.resize(contour_.size());
     const double R = *g_.nose_radius;
-    const auto corner_point = [&](const ContourPoint& c) { return Point(c.outer + c.inward * (offset(c) + 0.2 * (R - offset(c)))); };
-    const std::array<Point, 2> corner{corner_point(contour_[std::size_t(corner_)]), corner_point(contour_[std::size_t(last_ - corner_)])};
+    const auto corner_point = [&](const ContourPoint& c) { return PlanePoint(c.outer + c.inward * (offset(c) + 0.2 * (R - offset(c)))); };
+    const std::array<PlanePoint, 2> corner{corner_point(contour_[std::size_t(corner_)]), corner_point(contour_[std::size_t(last_ - corner_)])};
     for (const bool upper : {false, true})
       for (int i = 0; i <= corner_; ++i) {
         const auto& c = contour_[std::size_t(upper ? last_ - i : i)];
@@ -149,7 +149,7 @@ class SectionBuilder {
     }
   }
 
-  NodeId put(const Point& p) {
+  NodeId put(const PlanePoint& p) {
     section_.points.emplace_back(p.y(), p.x());  // (z, x, y) is right-handed
     return NodeId(section_.points.size() - 1);
   }
@@ -161,7 +161,7 @@ class SectionBuilder {
   const GeometryOptions& g_;
   const JetFlowPlan& plan_;
   std::vector<ContourPoint> contour_;
-  std::vector<Point> core_boundary_;
+  std::vector<PlanePoint> core_boundary_;
   Section section_;
   bool plates_ = false;
   int corner_ = 0;  ///< intervals from the rear end to the core's corner

@@ -23,6 +23,15 @@ SolveOptions solve_options(const SolverOptions& o) {
   return s;
 }
 
+/// Everything that the stable step of a mesh follows from.
+struct StepKey {
+  std::array<double, 8> numbers;
+  bool single, group;
+  ElementKind kind;
+  int buffer;  ///< of sub-cycling, or none
+  bool operator==(const StepKey&) const = default;
+};
+
 namespace {
 
 std::array<std::uint8_t, 8> fixed_of(const Mesh& mesh, std::size_t e) {
@@ -37,15 +46,6 @@ ElementKind kind_of(const SolveOptions& o) {
     throw InputError({.problem = "the B-bar element is one of small strain", .key = "solver.steel_element", .value = "\"b_bar\"", .suggestion = "set solver.kinematics = \"small\""});
   return ElementKind::finite;
 }
-
-/// Everything that the stable step of a mesh follows from.
-struct StepKey {
-  std::array<double, 8> numbers;
-  bool single, group;
-  ElementKind kind;
-  int buffer;  ///< of sub-cycling, or none
-  bool operator==(const StepKey&) const = default;
-};
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
   return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid.viscosity, s.hourglass, s.steel_stiffness_damping},
