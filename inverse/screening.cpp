@@ -21,7 +21,7 @@ constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the gr
 /// greatest singular value they are orthonormal to 1e-16 / nothing^2; a second pass takes that to rounding.
 Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
   Eigen::MatrixXd span = m;
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int pass = 0; pass < 2 && span.cols() > 0; ++pass) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(span.transpose() * span);  // ascending
     const Eigen::VectorXd squares = eigen.eigenvalues().reverse();
     Eigen::Index rank = 0;

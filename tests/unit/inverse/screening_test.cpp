@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/QR>
 #include <cmath>
 
 #include "inverse/map.hpp"
@@ -94,6 +95,25 @@ TEST(Screening, WhatTheParametersCanDoIsNotHeldAgainstTheModel) {
   EXPECT_FALSE(s.stands_out);
   // The gains of two gauges, of which the parameter is one combination.
   EXPECT_EQ(screen(c.likelihood, c.residual(1, {0, 0}, 1), c.jacobian, {gauge_gains(c.problem, c.history)}).mechanisms[0].directions, 1);
+}
+
+TEST(Screening, NearlyParallelColumnsLeaveWhatLeastSquaresLeave) {
+  const Case c;
+  const Eigen::VectorXd r = c.residual(1, {3, 1.5}, 1), white = c.likelihood.errors().whiten(r);
+  const auto left = [&](const Eigen::MatrixXd& columns) { return (white - columns * Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(white)).squaredNorm(); };
+  const Eigen::MatrixXd other = c.likelihood.errors().whiten(c.likelihood.grid().apply(c.other().directions));
+  for (const double apart : {1.0, 1e-2, 1e-3}) {
+    // Of the second column only what is `apart` is new: so much of the other's first shape. The third says nothing new.
+    Eigen::MatrixXd jacobian(r.size(), 2);
+    jacobian << c.jacobian, 1e3 * (c.jacobian + apart * c.jacobian.norm() / other.col(0).norm() * other.col(0));
+    Eigen::MatrixXd thrice(r.size(), 3), all(r.size(), 3);
+    thrice << jacobian, 2 * jacobian.col(0);
+    all << jacobian, other.col(1);
+    const auto s = screen(c.likelihood, r, thrice, {c.other()});
+    EXPECT_EQ(s.mechanisms[0].directions, 1);
+    EXPECT_NEAR(s.mechanisms[0].chi2_drop, left(jacobian) - left(all), 1e-9 * left(jacobian)) << apart;
+    EXPECT_NEAR(s.scale * double(r.size() - 2), left(jacobian), 1e-9 * left(jacobian)) << apart;
+  }
 }
 
 TEST(Screening, AMapWhoseGaugesDoNotFitTogetherIsNotAdequateThoughChiSquaredIsContent) {
