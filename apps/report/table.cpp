@@ -126,7 +126,10 @@ std::string Table::html() const {
 
 std::string Table::csv() const {
   std::string s;
-  for (std::size_t i = 0; i < columns.size(); ++i) s += (i ? "," : "") + csv_field(columns[i].key);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i) s += ',';
+    s += csv_field(columns[i].key);
+  }
   s += '\n';
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
