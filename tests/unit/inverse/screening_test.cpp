@@ -105,7 +105,7 @@ TEST(Screening, NearlyParallelColumnsLeaveWhatLeastSquaresLeave) {
   for (const double apart : {1.0, 1e-2, 1e-3}) {
     // Of the second column only what is `apart` is new: so much of the other's first shape. The third says nothing new.
     Eigen::MatrixXd jacobian(r.size(), 2);
-    jacobian << c.jacobian, 1e3 * (c.jacobian + apart * c.jacobian.norm() / other.col(0).norm() * other.col(0));
+    jacobian << c.jacobian, c.jacobian + apart * c.jacobian.norm() / other.col(0).norm() * other.col(0);
     Eigen::MatrixXd thrice(r.size(), 3), all(r.size(), 3);
     thrice << jacobian, 2 * jacobian.col(0);
     all << jacobian, other.col(1);
