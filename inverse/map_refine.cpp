@@ -35,16 +35,6 @@ void spread_over(std::vector<Eigen::VectorXd>& chosen, const std::vector<Eigen::
   }
 }
 
-/// How many runs of this round, which come first in it, are paired: a third of all pairs in the first round, the rest evenly over the rounds that may come,
-/// so that the optimum of each is paired. Neighbouring differences resemble one another only as far as they are near (Kriging), and what is learnt far from
-/// the answer says little about it.
-int pairs_of_round(int runs, int pairs, int pairs_wanted, int runs_wanted) {
-  if (pairs_wanted >= runs_wanted) return pairs_wanted - pairs;
-  if (runs == 0) return std::min(pairs_wanted, std::max(2, (pairs_wanted + 2) / 3));
-  const int rounds = std::max(1, (runs_wanted - runs + int(later_round) - 1) / int(later_round));
-  return (pairs_wanted - pairs + rounds - 1) / rounds;
-}
-
 /// Runs that came through, as columns.
 struct Learnt {
   Eigen::MatrixXd theta, working, pair_theta, difference;
@@ -158,11 +148,10 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     points.resize(std::min(points.size(), std::size_t(left)));
     Eigen::MatrixXd thetas(space.size(), Eigen::Index(points.size()));
     std::vector<bool> with_fine;
-    const int paired = pairs + pairs_of_round(int(runs.size()), pairs, pairs_wanted, options.added_runs);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto t = space.theta(points[i]);
       thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(t.data(), space.size());
-      with_fine.push_back(pairs < paired);
+      with_fine.push_back(pairs < pairs_wanted);
       pairs += with_fine.back();
     }
     for (auto& r : models.add_runs(thetas, with_fine)) failed += !r.done(), runs.push_back(std::move(r));

@@ -14,11 +14,8 @@ namespace {
 
 constexpr double usual_length = 0.3, length_spread = 1.2;  ///< median, and sd of the logarithm, of the lengths before the data
 constexpr std::array<double, 6> nuggets{1e-6, 0.01, 0.04, 0.12, 0.4, 1};
-constexpr std::array<double, 5> powers{2, 1.6, 1.25, 1, 0.75};
 constexpr double shortest = 0.01, longest = 10;
 constexpr int length_steps = 21, sweeps = 4;
-
-double kernel(double squared_distance, double power) { return std::exp(-std::pow(0.5 * squared_distance, 0.5 * power)); }
 
 }  // namespace
 
@@ -43,64 +40,49 @@ Eigen::VectorXd Kriging::scaled(std::span<const double> theta) const {
   return u;
 }
 
-Eigen::MatrixXd Kriging::correlation(const Shape& shape) const {
-  const Eigen::MatrixXd u = shape.lengths.cwiseInverse().asDiagonal() * points_;
+Eigen::MatrixXd Kriging::correlation(const Eigen::VectorXd& lengths, double nugget) const {
+  const Eigen::MatrixXd u = lengths.cwiseInverse().asDiagonal() * points_;
   Eigen::MatrixXd r(size(), size());
   for (Eigen::Index i = 0; i < size(); ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) r(i, j) = r(j, i) = kernel((u.col(i) - u.col(j)).squaredNorm(), shape.power);
-  r.diagonal().array() += shape.nugget;
+    for (Eigen::Index j = 0; j < size(); ++j) r(i, j) = std::exp(-0.5 * (u.col(i) - u.col(j)).squaredNorm());
+  r.diagonal().array() += nugget;
   return r;
 }
 
-Eigen::VectorXd Kriging::correlation_with(std::span<const double> theta) const {
-  const Eigen::VectorXd u = scaled(theta);
-  Eigen::VectorXd k(size());
-  for (Eigen::Index i = 0; i < size(); ++i) k[i] = kernel(((u - points_.col(i)).array() / fitted_.lengths.array()).square().sum(), fitted_.power);
-  return k;
-}
-
-double Kriging::deviance(const Shape& shape, const Eigen::MatrixXd& gram) const {
-  const Eigen::LLT<Eigen::MatrixXd> factor(correlation(shape));
+double Kriging::deviance(const Eigen::VectorXd& lengths, double nugget, const Eigen::MatrixXd& gram) const {
+  const Eigen::LLT<Eigen::MatrixXd> factor(correlation(lengths, nugget));
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd ones = factor.solve(Eigen::VectorXd::Ones(size()));
   const double squares = factor.solve(gram).trace() - ones.dot(gram * ones) / ones.sum();
   const double floor = 1e-12 * gram.trace();  // what is constant over the points has no scatter to learn from
-  const double prior = (shape.lengths.array() / usual_length).log().square().sum() / (length_spread * length_spread);
+  const double prior = (lengths.array() / usual_length).log().square().sum() / (length_spread * length_spread);
   return double(size() - 1) * std::log(std::max(squares, floor)) + 2 * factor.matrixLLT().diagonal().array().log().sum() + std::log(ones.sum()) + prior;
 }
 
 void Kriging::fit(const Eigen::MatrixXd& gram) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const double power : powers) {  // each from the same start: the lengths that suit one power do not suit another
-    Shape shape{Eigen::VectorXd::Constant(points_.rows(), usual_length), power, nuggets[3]};
-    const double d = descend(shape, gram);
-    if (fitted_.lengths.size() == 0 || d < least) least = d, fitted_ = shape;
-  }
-  factor_.compute(correlation(fitted_));
-  ones_ = factor_.solve(Eigen::VectorXd::Ones(size()));
-}
-
-double Kriging::descend(Shape& shape, const Eigen::MatrixXd& gram) const {
-  double best = deviance(shape, gram);
+  lengths_ = Eigen::VectorXd::Constant(points_.rows(), usual_length);
+  nugget_ = nuggets[3];
+  double best = deviance(lengths_, nugget_, gram);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    Shape trial = shape;
-    for (const double nugget : nuggets) {
-      trial.nugget = nugget;
-      if (const double d = deviance(trial, gram); d < best) best = d, shape.nugget = nugget;
-    }
-    for (Eigen::Index k = 0; k < shape.lengths.size(); ++k) {
-      trial = shape;
+    for (const double nugget : nuggets)
+      if (const double d = deviance(lengths_, nugget, gram); d < best) best = d, nugget_ = nugget;
+    for (Eigen::Index k = 0; k < lengths_.size(); ++k) {
+      Eigen::VectorXd trial = lengths_;
       for (int i = 0; i < length_steps; ++i) {
-        trial.lengths[k] = shortest * std::pow(longest / shortest, double(i) / (length_steps - 1));
-        if (const double d = deviance(trial, gram); d < best) best = d, shape.lengths[k] = trial.lengths[k];
+        trial[k] = shortest * std::pow(longest / shortest, double(i) / (length_steps - 1));
+        if (const double d = deviance(trial, nugget_, gram); d < best) best = d, lengths_[k] = trial[k];
       }
     }
   }
-  return best;
+  factor_.compute(correlation(lengths_, nugget_));
+  ones_ = factor_.solve(Eigen::VectorXd::Ones(size()));
 }
 
 Eigen::VectorXd Kriging::weights(std::span<const double> theta) const {
-  const Eigen::VectorXd w = factor_.solve(correlation_with(theta));
+  const Eigen::VectorXd u = scaled(theta);
+  Eigen::VectorXd k(size());
+  for (Eigen::Index i = 0; i < size(); ++i) k[i] = std::exp(-0.5 * ((u - points_.col(i)).array() / lengths_.array()).square().sum());
+  const Eigen::VectorXd w = factor_.solve(k);
   return w + (1 - w.sum()) / ones_.sum() * ones_;
 }
 
@@ -121,9 +103,11 @@ Eigen::VectorXd Kriging::slope(std::span<const double> theta, const Eigen::Vecto
 }
 
 double Kriging::variance_factor(std::span<const double> theta) const {
-  const Eigen::VectorXd k = correlation_with(theta);
+  const Eigen::VectorXd u = scaled(theta);
+  Eigen::VectorXd k(size());
+  for (Eigen::Index i = 0; i < size(); ++i) k[i] = std::exp(-0.5 * ((u - points_.col(i)).array() / lengths_.array()).square().sum());
   const double missing = 1 - ones_.dot(k);
-  return std::max(0.0, 1 + fitted_.nugget - k.dot(factor_.solve(k)) + missing * missing / ones_.sum());
+  return std::max(0.0, 1 + nugget_ - k.dot(factor_.solve(k)) + missing * missing / ones_.sum());
 }
 
 }  // namespace calomel

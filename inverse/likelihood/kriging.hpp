@@ -10,11 +10,10 @@
 
 namespace calomel {
 
-/// d(theta) = m + z(theta): an unknown constant and a Gaussian process of correlation exp(-(r^2 / 2)^(power / 2)), r^2 = sum_k ((u_k - u'_k) / l_k)^2, u the
-/// parameters scaled to their bounds (by their logarithms where the lower bound is positive), and independent scatter of `nugget` times its variance. With
-/// power 2 it is smooth, and long lengths make it the low-order polynomial through the points (Driscoll and Fornberg 2002); with power 1 neighbours differ by
-/// the square root of their distance, as runs do whose cavitation is chaotic. Lengths, power and nugget maximise the restricted likelihood of all outputs
-/// pooled (Harville 1974) times a lognormal prior of the lengths, so that a few points do not make them extreme.
+/// d(theta) = m + z(theta): an unknown constant and a Gaussian process of correlation exp(-sum_k ((u_k - u'_k) / l_k)^2 / 2), u the parameters scaled to
+/// their bounds (by their logarithms where the lower bound is positive), and independent scatter of `nugget` times its variance. Long lengths make it the
+/// low-order polynomial through the points (Driscoll and Fornberg 2002). Lengths and nugget maximise the restricted likelihood of all outputs pooled
+/// (Harville 1974) times a lognormal prior of the lengths, so that a few points do not make them extreme.
 class Kriging {
  public:
   Kriging() = default;
@@ -30,30 +29,22 @@ class Kriging {
   /// Variance of one more seen output about the prediction, scatter included, over the process's variance.
   [[nodiscard]] double variance_factor(std::span<const double> theta) const;
   /// Variance of the smooth part, m + z, about the prediction, over the process's variance: without one more output's own scatter.
-  [[nodiscard]] double smooth_variance_factor(std::span<const double> theta) const { return std::max(0.0, variance_factor(theta) - fitted_.nugget); }
+  [[nodiscard]] double smooth_variance_factor(std::span<const double> theta) const { return std::max(0.0, variance_factor(theta) - nugget_); }
   /// (n, n - 1) matrix A such that outputs A A' outputs' is the process's covariance between outputs, restricted maximum likelihood.
   [[nodiscard]] const Eigen::MatrixXd& residual_root() const { return root_; }
-  [[nodiscard]] const Eigen::VectorXd& lengths() const { return fitted_.lengths; }
-  [[nodiscard]] double nugget() const { return fitted_.nugget; }
-  [[nodiscard]] double power() const { return fitted_.power; }
+  [[nodiscard]] const Eigen::VectorXd& lengths() const { return lengths_; }
+  [[nodiscard]] double nugget() const { return nugget_; }
 
  private:
-  struct Shape {
-    Eigen::VectorXd lengths;
-    double power = 2, nugget = 0;
-  };
   [[nodiscard]] Eigen::VectorXd scaled(std::span<const double> theta) const;
-  [[nodiscard]] Eigen::MatrixXd correlation(const Shape& shape) const;
-  /// Of a point with those seen, (n), without the nugget.
-  [[nodiscard]] Eigen::VectorXd correlation_with(std::span<const double> theta) const;
+  [[nodiscard]] Eigen::MatrixXd correlation(const Eigen::VectorXd& lengths, double nugget) const;
   /// -2 log restricted likelihood of the pooled outputs, whose Gram matrix is `gram` (n, n); infinity where the correlation is singular.
-  [[nodiscard]] double deviance(const Shape& shape, const Eigen::MatrixXd& gram) const;
-  /// Coordinate descent over nugget and lengths; the deviance reached.
-  double descend(Shape& shape, const Eigen::MatrixXd& gram) const;
+  [[nodiscard]] double deviance(const Eigen::VectorXd& lengths, double nugget, const Eigen::MatrixXd& gram) const;
   void fit(const Eigen::MatrixXd& gram);
   std::vector<Parameter> parameters_;
   Eigen::MatrixXd points_;  ///< scaled, (n_parameters, n)
-  Shape fitted_;
+  Eigen::VectorXd lengths_;
+  double nugget_ = 0;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd ones_;  ///< R^-1 1
   Eigen::MatrixXd root_;
