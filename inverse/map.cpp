@@ -218,7 +218,9 @@ void MapRun::judge() {
   const Eigen::MatrixXd between = spread_of_rivals(out_, space_, x_, point_.log_posterior);
   const double flatter = std::clamp(out_.curvature_seen, 0.01, 1.0);
   covariance_ *= out_.widening / flatter * (1 + std::max(0.0, out_.scale_spread));
-  covariance_ += between;
+  const Eigen::MatrixXd moves = spread_of_rounds(out_.refinement, space_, x_);
+  out_.refinement.moves_share = moves.diagonal().cwiseQuotient((covariance_ + between + moves).diagonal());
+  covariance_ += between + moves;
   const Eigen::VectorXd by_x = space_.slope(x_);
   out_.covariance = by_x.asDiagonal() * covariance_ * by_x.asDiagonal();
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();

@@ -98,6 +98,7 @@ struct MapRefinement {
   std::vector<double> before;           ///< the optimum without them
   std::vector<RefinementRound> rounds;
   bool stable = false;
+  Eigen::VectorXd moves_share;          ///< of each parameter's variance, what spread_of_rounds adds; empty where nothing was judged
   double base_ratio = 0;                ///< RefinedModel::base_ratio
   double mesh_difference = 0;           ///< |fine - working| / |working| at the optimum, mean over the observations
   Eigen::VectorXd next_halving;         ///< what one more halving would move each parameter by, in its sd; empty without pairs

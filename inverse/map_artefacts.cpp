@@ -33,7 +33,9 @@ Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
   Json rounds = Json::array();
   for (const auto& round : r.rounds)
     rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}, {"roughness_sds", number(round.roughness)}});
-  return {{"rounds", rounds}, {"stable", r.stable}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
+  Json share = Json::object();
+  for (Eigen::Index k = 0; k < r.moves_share.size(); ++k) share[shape.parameters[std::size_t(k)].name] = number(r.moves_share[k]);
+  return {{"rounds", rounds}, {"stable", r.stable}, {"share_of_variance", share}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
 }
 
 Json mesh_json(const MapRefinement& r, const ModelShape& shape) {

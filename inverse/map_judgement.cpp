@@ -99,6 +99,16 @@ Eigen::MatrixXd spread_of_rivals(MapSummary& out, const SearchSpace& space, cons
   return spread_of(rivals, x, log_posterior, std::max(1.0, out.roughness));
 }
 
+Eigen::MatrixXd spread_of_rounds(const MapRefinement& refinement, const SearchSpace& space, const Eigen::VectorXd& x) {
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(x.size(), x.size());
+  if (refinement.rounds.size() < 3) return spread;
+  for (std::size_t i = 1; i < refinement.rounds.size(); ++i) {  // the first moves the optimum from where nothing was known of the mesh
+    const Eigen::VectorXd d = space.from(refinement.rounds[i].theta) - x;
+    spread += d * d.transpose();
+  }
+  return spread / double(refinement.rounds.size() - 1);
+}
+
 void warn(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, bool limited) {
   if (!out.adequate) out.warnings.push_back(out.adequacy);
   for (Eigen::Index k = 0; k < space.size(); ++k) {

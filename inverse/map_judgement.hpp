@@ -19,6 +19,10 @@ double exact_slope(const ForwardModel& surrogate, const Likelihood& likelihood, 
 /// and at least 1.
 Eigen::MatrixXd spread_of_rivals(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, double log_posterior);
 
+/// How far the optimum lay from the answer x in the rounds of added runs, mean outer product over the rounds after the first (n, n); 0 where there were fewer
+/// than three. An honest posterior mean moves with more runs of the same kind by less than its deviation; one that has moved by more will do so again.
+Eigen::MatrixXd spread_of_rounds(const MapRefinement& refinement, const SearchSpace& space, const Eigen::VectorXd& x);
+
 /// Adds to out.warnings what an inadequate fit, near bounds, `limited` intervals and drifting records ask for.
 void warn(MapSummary& out, const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, bool limited);
 

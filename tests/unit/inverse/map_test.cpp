@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "forward/campaign/campaign.hpp"
+#include "inverse/map_judgement.hpp"
 #include "tests/unit/inverse/lines.hpp"
 
 namespace calomel {
@@ -54,6 +55,29 @@ TEST(Map, OfALinearModelIsTheClosedForm) {
   EXPECT_TRUE(summary.adequate) << summary.adequacy;
   EXPECT_EQ(summary.widening, 1);
   EXPECT_NEAR(summary.best.objective_model.value(), summary.log_likelihood + summary.log_prior, 1e-6);
+}
+
+TEST(Map, RoundsThatMovedTheOptimumWidenItByTheirDistance) {
+  const SearchSpace space({uniform_parameter("a", 1, 100, 10), uniform_parameter("b", -5, 5, 0)});
+  const auto round = [](double a, double b) {
+    RefinementRound r;
+    r.theta = {a, b};
+    return r;
+  };
+  const Eigen::VectorXd x = space.from(std::vector<double>{10, 1});
+  MapRefinement moved;
+  moved.rounds = {round(90, -4), round(10 * std::exp(0.1), 1.2), round(10 * std::exp(-0.3), 1), round(10, 1)};
+  // The first round does not count; a is searched by its logarithm. (0.1^2 + 0.3^2) / 3, (0.2^2) / 3, 0.1 * 0.2 / 3.
+  const Eigen::MatrixXd spread = spread_of_rounds(moved, space, x);
+  EXPECT_NEAR(spread(0, 0), 0.1 / 3, 1e-12);
+  EXPECT_NEAR(spread(1, 1), 0.04 / 3, 1e-12);
+  EXPECT_NEAR(spread(0, 1), 0.02 / 3, 1e-12);
+  // One that stayed is not widened, nor one of two rounds, whose second may still be far from where nothing was known.
+  MapRefinement stayed;
+  stayed.rounds = {round(90, -4), round(10, 1), round(10, 1)};
+  EXPECT_LT(spread_of_rounds(stayed, space, x).norm(), 1e-20);
+  stayed.rounds = {round(90, -4), round(20, 1)};
+  EXPECT_EQ(spread_of_rounds(stayed, space, x).norm(), 0);
 }
 
 TEST(Map, AFitThatIsNotAdequateSaysSoAndIsWidened) {
