@@ -29,19 +29,22 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
   return all;
 }
 
+/// A value of each parameter by its name; an empty object for no values. What is not finite is null.
+Json by_parameter(const ModelShape& shape, const Eigen::VectorXd& values) {
+  Json j = Json::object();
+  for (Eigen::Index k = 0; k < values.size(); ++k) j[shape.parameters[std::size_t(k)].name] = number(values[k]);
+  return j;
+}
+
 Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
   Json rounds = Json::array();
   for (const auto& round : r.rounds)
     rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}, {"roughness_sds", number(round.roughness)}});
-  Json share = Json::object();
-  for (Eigen::Index k = 0; k < r.moves_share.size(); ++k) share[shape.parameters[std::size_t(k)].name] = number(r.moves_share[k]);
-  return {{"rounds", rounds}, {"stable", r.stable}, {"share_of_variance", share}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
+  return {{"rounds", rounds}, {"stable", r.stable}, {"share_of_variance", by_parameter(shape, r.moves_share)}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
 }
 
 Json mesh_json(const MapRefinement& r, const ModelShape& shape) {
-  Json moves = Json::object();
-  for (Eigen::Index k = 0; k < r.next_halving.size(); ++k) moves[shape.parameters[std::size_t(k)].name] = number(r.next_halving[k]);
-  return {{"next_halving_sds", moves}, {"sentence", r.sentence}};
+  return {{"next_halving_sds", by_parameter(shape, r.next_halving)}, {"sentence", r.sentence}};
 }
 
 }  // namespace
@@ -56,9 +59,7 @@ Json map_json(const MapSummary& s, const Problem& problem, const Provenance& pro
   own["parameters"] = Json::array();
   for (const auto& p : shape.parameters) own["parameters"].push_back(p.name);
   own["covariance"] = matrix_json(s.covariance);
-  Json sd = Json::object();
-  for (Eigen::Index k = 0; k < s.covariance.rows(); ++k) sd[shape.parameters[std::size_t(k)].name] = number(std::sqrt(s.covariance(k, k)));
-  own["sd"] = sd;
+  own["sd"] = by_parameter(shape, s.covariance.diagonal().cwiseSqrt());
   own["widening"] = s.widening, own["curvature_seen"] = number(s.curvature_seen), own["roughness"] = number(s.roughness);
   own["log_likelihood"] = number(s.log_likelihood), own["log_prior"] = number(s.log_prior);
   own["log_evidence_laplace"] = number(s.log_evidence_laplace);
