@@ -11,7 +11,7 @@ namespace calomel {
 
 namespace {
 
-constexpr std::uint64_t drawn_stream = 0xd0a50000, batches = 1000;
+constexpr std::uint64_t drawn_stream = 0xd0a50000, batches = 1000, of_shift = 999;
 
 /// A root of a covariance that may be singular; nothing for one that is zero.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
@@ -35,12 +35,14 @@ Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns, RandomStream& r
 
 AnswerErrors answer_errors(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const LikelihoodOptions& options,
                            double distance, const MapModels& models, std::span<const double> theta) {
+  MapModels shared = models;
+  if (!models.mesh.empty()) shared.mesh = models.mesh.with_known_scatter_drawn();
   const auto likelihood = [&](double floor, bool with_surrogate) {
     LikelihoodOptions own = options;
     own.floor = floor;
-    return likelihood_at(problem, recordings, recording_options, own, distance, models, theta, with_surrogate);
+    return likelihood_at(problem, recordings, recording_options, own, distance, shared, theta, with_surrogate);
   };
-  AnswerErrors e{likelihood(0, false), {}, {}};
+  AnswerErrors e{likelihood(0, false), {}, {}, models.mesh};
   e.run = likelihood(options.floor, false).covariance() - e.records.covariance();
   e.surrogate = likelihood(0, true).covariance() - e.records.covariance();
   return e;
@@ -80,6 +82,25 @@ Eigen::MatrixXf DrawnErrors::runs(std::size_t draw, std::size_t batch, std::size
   if (run_root_.size() == 0) return Eigen::MatrixXf::Zero(Eigen::Index(problem_.shape.values()), Eigen::Index(n));
   RandomStream random(seed_, drawn_stream + draw * batches + 1 + batch);
   return errors_.records.grid().lift(run_root_ * normals(residual_.size(), Eigen::Index(n), random)).cast<float>();
+}
+
+DrawnShift DrawnErrors::shift(std::size_t draw) const {
+  if (errors_.mesh.empty()) return std::nullopt;
+  RandomStream random(seed_, drawn_stream + draw * batches + of_shift);
+  return errors_.mesh.draw(random);
+}
+
+Prediction DrawnModel::evaluate(std::span<const double> theta) const {
+  Prediction p = model_.evaluate(theta);
+  if (p.ok && drawn_) Eigen::Map<Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size())) += drawn_->at(theta);
+  return p;
+}
+
+Eigen::MatrixXf DrawnModel::means(const Eigen::MatrixXd& thetas, int threads) const {
+  Eigen::MatrixXf y = model_.means(thetas, threads);
+  if (drawn_)
+    for (Eigen::Index i = 0; i < y.cols(); ++i) y.col(i) += drawn_->at({thetas.col(i).data(), std::size_t(thetas.rows())}).cast<float>();
+  return y;
 }
 
 Problem DrawnErrors::with_records_moved(const Eigen::VectorXd& coarse, const std::vector<bool>& flipped) const {

@@ -16,6 +16,23 @@ struct AnswerErrors {
   Likelihood records;         ///< what all predictions share: noise, nuisances, mesh
   Eigen::MatrixXd run;        ///< what differs from run to run, the repeatability floor, (values, values)
   Eigen::MatrixXd surrogate;  ///< (model - surrogate); zero without a surrogate
+  MeshError mesh;             ///< whose known scatter is drawn over the parameters, and is no part of `records`; may be empty
+};
+
+/// What a drawn error of the mesh's shift adds to predictions; nothing where there is none.
+using DrawnShift = std::optional<MeshError::Draw>;
+
+/// A model with a drawn error of its shift. Both outlive the object.
+class DrawnModel final : public ForwardModel {
+ public:
+  DrawnModel(const ForwardModel& model, const DrawnShift& drawn) : model_(model), drawn_(drawn) {}
+  [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
+  [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+
+ private:
+  const ForwardModel& model_;
+  const DrawnShift& drawn_;
 };
 
 /// These at a point, with the mesh's error and the surrogate's variance as a calibration has them by then (no function: there is no surrogate).
@@ -25,7 +42,7 @@ using ErrorsAt = std::function<AnswerErrors(std::span<const double> theta, const
 [[nodiscard]] AnswerErrors answer_errors(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options,
                                          const LikelihoodOptions& options, double distance, const MapModels& models, std::span<const double> theta);
 
-/// Records as they might have been were the answer true. Within the band of the likelihood the residual of the mean records is replaced by a draw; what lies
+/// Records as they might have been were the answer true, and predictions as other pairs of meshes would have shifted them. Within the band of the likelihood the residual of the mean records is replaced by a draw; what lies
 /// above that band, of whose errors only the size is known, keeps it and takes a random sign for each observation (wild bootstrap). Draw k depends on (seed, k)
 /// alone.
 class DrawnErrors {
@@ -41,6 +58,8 @@ class DrawnErrors {
   [[nodiscard]] Records records(std::size_t draw) const;
   /// Errors of n runs of draw k, each its own, (values of the model, n); `batch` tells apart the batches of one draw.
   [[nodiscard]] Eigen::MatrixXf runs(std::size_t draw, std::size_t batch, std::size_t n) const;
+  /// What the mesh's shift is off by in draw k.
+  [[nodiscard]] DrawnShift shift(std::size_t draw) const;
 
  private:
   /// `flipped`: observations whose residual above the band changes its sign.

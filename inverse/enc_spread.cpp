@@ -45,12 +45,14 @@ class EncDraw {
   /// The drawn answer; empty where the surrogate fails everywhere.
   [[nodiscard]] std::vector<double> answer(const DrawnErrors& errors, std::size_t draw) const {
     const auto records = errors.records(draw);
-    auto ranked = well_separated(search(records, draw), std::size_t(options_.candidates), options_.separation, bounds_);
+    const DrawnShift shift = errors.shift(draw);
+    const DrawnModel surrogate(surrogate_, shift);
+    auto ranked = well_separated(search(surrogate, records, draw), std::size_t(options_.candidates), options_.separation, bounds_);
     if (ranked.empty()) return {};
     ranked.push_back({0, out_.nominal});
     Eigen::MatrixXd points(bounds_.low.size(), Eigen::Index(ranked.size()));
     for (std::size_t i = 0; i < ranked.size(); ++i) points.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(ranked[i].theta.data(), points.rows());
-    const Eigen::MatrixXf runs = surrogate_.means(points, 1) + errors.runs(draw, 0, ranked.size());
+    const Eigen::MatrixXf runs = surrogate.means(points, 1) + errors.runs(draw, 0, ranked.size());
     std::optional<Likelihood> moved;
     const auto costs = objective(moved, records.moved).costs(records.of_runs, runs, points);
     const auto best = std::min_element(costs.begin(), costs.end());
@@ -65,7 +67,7 @@ class EncDraw {
     return correlated_objective(*moved);
   }
 
-  [[nodiscard]] std::vector<Proposal> search(const DrawnErrors::Records& records, std::size_t draw) const {
+  [[nodiscard]] std::vector<Proposal> search(const ForwardModel& surrogate, const DrawnErrors::Records& records, std::size_t draw) const {
     std::optional<Likelihood> moved;
     const Objective sought = objective(moved, records.moved_surrogate);
     std::vector<double> middle = out_.theta;
@@ -75,7 +77,7 @@ class EncDraw {
       const Problem box = on_box(records.of_surrogate, bounds_, middle, half);
       const RoundPlan plan{.optimizers = {"de"}, .rounds = 1, .generations = generations, .population = population, .cell = options_.separation / std::min(1.0, 2 * half),
                            .pool = 20 * std::size_t(options_.candidates), .first_stream = search_stream + std::uint64_t(i) * boxes_apart + draw};
-      auto found = search_rounds(box, surrogate_, sought, plan, seed_, 1);
+      auto found = search_rounds(box, surrogate, sought, plan, seed_, 1);
       pool.insert(pool.end(), found.pool.begin(), found.pool.end());
       if (pool.empty()) break;
       middle = std::min_element(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; })->theta;

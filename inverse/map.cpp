@@ -216,8 +216,8 @@ void MapRun::judge() {
     out_.curvature_seen = curvature_seen();
   }
   const Eigen::MatrixXd between = spread_of_rivals(out_, space_, x_, point_.log_posterior);
-  const double flatter = std::clamp(out_.curvature_seen, 0.01, 1.0);
-  covariance_ *= out_.widening / flatter * (1 + std::max(0.0, out_.scale_spread));
+  const double flatter = std::max(out_.refinement.validation.inflation, 1 / std::clamp(out_.curvature_seen, 0.01, 1.0));
+  covariance_ *= out_.widening * flatter * (1 + std::max(0.0, out_.scale_spread));
   const Eigen::MatrixXd moves = spread_of_rounds(out_.refinement, space_, x_);
   out_.refinement.moves_share = moves.diagonal().cwiseQuotient((covariance_ + between + moves).diagonal());
   covariance_ += between + moves;
@@ -225,7 +225,7 @@ void MapRun::judge() {
   out_.covariance = by_x.asDiagonal() * covariance_ * by_x.asDiagonal();
   const Eigen::MatrixXd data_own = by_x.cwiseInverse().asDiagonal() * data * by_x.cwiseInverse().asDiagonal();
   out_.identification =
-      identify(problem_.shape.parameters, point_.theta, data_own, out_.covariance, space_.prior_sd(x_).cwiseProduct(by_x), out_.widening / flatter);
+      identify(problem_.shape.parameters, point_.theta, data_own, out_.covariance, space_.prior_sd(x_).cwiseProduct(by_x), out_.widening * flatter);
   if (!current_.mesh.empty() && at_)
     judge_mesh(out_, problem_, current_.mesh, *final_likelihood_, {at_->jacobian, sharp, covariance_, mesh_covariance(), point_.history});
   out_.shares = final_likelihood_->shares();

@@ -93,11 +93,23 @@ struct RefinementRound {
   double roughness = 0;       ///< sd of that parameter's optimum by how rough one run is, likewise; smaller moves tell of nothing else
 };
 
+/// Whether the parameters of pairs that the search does not know are found; see validate_pairs.
+struct PairValidation {
+  struct Pair {
+    std::vector<double> theta, found;
+    double squares = 0;  ///< squared distance of the two by the covariance at `found`
+  };
+  std::vector<Pair> pairs;  ///< nearest to the optimum first
+  double inflation = 1;     ///< factor of the covariance
+  std::string sentence;     ///< empty where nothing was judged
+};
+
 /// What added runs and pairs of meshes did.
 struct MapRefinement {
   std::vector<double> before;           ///< the optimum without them
   std::vector<RefinementRound> rounds;
   bool stable = false;
+  PairValidation validation;
   Eigen::VectorXd moves_share;          ///< of each parameter's variance, what spread_of_rounds adds; empty where nothing was judged
   double base_ratio = 0;                ///< RefinedModel::base_ratio
   double mesh_difference = 0;           ///< |fine - working| / |working| at the optimum, mean over the observations

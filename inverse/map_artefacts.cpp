@@ -36,11 +36,17 @@ Json by_parameter(const ModelShape& shape, const Eigen::VectorXd& values) {
   return j;
 }
 
+Json validation_json(const PairValidation& v, const ModelShape& shape) {
+  Json pairs = Json::array();
+  for (const auto& p : v.pairs) pairs.push_back({{"theta", named(shape, p.theta)}, {"found", named(shape, p.found)}, {"squared_distance", number(p.squares)}});
+  return {{"inflation", v.inflation}, {"sentence", v.sentence}, {"pairs", pairs}};
+}
+
 Json refinement_json(const MapRefinement& r, const ModelShape& shape) {
   Json rounds = Json::array();
   for (const auto& round : r.rounds)
     rounds.push_back({{"runs", round.runs}, {"pairs", round.pairs}, {"failed", round.failed}, {"theta", named(shape, round.theta)}, {"moved_sds", number(round.moved)}, {"roughness_sds", number(round.roughness)}});
-  return {{"rounds", rounds}, {"stable", r.stable}, {"share_of_variance", by_parameter(shape, r.moves_share)}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
+  return {{"rounds", rounds}, {"stable", r.stable}, {"left_out_pairs", validation_json(r.validation, shape)}, {"share_of_variance", by_parameter(shape, r.moves_share)}, {"theta_before", named(shape, r.before)}, {"surrogate_error_ratio", number(r.base_ratio)}};
 }
 
 Json mesh_json(const MapRefinement& r, const ModelShape& shape) {

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "base/random.hpp"
+#include "inverse/map_lessons.hpp"
 #include "inverse/mesh_pairs.hpp"
+#include "inverse/pair_validation.hpp"
 #include "inverse/refined_model.hpp"
 
 namespace calomel {
@@ -17,6 +19,7 @@ namespace {
 constexpr std::size_t first_round = 6, later_round = 3;
 constexpr double not_ruled_out = 150;  ///< log posterior below the best at which a model of the wrong mesh may still be the right one
 constexpr std::uint64_t refinement_stream = 4711;
+constexpr double reach = 3;  ///< posterior sds of the draws of later rounds: runs that stand about the optimum tell more than runs beside it
 
 double apart(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& box) { return (a - b).cwiseQuotient(box).cwiseAbs().maxCoeff(); }
 
@@ -33,34 +36,6 @@ void spread_over(std::vector<Eigen::VectorXd>& chosen, const std::vector<Eigen::
     if (!next) return;
     chosen.push_back(*next);
   }
-}
-
-/// Runs that came through, as columns.
-struct Learnt {
-  Eigen::MatrixXd theta, working, pair_theta, difference;
-};
-
-/// Of the runs at which the search's own surrogate has values too.
-Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters, const ForwardModel& surrogate) {
-  std::vector<const AddedRun*> done, paired;
-  for (const auto& r : runs) {
-    if (!surrogate.evaluate(r.theta).ok) continue;
-    if (r.working.done) done.push_back(&r);
-    if (r.working.done && r.fine && r.fine->done) paired.push_back(&r);
-  }
-  const auto values = [](const std::vector<float>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>()); };
-  const Eigen::Index rows = done.empty() ? 0 : Eigen::Index(done[0]->working.mean.size());
-  Learnt l{Eigen::MatrixXd(parameters, done.size()), Eigen::MatrixXd(rows, done.size()), Eigen::MatrixXd(parameters, paired.size()),
-           Eigen::MatrixXd(rows, paired.size())};
-  for (std::size_t i = 0; i < done.size(); ++i) {
-    l.theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(done[i]->theta.data(), Eigen::Index(parameters));
-    l.working.col(Eigen::Index(i)) = values(done[i]->working.mean);
-  }
-  for (std::size_t i = 0; i < paired.size(); ++i) {
-    l.pair_theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(paired[i]->theta.data(), Eigen::Index(parameters));
-    l.difference.col(Eigen::Index(i)) = values(paired[i]->fine->mean) - values(paired[i]->working.mean);
-  }
-  return l;
 }
 
 /// The first round: the optima, then points of the design that are not ruled out, far from one another.
@@ -91,7 +66,7 @@ std::vector<Eigen::VectorXd> later_points(const Optimum& best, const SearchSpace
   std::vector<std::pair<double, Eigen::VectorXd>> pool;
   for (int i = 0; i < 60; ++i) {
     Eigen::VectorXd z(best.x.size());
-    for (auto& value : z) value = 1.5 * random.normal();  // a little beyond what is believed
+    for (auto& value : z) value = reach * random.normal();
     const Eigen::VectorXd x = (best.x + root * z).cwiseMax(space.low()).cwiseMin(space.high());
     pool.emplace_back(unsure(x), x);
   }
@@ -157,14 +132,8 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
     for (auto& r : models.add_runs(thetas, with_fine)) failed += !r.done(), runs.push_back(std::move(r));
 
     // 2. What they teach.
-    const Learnt learnt = learnt_from(runs, std::size_t(space.size()), *models.surrogate);
-    if (learnt.theta.cols() >= 2) {
-      current.refined = std::make_shared<RefinedModel>(*models.surrogate, models.surrogate_variance, learnt.theta, learnt.working);
-      current.surrogate = current.refined.get();
-      current.surrogate_variance = [refined = current.refined](std::span<const double> theta) { return refined->error_variance(theta); };
-      record.base_ratio = current.refined->base_ratio();
-    }
-    if (learnt.pair_theta.cols() >= 2) current.mesh = MeshError(space.parameters(), learnt.pair_theta, learnt.difference, {.mean = options.mesh_beyond, .sd = options.mesh_beyond_sd});
+    teach(current, models, runs, search);
+    if (current.refined) record.base_ratio = current.refined->base_ratio();
 
     // 3. The search anew, from the old optima too.
     std::vector<Eigen::VectorXd> also;
@@ -185,6 +154,8 @@ std::vector<Optimum> refine_search(MapSummary& out, MapSearch& search, MapModels
       return (current.mesh.empty() ? 0 : current.mesh.kriging().variance_factor(t)) + (current.refined ? current.refined->kriging().variance_factor(t) : 0);
     });
   }
+  record.validation = validate_pairs(search, current, models, runs, optima);
+  if (record.validation.inflation > 1) out.warnings.push_back(record.validation.sentence);
   if (!record.stable && !record.rounds.empty())
     out.warnings.push_back(fmt::format("the optimum still moved by {:.2g} standard deviations with the last of {} added runs, where the roughness of one run accounts for {:.2g}: {}",
                                        record.rounds.back().moved, runs.size(), record.rounds.back().roughness,

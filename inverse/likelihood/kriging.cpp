@@ -16,6 +16,7 @@ constexpr double usual_length = 0.3, length_spread = 1.2;  ///< median, and sd o
 constexpr std::array<double, 6> nuggets{1e-6, 0.01, 0.04, 0.12, 0.4, 1};
 constexpr double shortest = 0.01, longest = 10;
 constexpr int length_steps = 21, sweeps = 4;
+constexpr Eigen::Index waves = 256;  ///< of a drawn realisation
 
 }  // namespace
 
@@ -109,5 +110,25 @@ double Kriging::variance_factor(std::span<const double> theta) const {
   const double missing = 1 - ones_.dot(k);
   return std::max(0.0, 1 + nugget_ - k.dot(factor_.solve(k)) + missing * missing / ones_.sum());
 }
+
+KrigingError::KrigingError(const Kriging& kriging, Eigen::Index fields, RandomStream& random)
+    : kriging_(kriging), frequencies_(waves, kriging.points().rows()), amplitudes_(fields, 2 * waves), seen_(fields, kriging.size()) {
+  for (Eigen::Index k = 0; k < frequencies_.cols(); ++k)
+    for (Eigen::Index i = 0; i < waves; ++i) frequencies_(i, k) = random.normal() / kriging.lengths()[k];
+  for (auto& a : amplitudes_.reshaped()) a = random.normal() / std::sqrt(double(waves));
+  for (Eigen::Index i = 0; i < seen_.cols(); ++i) {
+    seen_.col(i) = realisation(kriging.points().col(i));
+    for (Eigen::Index f = 0; f < fields; ++f) seen_(f, i) += std::sqrt(kriging.nugget()) * random.normal();
+  }
+}
+
+Eigen::VectorXd KrigingError::realisation(const Eigen::VectorXd& scaled) const {
+  const Eigen::ArrayXd phase = (frequencies_ * scaled).array();
+  Eigen::VectorXd features(2 * waves);
+  features << phase.cos().matrix(), phase.sin().matrix();
+  return amplitudes_ * features;
+}
+
+Eigen::VectorXd KrigingError::at(std::span<const double> theta) const { return realisation(kriging_.scaled(theta)) - seen_ * kriging_.weights(theta); }
 
 }  // namespace calomel

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/random.hpp"
 #include "forward/parameter.hpp"
 
 namespace calomel {
@@ -34,9 +35,12 @@ class Kriging {
   [[nodiscard]] const Eigen::MatrixXd& residual_root() const { return root_; }
   [[nodiscard]] const Eigen::VectorXd& lengths() const { return lengths_; }
   [[nodiscard]] double nugget() const { return nugget_; }
+  /// Parameters in the coordinates of the correlation, (n_parameters).
+  [[nodiscard]] Eigen::VectorXd scaled(std::span<const double> theta) const;
+  /// The points that were seen, scaled, (n_parameters, n).
+  [[nodiscard]] const Eigen::MatrixXd& points() const { return points_; }
 
  private:
-  [[nodiscard]] Eigen::VectorXd scaled(std::span<const double> theta) const;
   [[nodiscard]] Eigen::MatrixXd correlation(const Eigen::VectorXd& lengths, double nugget) const;
   /// -2 log restricted likelihood of the pooled outputs, whose Gram matrix is `gram` (n, n); infinity where the correlation is singular.
   [[nodiscard]] double deviance(const Eigen::VectorXd& lengths, double nugget, const Eigen::MatrixXd& gram) const;
@@ -48,6 +52,23 @@ class Kriging {
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd ones_;  ///< R^-1 1
   Eigen::MatrixXd root_;
+};
+
+/// One draw of what a kriging misses of the smooth process, as a function of the parameters: conditional simulation, a realisation less its own kriging from
+/// the seen points, scatter included (Journel and Huijbregts 1978, ch. VII). Realisations are sums of waves with random frequencies (Rahimi and Recht 2007).
+class KrigingError {
+ public:
+  /// `fields` independent draws. The kriging outlives the object.
+  KrigingError(const Kriging& kriging, Eigen::Index fields, RandomStream& random);
+  /// (fields), each of mean 0 and variance smooth_variance_factor(theta), in units of the process's deviation.
+  [[nodiscard]] Eigen::VectorXd at(std::span<const double> theta) const;
+
+ private:
+  [[nodiscard]] Eigen::VectorXd realisation(const Eigen::VectorXd& scaled) const;
+  const Kriging& kriging_;
+  Eigen::MatrixXd frequencies_;  ///< (waves, n_parameters)
+  Eigen::MatrixXd amplitudes_;   ///< (fields, 2 waves)
+  Eigen::MatrixXd seen_;         ///< the realisation at the seen points, (fields, n)
 };
 
 }  // namespace calomel

@@ -21,13 +21,26 @@ Eigen::VectorXd MeshError::pull_back(std::span<const double> theta, std::span<co
   return (1 + beyond_.mean) * kriging_.slope(theta, differences_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
 }
 
+double MeshError::known_share() const {
+  const double seen = double(pairs() - 1);
+  return seen / (seen + pairs_that_show_half);
+}
+
+MeshError MeshError::with_known_scatter_drawn() const {
+  MeshError m = *this;
+  m.known_drawn_ = true;
+  return m;
+}
+
+MeshError::Draw MeshError::draw(RandomStream& random) const { return {KrigingError(kriging_, pairs() - 1, random), std::sqrt(known_share()) * root()}; }
+
 MeshError::Spread MeshError::spread(std::span<const double> theta) const {
-  const double reach = 1 + beyond_.mean, seen = double(pairs() - 1), share = seen / (seen + pairs_that_show_half);
-  const Eigen::MatrixXd own = reach * std::sqrt(kriging_.smooth_variance_factor(theta)) * (differences_ * kriging_.residual_root());  // (values, pairs - 1)
+  const double share = known_share();
+  const Eigen::MatrixXd own = std::sqrt(kriging_.smooth_variance_factor(theta)) * root();
   const Eigen::VectorXd d = difference(theta);
   Spread s;
   s.known.resize(differences_.rows(), pairs());
-  s.known.leftCols(pairs() - 1) = std::sqrt(share) * own;
+  s.known.leftCols(pairs() - 1) = (known_drawn_ ? 0 : std::sqrt(share)) * own;
   s.known.col(pairs() - 1) = beyond_.sd * d;
   s.scatter = std::sqrt(1 - share) * own.rowwise().norm();
   s.remainder = beyond_.remainder * d;

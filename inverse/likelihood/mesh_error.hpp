@@ -39,12 +39,33 @@ class MeshError {
     Eigen::VectorXd remainder;  ///< (values): beyond.remainder times the difference
   };
   [[nodiscard]] Spread spread(std::span<const double> theta) const;
+  /// The same whose spread has no part of the pairs' scatter in the directions that they show, for those who draw it.
+  [[nodiscard]] MeshError with_known_scatter_drawn() const;
+  /// One draw of that part: what the shift is off by, as a function of the parameters.
+  class Draw {
+   public:
+    /// (values), as the shift.
+    [[nodiscard]] Eigen::VectorXd at(std::span<const double> theta) const { return directions_ * error_.at(theta); }
+
+   private:
+    friend class MeshError;
+    Draw(KrigingError error, Eigen::MatrixXd directions) : error_(std::move(error)), directions_(std::move(directions)) {}
+    KrigingError error_;
+    Eigen::MatrixXd directions_;  ///< (values, pairs - 1)
+  };
+  /// The object outlives what is returned.
+  [[nodiscard]] Draw draw(RandomStream& random) const;
   [[nodiscard]] const Kriging& kriging() const { return kriging_; }
   [[nodiscard]] const BeyondFiner& beyond() const { return beyond_; }
 
  private:
+  /// Of the scatter's variance, what lies in the directions that the pairs show.
+  [[nodiscard]] double known_share() const;
+  /// The process's covariance in these directions, per squared unit of its deviation: its root, (values, pairs - 1).
+  [[nodiscard]] Eigen::MatrixXd root() const { return (1 + beyond_.mean) * (differences_ * kriging_.residual_root()); }
   Kriging kriging_;
   BeyondFiner beyond_;
+  bool known_drawn_ = false;
   Eigen::MatrixXd differences_;  ///< (values, pairs)
 };
 

@@ -59,9 +59,11 @@ class SpeRedraw {
 
   [[nodiscard]] std::vector<double> answer(const DrawnErrors& errors, std::size_t draw) const {
     const auto records = errors.records(draw);
+    const DrawnShift shift = errors.shift(draw);
     std::vector<Proposal> runs;
     std::size_t batch = 0;
-    const auto run = [&](const std::vector<std::vector<double>>& points, const Eigen::MatrixXf& histories) {
+    const auto run = [&](const std::vector<std::vector<double>>& points, Eigen::MatrixXf histories) {
+      for (std::size_t i = 0; shift && i < points.size(); ++i) histories.col(Eigen::Index(i)) += shift->at(points[i]).cast<float>();
       const auto costs = out_.objective.costs(records.of_runs, histories + errors.runs(draw, batch++, points.size()));
       for (std::size_t i = 0; i < points.size(); ++i)
         if (std::isfinite(costs[i]) && (options_.transform != "log" || costs[i] > 0)) runs.push_back({costs[i], points[i]});

@@ -159,6 +159,34 @@ TEST(EncSpread, WhatTheSurrogateMissesIsPartOfIt) {
   for (Eigen::Index k = 0; k < 2; ++k) EXPECT_GT(unsure.spread.covariance(k, k), 2 * sure.spread.covariance(k, k));
 }
 
+/// Pairs of meshes about the truth whose differences scatter by `scatter` in the model's own two shapes, as no smooth function of the parameters would.
+MeshError scattered_pairs(const Linear& c, double scatter) {
+  RandomStream random(8, 0);
+  Eigen::MatrixXd theta(2, 8), differences(300, 8);
+  for (Eigen::Index i = 0; i < 8; ++i) {
+    theta.col(i) << random.uniform(1.4, 2.6), random.uniform(2, 4);
+    const double a = scatter * random.normal(), b = scatter * random.normal();
+    for (Eigen::Index t = 0; t < 300; ++t) differences(t, i) = a * slow(double(t) * 1e-6) + b * fast(double(t) * 1e-6);
+  }
+  return {c.model.shape().parameters, theta, differences, {.mean = 0, .sd = 0, .remainder = 0}};
+}
+
+TEST(AnswerSpread, WhatPairsLeaveUnknownOfTheMeshIsPartOfIt) {
+  const Linear c(3);
+  const auto with = [&](double scatter) -> ErrorsAt {
+    return [&c, scatter](std::span<const double> theta, const MeshError&, const RefinedModel::Variance& variance) { return c.errors()(theta, scattered_pairs(c, scatter), variance); };
+  };
+  // Scatter of the very shapes that the parameters have, in the same units: it goes into the answers as it is, less what eight pairs average out.
+  const auto enc = c.enc(60, with(0.2)), enc_sure = c.enc(60, with(1e-6));
+  const auto spe = c.spe(32, with(0.2)), spe_sure = c.spe(32, with(1e-6));
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    EXPECT_GT(std::sqrt(enc.spread.covariance(k, k)), 2 * std::sqrt(enc_sure.spread.covariance(k, k))) << k;
+    EXPECT_GT(std::sqrt(spe.spread.covariance(k, k)), 2 * std::sqrt(spe_sure.spread.covariance(k, k))) << k;
+    EXPECT_LT(std::sqrt(enc.spread.covariance(k, k)), 0.3) << k;
+    EXPECT_LT(std::sqrt(spe.spread.covariance(k, k)), 0.3) << k;
+  }
+}
+
 TEST(EncSpread, ALikelihoodThatCannotBeBuiltIsToldAndTheAnswerStands) {
   const Linear c(3);
   const ErrorsAt none = [](auto, const auto&, const auto&) -> AnswerErrors { throw InputError({.problem = "a single pulse without noise"}); };

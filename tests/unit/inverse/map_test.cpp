@@ -14,7 +14,9 @@
 namespace calomel {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double step = 1e-6;
 constexpr std::size_t times = 120;
@@ -245,12 +247,23 @@ TEST(Map, AMeshShiftOnlyMovesTheAnswerBack) {
 /// A surrogate whose frequency is off by a share that grows with the damping, of a working mesh that is off itself.
 struct Levels {
   AnalyticModel fine = ringing();
-  AnalyticModel working = warped(1.02, 0.95), surrogate = warped(1.05, 0.93);
-  static AnalyticModel warped(double frequency, double damping) {
+  AnalyticModel working, surrogate = warped(1.05, 0.93, 0);
+  /// The working mesh's frequency wobbles about its own by `wobble`, from place to place.
+  explicit Levels(double wobble = 0) : working(warped(1.02, 0.95, wobble)) {}
+  static AnalyticModel warped(double frequency, double damping, double wobble) {
+    const auto pitch = [=](auto p) { return 2 * M_PI * (frequency + wobble * std::sin(p[0] / 7 + p[1] / 11)) * p[0]; };
     return {ringing().shape().parameters,
-            {[=](auto p, double t) { return 100 * std::exp(-damping * p[1] * t) * std::sin(2 * M_PI * frequency * p[0] * t); },
-             [=](auto p, double t) { return 80 * std::exp(-damping * p[1] * t) * (1 - std::cos(2 * M_PI * frequency * p[0] * t)); }},
+            {[=](auto p, double t) { return 100 * std::exp(-damping * p[1] * t) * std::sin(pitch(p) * t); },
+             [=](auto p, double t) { return 80 * std::exp(-damping * p[1] * t) * (1 - std::cos(pitch(p) * t)); }},
             200, step};
+  }
+  /// The fit of pulses of the fine mesh with so many added runs and pairs.
+  [[nodiscard]] MapSummary fit(const Problem& problem, const Recordings& recordings, int added, int pairs) const {
+    MapModels models{.true_model = working, .surrogate = &surrogate, .mesh_relative = 0.1};
+    models.surrogate_variance = [](std::span<const double>) { return Eigen::VectorXd::Constant(400, 4.0); };
+    models.add_runs = [&](const Eigen::MatrixXd& t, const std::vector<bool>& f) { return run(t, f); };
+    models.has_finer = pairs > 0;
+    return run_map(problem, recordings, {}, models, {.added_runs = added, .mesh_pairs = pairs, .likelihood = {.values = 150}}, 1, 1);
   }
   /// Runs of the working mesh and, where asked and there, of the finer one.
   [[nodiscard]] std::vector<AddedRun> run(const Eigen::MatrixXd& thetas, const std::vector<bool>& with_fine) const {
@@ -270,13 +283,7 @@ TEST(Map, AddedRunsAndPairsBringItToTheFinerMeshAndStopWhenItStays) {
   const std::vector<double> truth{19e3, 1.6e4};
   const auto recordings = pulses_of(levels.fine, truth, {.pulses = 8, .noise = 1, .noise_time = 6e-6}, 3);
   const Problem problem = make_problem(levels.fine.shape(), recordings, {});
-  const auto with = [&](int added, int pairs) {
-    MapModels models{.true_model = levels.working, .surrogate = &levels.surrogate, .mesh_relative = 0.1};
-    models.surrogate_variance = [](std::span<const double>) { return Eigen::VectorXd::Constant(400, 4.0); };
-    models.add_runs = [&](const Eigen::MatrixXd& t, const std::vector<bool>& f) { return levels.run(t, f); };
-    models.has_finer = pairs > 0;
-    return run_map(problem, recordings, {}, models, {.added_runs = added, .mesh_pairs = pairs, .likelihood = {.values = 150}}, 1, 1);
-  };
+  const auto with = [&](int added, int pairs) { return levels.fit(problem, recordings, added, pairs); };
   const auto both = with(30, 20), alone = with(30, 0), none = with(0, 0);
   const auto off = [&](const MapSummary& s) { return std::abs(s.theta[0] / truth[0] - 1); };
   EXPECT_LT(off(both), 2 * std::sqrt(both.covariance(0, 0)) / truth[0]);
@@ -309,6 +316,35 @@ TEST(Map, AddedRunsAndPairsBringItToTheFinerMeshAndStopWhenItStays) {
   EXPECT_TRUE(with_pairs["mesh"]["next_halving_sds"].contains("damping"));
   EXPECT_EQ(without["scores_on"], "the case's own mesh");
   EXPECT_FALSE(without.contains("mesh"));
+}
+
+TEST(Map, PairsThatAreNotFoundAgainWidenTheCovariance) {
+  const std::vector<double> truth{19e3, 1.6e4};
+  const auto fit = [&](double wobble, int pairs) {
+    const Levels levels(wobble);
+    const auto recordings = pulses_of(levels.fine, truth, {.pulses = 8, .noise = 1, .noise_time = 6e-6}, 3);
+    const Problem problem = make_problem(levels.fine.shape(), recordings, {});
+    return levels.fit(problem, recordings, 12, pairs);
+  };
+  // A mesh whose error is smooth: pairs that are left out are found, and nothing is said against the deviations.
+  const auto smooth = fit(0, 12);
+  EXPECT_EQ(smooth.refinement.validation.inflation, 1);
+  ASSERT_EQ(smooth.refinement.validation.pairs.size(), std::size_t(smooth.refinement.rounds.back().pairs / 2));
+  EXPECT_THAT(smooth.warnings, Not(Contains(HasSubstr("widened by"))));
+  // One whose error is another at every place: no deviation that follows from the pairs' interpolation holds.
+  const auto rough = fit(0.01, 12);
+  const auto& v = rough.refinement.validation;
+  EXPECT_GT(v.inflation, 2);
+  EXPECT_THAT(rough.warnings, Contains(HasSubstr("widened by")));
+  double mean = 0;
+  for (const auto& p : v.pairs) mean += p.squares / double(2 * v.pairs.size());
+  EXPECT_NEAR(v.inflation, mean, 1e-9 * mean);
+  EXPECT_GT(std::abs(v.pairs[0].found[0] / v.pairs[0].theta[0] - 1), 1e-4);
+  // Too few pairs judge nothing.
+  const auto few = fit(0.01, 4);
+  EXPECT_TRUE(few.refinement.validation.pairs.empty());
+  EXPECT_EQ(few.refinement.validation.inflation, 1);
+  EXPECT_TRUE(few.refinement.validation.sentence.empty());
 }
 
 }  // namespace

@@ -131,6 +131,49 @@ TEST(MeshError, ShiftGoesBeyondTheFinerMeshAndItsSpreadKnowsIt) {
   EXPECT_GT(two.scatter.norm(), 2 * two.known.col(0).norm());
 }
 
+TEST(Kriging, DrawnErrorsHaveTheVarianceOfTheSmoothPartEverywhere) {
+  RandomStream random(21, 0);
+  const auto [theta, y] = drawn(random, 10, 6, 0.1);
+  const Kriging k(square, theta, y);
+  const std::vector<double> seen{theta(0, 0), theta(1, 0)}, beside{seen[0] + 0.02, seen[1] - 0.01}, far{0.02, theta(1, 0) > 0 ? -0.98 : 0.98};
+  constexpr Eigen::Index fields = 40;
+  constexpr int sets = 50;
+  double at_seen = 0, at_far = 0, difference = 0, mean = 0;
+  for (int set = 0; set < sets; ++set) {
+    RandomStream own(22, std::uint64_t(set));
+    const KrigingError e(k, fields, own);
+    const Eigen::VectorXd a = e.at(seen), b = e.at(beside), c = e.at(far);
+    at_seen += a.squaredNorm(), at_far += c.squaredNorm(), difference += (a - b).squaredNorm(), mean += c.sum();
+  }
+  const double n = double(fields * sets);  // those of a set share their waves: a standard error of 5 to 10 %
+  EXPECT_NEAR(at_far / n / k.smooth_variance_factor(far), 1, 0.2);
+  EXPECT_NEAR(at_seen / n / k.smooth_variance_factor(seen), 1, 0.2);
+  EXPECT_LT(at_seen, 0.5 * at_far);
+  EXPECT_LT(difference, 0.1 * at_seen);  // one function of the parameters, not noise
+  EXPECT_NEAR(mean / n, 0, 4 * std::sqrt(at_far / n / n));
+}
+
+TEST(MeshError, DrawsOfTheKnownScatterAreWhatTheSpreadLeavesToThem) {
+  RandomStream random(31, 0);
+  const auto [theta, y] = drawn(random, 9, 4, 0.05);
+  const MeshError mesh(square, theta, y, {.mean = 0.5, .sd = 0.5});
+  const MeshError left = mesh.with_known_scatter_drawn();
+  const std::vector<double> at{1.7, 0.8};
+  const auto whole = mesh.spread(at), rest = left.spread(at);
+  EXPECT_EQ(rest.known.leftCols(8).norm(), 0);
+  EXPECT_EQ(rest.known.col(8), whole.known.col(8));
+  EXPECT_EQ(rest.scatter, whole.scatter);
+  Eigen::Matrix4d seen = Eigen::Matrix4d::Zero();
+  constexpr int n = 2000;
+  for (int i = 0; i < n; ++i) {
+    RandomStream own(32, std::uint64_t(i));
+    const Eigen::Vector4d d = left.draw(own).at(at);
+    seen += d * d.transpose() / n;
+  }
+  const Eigen::Matrix4d expected = whole.known.leftCols(8) * whole.known.leftCols(8).transpose();
+  EXPECT_LT((seen - expected).norm(), 0.12 * expected.norm());
+}
+
 TEST(RefinedModel, IsRightAtTheAddedRunsAndItsVarianceFallsThere) {
   const AnalyticModel truth(square, {[](auto p, double t) { return p[0] * std::sin(3 * t) + p[1] * std::cos(5 * t + p[0]); }}, 40, 0.05);
   const AnalyticModel base(square, {[](auto p, double t) { return 1.1 * p[0] * std::sin(3 * t) + p[1] * std::cos(5 * t + 0.8 * p[0]); }}, 40, 0.05);
