@@ -33,8 +33,14 @@ std::vector<std::size_t> nearest_half(const std::vector<AddedRun>& runs, const S
   return nearest;
 }
 
+/// An answer to the records of a pair, and what they leave over there.
+struct Found {
+  Optimum optimum;
+  Eigen::VectorXd residual;
+};
+
 /// The best optimum for records that pair `left_out` of `runs` would have given, found without it.
-std::optional<Optimum> found_without(MapSearch& search, MapModels& current, const MapModels& models, const std::vector<AddedRun>& runs, std::size_t left_out,
+std::optional<Found> found_without(MapSearch& search, MapModels& current, const MapModels& models, const std::vector<AddedRun>& runs, std::size_t left_out,
                                      const std::vector<Optimum>& optima) {
   const SearchSpace& space = search.space();
   std::vector<AddedRun> rest = runs;
@@ -50,7 +56,9 @@ std::optional<Optimum> found_without(MapSearch& search, MapModels& current, cons
   const Eigen::VectorXd sd = optima[0].covariance.diagonal().cwiseSqrt();
   for (const auto& x : starts) widths.push_back(space.secant_widths(x, search.secant() * sd, search.secant()));
   const auto found = search.optima(likelihood, starts, widths, {});
-  return found.empty() ? std::nullopt : std::optional(found[0]);
+  if (found.empty()) return std::nullopt;
+  const auto theta = space.theta(found[0].x);
+  return Found{found[0], likelihood.residual(theta, search.model().evaluate(theta).mean)};
 }
 
 }  // namespace
@@ -62,8 +70,10 @@ PairValidation validate_pairs(MapSearch& search, MapModels& current, const MapMo
   for (const std::size_t i : nearest_half(runs, space, optima[0])) {
     const auto found = found_without(search, current, models, runs, i, optima);
     if (!found) continue;
-    const double squares = distance_squared(space.from(runs[i].theta), *found);
-    v.pairs.push_back({runs[i].theta, space.theta(found->x), squares});
+    const double squares = distance_squared(space.from(runs[i].theta), found->optimum);
+    v.pairs.push_back({runs[i].theta, space.theta(found->optimum.x), squares});
+    v.residuals.conservativeResize(found->residual.size(), v.residuals.cols() + 1);
+    v.residuals.col(v.residuals.cols() - 1) = found->residual;
     sum += squares;
   }
   if (v.pairs.empty()) return v;
