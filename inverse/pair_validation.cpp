@@ -6,14 +6,13 @@
 #include <cmath>
 
 #include "inverse/map_lessons.hpp"
+#include "inverse/mesh_pairs.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr std::size_t fewest_pairs = 6;
-
-Eigen::VectorXd values_of(const RunRecord& r) { return Eigen::Map<const Eigen::VectorXf>(r.mean.data(), Eigen::Index(r.mean.size())).cast<double>(); }
 
 /// Squared distance of x from an optimum by its covariance.
 double distance_squared(const Eigen::VectorXd& x, const Optimum& o) {
@@ -47,8 +46,8 @@ std::optional<Found> found_without(MapSearch& search, MapModels& current, const 
   rest.erase(rest.begin() + std::ptrdiff_t(left_out));
   teach(current, models, rest, search);
   const AddedRun& pair = runs[left_out];
-  const Eigen::VectorXd working = values_of(pair.working);
-  const Eigen::VectorXd records = working + (1 + search.options().mesh_beyond) * (values_of(*pair.fine) - working);
+  const Eigen::VectorXd working = values_of(pair.working.mean);
+  const Eigen::VectorXd records = working + (1 + search.options().mesh_beyond) * (values_of(pair.fine->mean) - working);
   const Likelihood of_data = search.likelihood(space.theta(optima[0].x), true);
   const Likelihood likelihood = of_data.moved(of_data.grid().apply(records) - of_data.data());
   std::vector<Eigen::VectorXd> starts{space.from(pair.theta)}, widths;
