@@ -206,7 +206,7 @@ void MapRun::judge() {
     std::vector<LeftOut> left_out{gauge_gains(problem_, point_.history)};
     if (models_.left_out)
       for (auto& l : models_.left_out(point_.theta)) left_out.push_back(std::move(l));
-    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, left_out));
+    take_screening(out_, screen(*final_likelihood_, final_likelihood_->residual(point_.theta, point_.history), at_->jacobian, left_out, out_.refinement.validation.residuals));
   }
   out_.log_likelihood = final_likelihood_->log_likelihood(point_.theta, point_.history);
   out_.log_prior = log_prior(space_.priors(), point_.theta);

@@ -100,6 +100,7 @@ struct PairValidation {
     double squares = 0;  ///< squared distance of the two by the covariance at `found`
   };
   std::vector<Pair> pairs;  ///< nearest to the optimum first
+  Eigen::MatrixXd residuals;  ///< of their records at `found`, on the likelihood's grid, (values, pairs)
   double inflation = 1;     ///< factor of the covariance
   std::string sentence;     ///< empty where nothing was judged
 };

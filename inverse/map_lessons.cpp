@@ -1,5 +1,6 @@
 #include "inverse/map_lessons.hpp"
 
+#include "inverse/mesh_pairs.hpp"
 #include "inverse/refined_model.hpp"
 
 namespace calomel {
@@ -19,17 +20,16 @@ Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters, co
     if (r.working.done) done.push_back(&r);
     if (r.working.done && r.fine && r.fine->done) paired.push_back(&r);
   }
-  const auto values = [](const std::vector<float>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>()); };
   const Eigen::Index rows = done.empty() ? 0 : Eigen::Index(done[0]->working.mean.size());
   Learnt l{Eigen::MatrixXd(parameters, done.size()), Eigen::MatrixXd(rows, done.size()), Eigen::MatrixXd(parameters, paired.size()),
            Eigen::MatrixXd(rows, paired.size())};
   for (std::size_t i = 0; i < done.size(); ++i) {
     l.theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(done[i]->theta.data(), Eigen::Index(parameters));
-    l.working.col(Eigen::Index(i)) = values(done[i]->working.mean);
+    l.working.col(Eigen::Index(i)) = values_of(done[i]->working.mean);
   }
   for (std::size_t i = 0; i < paired.size(); ++i) {
     l.pair_theta.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(paired[i]->theta.data(), Eigen::Index(parameters));
-    l.difference.col(Eigen::Index(i)) = values(paired[i]->fine->mean) - values(paired[i]->working.mean);
+    l.difference.col(Eigen::Index(i)) = values_of(paired[i]->fine->mean) - values_of(paired[i]->working.mean);
   }
   return l;
 }

@@ -22,8 +22,6 @@ void append(Eigen::MatrixXd& m, const Eigen::VectorXd& column) {
   m.col(m.cols() - 1) = column;
 }
 
-Eigen::VectorXd values_of(const std::vector<float>& v) { return Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>(); }
-
 /// "density -1.2 %, tensile_cutoff +3.0 %": from the answer without the shift to the one with it.
 std::string moves(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to) {
   std::vector<std::string> words;
@@ -34,6 +32,8 @@ std::string moves(const ModelShape& shape, const std::vector<double>& from, cons
 }
 
 }  // namespace
+
+Eigen::VectorXd values_of(const std::vector<float>& history) { return Eigen::Map<const Eigen::VectorXf>(history.data(), Eigen::Index(history.size())).cast<double>(); }
 
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history) {
   const auto n = Eigen::Index(problem.shape.times.size());

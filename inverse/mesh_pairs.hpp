@@ -20,6 +20,9 @@ struct RunSource {
   bool has_finer = false;
 };
 
+/// The values of a run's history, as a vector.
+Eigen::VectorXd values_of(const std::vector<float>& history);
+
 /// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
 

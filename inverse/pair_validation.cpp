@@ -6,14 +6,13 @@
 #include <cmath>
 
 #include "inverse/map_lessons.hpp"
+#include "inverse/mesh_pairs.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr std::size_t fewest_pairs = 6;
-
-Eigen::VectorXd values_of(const RunRecord& r) { return Eigen::Map<const Eigen::VectorXf>(r.mean.data(), Eigen::Index(r.mean.size())).cast<double>(); }
 
 /// Squared distance of x from an optimum by its covariance.
 double distance_squared(const Eigen::VectorXd& x, const Optimum& o) {
@@ -33,16 +32,22 @@ std::vector<std::size_t> nearest_half(const std::vector<AddedRun>& runs, const S
   return nearest;
 }
 
+/// An answer to the records of a pair, and what they leave over there.
+struct Found {
+  Optimum optimum;
+  Eigen::VectorXd residual;
+};
+
 /// The best optimum for records that pair `left_out` of `runs` would have given, found without it.
-std::optional<Optimum> found_without(MapSearch& search, MapModels& current, const MapModels& models, const std::vector<AddedRun>& runs, std::size_t left_out,
+std::optional<Found> found_without(MapSearch& search, MapModels& current, const MapModels& models, const std::vector<AddedRun>& runs, std::size_t left_out,
                                      const std::vector<Optimum>& optima) {
   const SearchSpace& space = search.space();
   std::vector<AddedRun> rest = runs;
   rest.erase(rest.begin() + std::ptrdiff_t(left_out));
   teach(current, models, rest, search);
   const AddedRun& pair = runs[left_out];
-  const Eigen::VectorXd working = values_of(pair.working);
-  const Eigen::VectorXd records = working + (1 + search.options().mesh_beyond) * (values_of(*pair.fine) - working);
+  const Eigen::VectorXd working = values_of(pair.working.mean);
+  const Eigen::VectorXd records = working + (1 + search.options().mesh_beyond) * (values_of(pair.fine->mean) - working);
   const Likelihood of_data = search.likelihood(space.theta(optima[0].x), true);
   const Likelihood likelihood = of_data.moved(of_data.grid().apply(records) - of_data.data());
   std::vector<Eigen::VectorXd> starts{space.from(pair.theta)}, widths;
@@ -50,7 +55,9 @@ std::optional<Optimum> found_without(MapSearch& search, MapModels& current, cons
   const Eigen::VectorXd sd = optima[0].covariance.diagonal().cwiseSqrt();
   for (const auto& x : starts) widths.push_back(space.secant_widths(x, search.secant() * sd, search.secant()));
   const auto found = search.optima(likelihood, starts, widths, {});
-  return found.empty() ? std::nullopt : std::optional(found[0]);
+  if (found.empty()) return std::nullopt;
+  const auto theta = space.theta(found[0].x);
+  return Found{found[0], likelihood.residual(theta, search.model().evaluate(theta).mean)};
 }
 
 }  // namespace
@@ -62,8 +69,10 @@ PairValidation validate_pairs(MapSearch& search, MapModels& current, const MapMo
   for (const std::size_t i : nearest_half(runs, space, optima[0])) {
     const auto found = found_without(search, current, models, runs, i, optima);
     if (!found) continue;
-    const double squares = distance_squared(space.from(runs[i].theta), *found);
-    v.pairs.push_back({runs[i].theta, space.theta(found->x), squares});
+    const double squares = distance_squared(space.from(runs[i].theta), found->optimum);
+    v.pairs.push_back({runs[i].theta, space.theta(found->optimum.x), squares});
+    v.residuals.conservativeResize(found->residual.size(), v.residuals.cols() + 1);
+    v.residuals.col(v.residuals.cols() - 1) = found->residual;
     sum += squares;
   }
   if (v.pairs.empty()) return v;

@@ -34,10 +34,12 @@ Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
 
 class Screen {
  public:
-  Screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian) : likelihood_(likelihood), fitted_(span_of(jacobian)) {
+  Screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& nothing_missing)
+      : likelihood_(likelihood), fitted_(span_of(jacobian)) {
     expect(jacobian.rows() == residual.size() && likelihood.errors().size() == residual.size(), "residual and secants are of the likelihood's values");
     residual_ = beside(likelihood.errors().whiten(residual));
     freedom_ = double(residual.size() - fitted_.cols());
+    if (nothing_missing.cols() > 0) others_ = beside(likelihood.errors().whiten(nothing_missing));
   }
   [[nodiscard]] double scale() const { return residual_.squaredNorm() / freedom_; }
 
@@ -57,8 +59,12 @@ class Screen {
     out.chi2_drop = (span.transpose() * residual_).squaredNorm();
     const double rest = residual_.squaredNorm() - out.chi2_drop, of_rest = freedom_ - out.directions;
     if (!(rest > 0) || !(of_rest > 0)) return out;
-    out.f = out.chi2_drop / out.directions / (rest / of_rest);
-    out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f));
+    out.f = ratio(span, residual_);
+    if (others_.cols() > 0) {
+      out.f_of_pairs = 0;
+      for (Eigen::Index i = 0; i < others_.cols(); ++i) out.f_of_pairs += ratio(span, others_.col(i)) / double(others_.cols());
+    }
+    out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f / std::max(1.0, out.f_of_pairs)));
     if (out.directions < unit.cols()) return out;  // its keys are not told apart
     const Eigen::MatrixXd inverse = (unit.transpose() * unit).ldlt().solve(Eigen::MatrixXd::Identity(unit.cols(), unit.cols()));
     const Eigen::VectorXd best = inverse * (unit.transpose() * residual_);
@@ -71,10 +77,16 @@ class Screen {
   }
 
  private:
+  /// F of a whitened residual in the span.
+  [[nodiscard]] double ratio(const Eigen::MatrixXd& span, const Eigen::VectorXd& r) const {
+    const double part = (span.transpose() * r).squaredNorm(), of_part = double(span.cols());
+    return part / of_part / ((r.squaredNorm() - part) / (freedom_ - of_part));
+  }
   [[nodiscard]] Eigen::MatrixXd beside(const Eigen::MatrixXd& m) const { return m - fitted_ * (fitted_.transpose() * m); }
   const Likelihood& likelihood_;
   Eigen::MatrixXd fitted_;
   Eigen::VectorXd residual_;
+  Eigen::MatrixXd others_;  ///< whitened residuals at which nothing was missing, (values, k)
   double freedom_ = 0;
 };
 
@@ -86,8 +98,9 @@ std::string numbers_of(const ScreenedMechanism& m) {
 
 }  // namespace
 
-Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out) {
-  const Screen test(likelihood, residual, jacobian);
+Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out,
+                 const Eigen::MatrixXd& nothing_missing) {
+  const Screen test(likelihood, residual, jacobian, nothing_missing);
   Screening out{.scale = test.scale()};
   for (const auto& l : left_out) out.mechanisms.push_back(test.of(l));
   std::stable_sort(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& a, const auto& b) { return a.p_value < b.p_value; });
@@ -99,7 +112,8 @@ Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, 
   std::string names;
   for (const auto& m : out.mechanisms)
     if (m.counts) names += (names.empty() ? "" : ", ") + m.name;
-  const std::string outcome = fmt::format("F {:.3g} for {} directions, p {:.2g} of {} sets", first.f, first.directions, out.p_value, counted);
+  const std::string of_pairs = nothing_missing.cols() > 0 ? fmt::format(", {:.2g} at pairs of runs where nothing is missing", first.f_of_pairs) : "";
+  const std::string outcome = fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first.f, first.directions, of_pairs, out.p_value, counted);
   if (!out.stands_out)
     out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
                                out.p_value);
@@ -128,7 +142,7 @@ Json screening_json(const Screening& s) {
   for (const auto& m : s.mechanisms) {
     Json keys = Json::object();
     for (const auto& k : m.keys) keys[k.name] = {{"value", number(k.value)}, {"sd", number(k.sd)}};
-    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
+    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"f_of_pairs", number(m.f_of_pairs)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
   }
   return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
 }

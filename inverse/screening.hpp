@@ -29,6 +29,7 @@ struct ScreenedMechanism {
   int directions = 0;
   double chi2_drop = 0;  ///< share of chi-squared in its directions
   double f = 0, p_value = 1;
+  double f_of_pairs = 1;  ///< mean F of the residuals at which nothing was missing; 1 where there are none
   bool counts = true;     ///< not LeftOut::like_the_mesh
   std::vector<ScreenedKey> keys;
 };
@@ -47,8 +48,11 @@ constexpr double least_screening_p = 1e-3;
 /// the part in the k directions of a mechanism and the rest: F = (|part|^2 / k) / (|rest|^2 / (values - n - k)), of Fisher's distribution for a Gaussian
 /// residual, or multivariate t, of the given covariance times any factor. So a covariance that is too wide by a factor takes nothing from its power, and the residual's size
 /// alone tells nothing. Directions that whiten to nothing beside the parameters' are left out; a mechanism with none has p_value 1.
+/// `nothing_missing`: residuals of fits (values, k) whose records the model itself made, a mesh's error among them; where their mean F is above 1, the error of the
+/// model's numerics looks like the mechanism, and F is held against that mean: p_value is that of F / max(1, f_of_pairs).
 /// Errors: contract failure where shapes do not fit.
-[[nodiscard]] Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out);
+[[nodiscard]] Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out,
+                               const Eigen::MatrixXd& nothing_missing = {});
 
 /// What another gain of each gauge would do: nothing that the case could enable, but errors of the load, of gauges and of an answer that lies off show as amplitudes
 /// that do not fit together. `history`: (values of the model) at the answer.

@@ -87,17 +87,25 @@ std::string product(const Study& study) {
   return s;
 }
 
+/// Each warning once, with the stages and methods that gave it.
 std::vector<std::string> all_warnings(const Study& study, const ReportInput& input) {
   std::vector<std::string> list = input.warnings;
+  std::vector<std::pair<std::string, std::string>> told;  // the stages, the text
   const auto add = [&](const Json& summary, const std::string& from) {
     for (const auto& w : list_at(summary, "warnings")) {
       const std::string text = w.is_string() ? w.get<std::string>() : w.dump();
-      if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(from + ": " + text);
+      if (std::find(input.warnings.begin(), input.warnings.end(), text) != input.warnings.end()) continue;
+      const auto same = std::find_if(told.begin(), told.end(), [&](const auto& t) { return t.second == text; });
+      if (same == told.end())
+        told.emplace_back(from, text);
+      else
+        same->first += ", " + from;
     }
   };
   if (study.campaign) add(*study.campaign, "campaign");
   if (study.train) add(*study.train, "training");
   for (const auto& c : study.calibrations) add(c.summary, c.label);
+  for (const auto& [from, text] : told) list.push_back(from + ": " + text);
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");
     if (runs && failed && *failed > 0.2 * *runs)

@@ -159,6 +159,19 @@ TEST(Report, SaysInPlainWordsWhatCameOut) {
   EXPECT_THAT(text, HasSubstr("does not follow the parameters"));
 }
 
+TEST(Report, AWarningOfSeveralMethodsStandsOnceWithAllOfThem) {
+  const auto dir = scratch("warned_twice");
+  const auto in = input();
+  write_study(dir, in);
+  write_calibration(dir, in, "map");
+  Json map = read_json(dir / "map.json");
+  map["warnings"].push_back("a bound of density lies near");
+  write_json(dir / "map.json", map);
+  const std::string text = markup(report_of(dir, in));
+  EXPECT_THAT(text, HasSubstr("<li>ENC, MAP: the best round lies on the bound of tensile_cutoff</li>"));
+  EXPECT_THAT(text, HasSubstr("<li>MAP: a bound of density lies near</li>"));
+}
+
 TEST(Report, DoesNotPraiseACalibrationThatIsNoBetter) {
   const auto dir = scratch("worse");
   const auto in = input();

@@ -63,6 +63,45 @@ TEST(Screening, PValuesAreUniformWhateverTheCovariancesScale) {
   }
 }
 
+TEST(Screening, AnErrorOfTheModelThatLooksLikeAMechanismIsHeldAgainstPairs) {
+  // Residuals that hold the other shapes by chance, as those of a mesh do: each fit looks as if the mechanism were there, the pairs as much as the records.
+  const Case c;
+  constexpr int draws = 200;
+  int alone = 0, held = 0, found = 0;
+  for (int i = 0; i < draws; ++i) {
+    RandomStream random(17, std::uint64_t(i));
+    const auto by_chance = [&](std::uint64_t k, const Eigen::Vector2d& more) {
+      const Eigen::Vector2d amount(2 * random.normal(), 2 * random.normal());
+      return c.residual(1, amount + more, 10 * std::uint64_t(i) + k);
+    };
+    Eigen::MatrixXd pairs(c.factor.rows(), 6);
+    for (Eigen::Index k = 0; k < 6; ++k) pairs.col(k) = by_chance(std::uint64_t(k), {0, 0});
+    const Eigen::VectorXd r = by_chance(7, {0, 0}), there = by_chance(8, {40, 40});
+    alone += screen(c.likelihood, r, c.jacobian, {c.other()}).stands_out;
+    const auto s = screen(c.likelihood, r, c.jacobian, {c.other()}, pairs);
+    held += s.stands_out;
+    EXPECT_GT(s.mechanisms[0].f_of_pairs, 1);
+    found += screen(c.likelihood, there, c.jacobian, {c.other()}, pairs).stands_out;
+  }
+  EXPECT_GT(alone, draws / 3);
+  EXPECT_LT(held, draws / 20);
+  EXPECT_GT(found, draws / 2);
+}
+
+TEST(Screening, PairsThatDoNotPointThereTakeNothingFromIt) {
+  const Case c;
+  Eigen::MatrixXd pairs(c.factor.rows(), 6);
+  for (Eigen::Index k = 0; k < 6; ++k) pairs.col(k) = c.residual(0.1, {0, 0}, 100 + std::uint64_t(k));
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const Eigen::VectorXd r = c.residual(1, {1, 1}, i);
+    const auto with = screen(c.likelihood, r, c.jacobian, {c.other()}, pairs), without = screen(c.likelihood, r, c.jacobian, {c.other()});
+    EXPECT_GE(with.mechanisms[0].p_value, without.mechanisms[0].p_value);
+    EXPECT_EQ(with.mechanisms[0].f, without.mechanisms[0].f);
+    EXPECT_EQ(without.mechanisms[0].f_of_pairs, 1);
+    if (with.mechanisms[0].f_of_pairs <= 1) EXPECT_EQ(with.mechanisms[0].p_value, without.mechanisms[0].p_value);
+  }
+}
+
 TEST(Screening, SeesThroughACovarianceThatIsTooWideWhereChiSquaredDoesNot) {
   const Case c;
   const double scale = 0.1;  // ten times too wide
