@@ -1,4 +1,6 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <cmath>
 #include <functional>
 #include <string>
@@ -18,7 +20,7 @@ class AnalyticModel : public ForwardModel {
   AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V") : sensors_(sensors) {
     shape_.parameters = std::move(parameters);
     shape_.conditions = {"default"};
-    for (std::size_t s = 0; s < sensors_.size(); ++s) shape_.sensors.push_back("S" + std::to_string(s));
+    for (std::size_t s = 0; s < sensors_.size(); ++s) shape_.sensors.push_back(fmt::format("S{}", s));
     for (std::size_t t = 0; t < times; ++t) shape_.times.push_back(double(t) * step);
     shape_.unit = std::move(unit);
   }

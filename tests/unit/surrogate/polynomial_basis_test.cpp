@@ -90,8 +90,10 @@ TEST(SparseGridSpace, IsTheUnionOfItsBoxesAndClosedDownwards) {
   EXPECT_EQ(Eigen::Index(space.size()), degrees.cols());  // every product once
   EXPECT_EQ(degrees.col(0), Eigen::Vector3i(0, 0, 0));
   for (const auto& product : space)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (auto below = product; below[k]-- > 0) EXPECT_TRUE(space.contains(below)) << product[0] << ' ' << product[1] << ' ' << product[2];
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto below = product;
+      EXPECT_TRUE(below[k]-- == 0 || space.contains(below)) << product[0] << ' ' << product[1] << ' ' << product[2];
+    }
   EXPECT_TRUE(space.contains({0, 16, 0}) && space.contains({8, 0, 2}) && space.contains({4, 2, 2}));
   EXPECT_FALSE(space.contains({17, 0, 0}) || space.contains({9, 2, 0}) || space.contains({4, 4, 1}));
 }
