@@ -65,8 +65,10 @@ std::optional<Found> found_without(MapSearch& search, MapModels& current, const 
 PairValidation validate_pairs(MapSearch& search, MapModels& current, const MapModels& models, const std::vector<AddedRun>& runs, const std::vector<Optimum>& optima) {
   const SearchSpace& space = search.space();
   PairValidation v;
+  const auto nearest = nearest_half(runs, space, optima[0]);
+  if (nearest.empty()) return v;
   double sum = 0;
-  for (const std::size_t i : nearest_half(runs, space, optima[0])) {
+  for (const std::size_t i : nearest) {
     const auto found = found_without(search, current, models, runs, i, optima);
     if (!found) continue;
     const double squares = distance_squared(space.from(runs[i].theta), found->optimum);
@@ -75,11 +77,12 @@ PairValidation validate_pairs(MapSearch& search, MapModels& current, const MapMo
     v.residuals.col(v.residuals.cols() - 1) = found->residual;
     sum += squares;
   }
-  if (v.pairs.empty()) return v;
   teach(current, models, runs, search);
-  v.inflation = std::max(1.0, sum / double(v.pairs.size()) / double(space.size()));
-  v.sentence = fmt::format("records that {} of the pairs would have given, each left out in turn, are explained by parameters {:.2g} of their standard deviations away (root mean square)",
-                           v.pairs.size(), std::sqrt(sum / double(v.pairs.size()) / double(space.size())));
+  if (v.pairs.empty()) return v;
+  const double mean = sum / double(v.pairs.size()) / double(space.size());
+  v.inflation = std::max(1.0, mean);
+  v.sentence = fmt::format("records that {} of the pairs would have given, each left out in turn, are explained by parameters {:.2g} of their standard deviations away (root mean square)", v.pairs.size(),
+                           std::sqrt(mean));
   if (v.inflation > 1) v.sentence += fmt::format("; the reported ones are widened by {:.2g}: the mesh's error varies from place to place more than the pairs tell (map.mesh_pairs)", std::sqrt(v.inflation));
   return v;
 }
