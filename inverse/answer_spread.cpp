@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
@@ -14,6 +15,7 @@ namespace calomel {
 namespace {
 
 constexpr Eigen::Index fewest = 8;     ///< answers, for a covariance
+constexpr std::size_t fewest_pairs = 6;  ///< to be judged by
 constexpr double on_bound = 1e-3;      ///< of the interval
 constexpr double worth_telling = 0.1;  ///< share of draws on a bound
 
@@ -29,14 +31,15 @@ void summarise(AnswerSpread& s, const std::vector<Parameter>& parameters, const 
   }
   const Eigen::VectorXd at = Eigen::Map<const Eigen::VectorXd>(answer.data(), n);
   const Eigen::MatrixXd off = s.answers.colwise() - at;
-  s.covariance = off * off.transpose() / double(off.cols());
+  s.covariance = s.inflation * off * off.transpose() / double(off.cols());
   s.log_sd = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
   Eigen::VectorXd prior_sd(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto& p = parameters[std::size_t(k)];
     prior_sd[k] = Prior(p).scale();
-    if (at[k] > 0 && s.answers.row(k).minCoeff() > 0) s.log_sd[k] = std::sqrt((s.answers.row(k).array() / at[k]).log().square().mean());
+    if (at[k] > 0 && s.answers.row(k).minCoeff() > 0) s.log_sd[k] = std::sqrt(s.inflation * (s.answers.row(k).array() / at[k]).log().square().mean());
   }
+  s.at_bounds = 0;
   for (Eigen::Index i = 0; i < off.cols(); ++i) {
     bool bound = false;
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -59,6 +62,22 @@ void summarise(AnswerSpread& s, const std::vector<Parameter>& parameters, const 
   s.sentence = fmt::format("standard deviations by {} draws of the errors of records and model: {}", s.answers.cols(), list);
   if (double(s.at_bounds) > worth_telling * double(off.cols()))
     s.sentence += fmt::format("; {} of the draws end on a bound, without which these would be larger", s.at_bounds);
+}
+
+void widen(AnswerSpread& s, const std::vector<Parameter>& parameters, const std::vector<double>& answer, std::vector<FoundPair> pairs) {
+  if (pairs.size() < fewest_pairs) return;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(s.covariance);
+  const auto n = Eigen::Index(parameters.size());
+  double sum = 0;
+  for (auto& p : pairs) {
+    const Eigen::VectorXd e = Eigen::Map<const Eigen::VectorXd>(p.found.data(), n) - Eigen::Map<const Eigen::VectorXd>(p.theta.data(), n);
+    p.squares = e.dot(factor.solve(e)), sum += p.squares;
+  }
+  const double mean = sum / double(pairs.size()) / double(n);
+  s.pairs = std::move(pairs), s.inflation = std::max(1.0, mean);
+  summarise(s, parameters, answer);
+  s.sentence += fmt::format("; the parameters of {} pairs of runs, each left out in turn, are found {:.2g} of the drawn deviations away (root mean square)", s.pairs.size(), std::sqrt(mean));
+  if (s.inflation > 1) s.sentence += fmt::format(", by which the drawn ones are widened: the mesh's error varies from place to place more than the pairs tell");
 }
 
 Json matrix_json(const Eigen::MatrixXd& m) {
@@ -92,6 +111,12 @@ Json spread_json(const AnswerSpread& s, const std::vector<Parameter>& parameters
   j["covariance"] = matrix_json(s.covariance);
   j["combinations"] = combinations_json(s.combinations);
   j["spread"]["answers"] = matrix_json(s.answers.transpose());
+  j["spread"]["left_out_pairs"] = {{"inflation", s.inflation}, {"pairs", Json::array()}};
+  for (const auto& p : s.pairs) {
+    Json pair{{"theta", Json::object()}, {"found", Json::object()}, {"squared_distance", number(p.squares)}};
+    for (std::size_t k = 0; k < parameters.size(); ++k) pair["theta"][parameters[k].name] = number(p.theta[k]), pair["found"][parameters[k].name] = number(p.found[k]);
+    j["spread"]["left_out_pairs"]["pairs"].push_back(std::move(pair));
+  }
   j["spread"]["covariance_shares"] = Json::object();
   for (const auto& [source, share] : s.shares) j["spread"]["covariance_shares"][source] = number(share);
   return j;

@@ -11,6 +11,12 @@
 
 namespace calomel {
 
+/// What a calibration finds for the records that a pair of meshes which it does not know would have given.
+struct FoundPair {
+  std::vector<double> theta, found;
+  double squares = 0;  ///< squared distance of the two by the covariance of the answer
+};
+
 /// Answers of one calibration to drawn errors, and their moments about its answer.
 struct AnswerSpread {
   int wanted = 0;                      ///< draws; 0: none were asked for
@@ -20,6 +26,8 @@ struct AnswerSpread {
   Eigen::VectorXd log_sd;              ///< root mean square of ln(drawn / answer), (n); NaN where a value is not positive
   std::vector<Combination> combinations;  ///< impedance and stiffness where density and sound speed are parameters
   std::vector<std::pair<std::string, double>> shares;  ///< of the trace of the records' covariance, by source
+  std::vector<FoundPair> pairs;        ///< left out; empty: none were
+  double inflation = 1;                ///< factor of the covariance by them
   double seconds = 0;                  ///< wall time [s]
   std::string sentence;                ///< in words, or why there is none
   [[nodiscard]] bool told() const { return covariance.size() > 0; }
@@ -28,6 +36,9 @@ struct AnswerSpread {
 /// Fills what follows from the drawn answers: at_bounds, covariance, log_sd, combinations, sentence. Fewer than 8 answers: no covariance, and why.
 /// The second moments are about the answer, not about the draws' mean: a bias that drawn errors cause is part of what the answer may be off by.
 void summarise(AnswerSpread& spread, const std::vector<Parameter>& parameters, const std::vector<double>& answer);
+
+/// Multiplies the covariance by mean(e' C^-1 e) / n over the pairs, e = found - theta, where that is above 1, and tells so. Nothing is judged by fewer than six pairs.
+void widen(AnswerSpread& spread, const std::vector<Parameter>& parameters, const std::vector<double>& answer, std::vector<FoundPair> pairs);
 
 /// parameters, covariance, sd, log_sd, combinations and spread: keys of METHOD.json; {} where no draws were asked for.
 Json spread_json(const AnswerSpread& spread, const std::vector<Parameter>& parameters);

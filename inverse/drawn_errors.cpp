@@ -31,6 +31,15 @@ Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns, RandomStream& r
   return z;
 }
 
+/// Adds to the mean and the band of an observation.
+void move(Observation& o, const std::vector<double>& by) {
+  for (std::size_t t = 0; t < by.size(); ++t) {
+    o.mean[t] += by[t], o.low[t] += by[t], o.high[t] += by[t];  // absent ones stay NaN
+    if (o.compared[t]) o.mean_f[t] = float(o.mean[t]);
+    if (o.banded[t]) o.low_f[t] = float(o.low[t]), o.high_f[t] = float(o.high[t]);
+  }
+}
+
 }  // namespace
 
 AnswerErrors answer_errors(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const LikelihoodOptions& options,
@@ -112,18 +121,25 @@ Problem DrawnErrors::with_records_moved(const Eigen::VectorXd& coarse, const std
     auto by = on_record_times(p, {history.data() + p.shape.at(o.condition, o.sensor, 0), times});
     for (std::size_t t = 0; t < by.size(); ++t)
       if (flipped[i]) by[t] -= 2 * above_[i][t];
-    for (std::size_t t = 0; t < by.size(); ++t) {
-      o.mean[t] += by[t], o.low[t] += by[t], o.high[t] += by[t];  // absent ones stay NaN
-      if (o.compared[t]) o.mean_f[t] = float(o.mean[t]);
-      if (o.banded[t]) o.low_f[t] = float(o.low[t]), o.high_f[t] = float(o.high[t]);
-    }
+    move(o, by);
+  }
+  return p;
+}
+
+Problem with_records(const Problem& problem, const Eigen::VectorXd& history) {
+  Problem p = problem;
+  for (auto& o : p.observations) {
+    auto by = on_record_times(p, {history.data() + p.shape.at(o.condition, o.sensor, 0), p.shape.times.size()});
+    for (std::size_t t = 0; t < by.size(); ++t) by[t] -= o.mean[t];
+    move(o, by);
   }
   return p;
 }
 
 void draw_answers(AnswerSpread& spread, const Problem& problem, const std::function<AnswerErrors()>& errors, int draws, const std::vector<double>& theta,
                   std::span<const double> prediction, std::uint64_t seed, int threads, const CalibrationProgress& progress,
-                  const std::function<std::vector<double>(const DrawnErrors& errors, std::size_t draw)>& answer) {
+                  const std::function<std::vector<double>(const DrawnErrors& errors, std::size_t draw)>& answer,
+                  const std::function<std::vector<FoundPair>(const DrawnErrors& errors)>& pairs) {
   const Clock clock;
   spread.wanted = draws;
   try {
@@ -143,6 +159,7 @@ void draw_answers(AnswerSpread& spread, const Problem& problem, const std::funct
     for (std::size_t i = 0; i < answers.size(); ++i)
       spread.answers.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(answers[i].data(), spread.answers.rows());
     summarise(spread, problem.shape.parameters, theta);
+    if (pairs && spread.told()) widen(spread, problem.shape.parameters, theta, pairs(drawn));
   } catch (const InputError& error) {
     spread.sentence = std::string("no standard deviations: ") + error.what();
   } catch (const NumericsError& error) {

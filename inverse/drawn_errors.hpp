@@ -73,9 +73,13 @@ class DrawnErrors {
 };
 
 /// Seeks the answer to each of `draws` drawn records on `threads` threads, `answer(errors, draw)`, empty where there is none, and fills `spread` with what comes
-/// of them. An error of the likelihood is told there, and there are no answers. `theta`, `prediction`: as DrawnErrors takes them.
+/// of them. An error of the likelihood is told there, and there are no answers. `pairs`: answers to left-out pairs of meshes, by which the spread is widened; see widen. `theta`, `prediction`: as DrawnErrors takes them.
 void draw_answers(AnswerSpread& spread, const Problem& problem, const std::function<AnswerErrors()>& errors, int draws, const std::vector<double>& theta,
                   std::span<const double> prediction, std::uint64_t seed, int threads, const CalibrationProgress& progress,
-                  const std::function<std::vector<double>(const DrawnErrors& errors, std::size_t draw)>& answer);
+                  const std::function<std::vector<double>(const DrawnErrors& errors, std::size_t draw)>& answer,
+                  const std::function<std::vector<FoundPair>(const DrawnErrors& errors)>& pairs = {});
+
+/// The problem with the records that a history of the model's values would have given, their bands as wide as they were.
+Problem with_records(const Problem& problem, const Eigen::VectorXd& history);
 
 }  // namespace calomel

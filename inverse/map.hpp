@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "inverse/answer_spread.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/identify.hpp"
 #include "inverse/map_models.hpp"
@@ -95,11 +96,7 @@ struct RefinementRound {
 
 /// Whether the parameters of pairs that the search does not know are found; see validate_pairs.
 struct PairValidation {
-  struct Pair {
-    std::vector<double> theta, found;
-    double squares = 0;  ///< squared distance of the two by the covariance at `found`
-  };
-  std::vector<Pair> pairs;  ///< nearest to the optimum first
+  std::vector<FoundPair> pairs;  ///< nearest to the optimum first
   Eigen::MatrixXd residuals;  ///< of their records at `found`, on the likelihood's grid, (values, pairs)
   double inflation = 1;     ///< factor of the covariance
   std::string sentence;     ///< empty where nothing was judged

@@ -128,7 +128,7 @@ std::vector<AddedRun> MeshPairs::add(const std::vector<std::vector<double>>& poi
     if (!r.working.done) continue;
     const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(r.theta.data(), thetas.rows()), working = values_of(r.working.mean);
     append(theta_, theta), append(working_, working);
-    if (r.fine && r.fine->done) append(pair_theta_, theta), append(difference_, values_of(r.fine->mean) - working);
+    if (r.fine && r.fine->done) append(pair_theta_, theta), append(pair_working_, working), append(difference_, values_of(r.fine->mean) - working);
   }
   if (pair_theta_.cols() >= 2) mesh_ = MeshError(shape_.parameters, pair_theta_, difference_, {.mean = beyond_});
   return runs;
@@ -139,6 +139,20 @@ void MeshPairs::run_unknown(std::span<const Proposal> points, std::size_t n) {
   for (const auto& p : points.first(std::min(n, points.size())))
     if (!memory_.knows(p.theta)) unknown.push_back(p.theta);
   if (!unknown.empty()) add(unknown, 0);
+}
+
+std::vector<LeftOutPair> MeshPairs::left_out() const {
+  std::vector<LeftOutPair> out;
+  const Eigen::Index n = pair_theta_.cols();
+  for (Eigen::Index j = 0; n >= 3 && j < n; ++j) {
+    std::vector<Eigen::Index> rest;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (i != j) rest.push_back(i);
+    out.push_back({{pair_theta_.col(j).begin(), pair_theta_.col(j).end()},
+                   pair_working_.col(j) + (1 + beyond_) * difference_.col(j),
+                   MeshError(shape_.parameters, pair_theta_(Eigen::all, rest), difference_(Eigen::all, rest), {.mean = beyond_})});
+  }
+  return out;
 }
 
 bool MeshPairs::paired(const std::vector<double>& theta) const {

@@ -43,6 +43,13 @@ std::vector<Proposal> ranked_runs(const Archive& archive, const std::function<do
 /// Points for the first pairs: `given` in their order, then farthest first of the ten best of `ranked`; n of them. They follow from the arguments alone.
 std::vector<std::vector<double>> first_pair_points(const std::vector<std::vector<double>>& given, const std::vector<Proposal>& ranked, std::size_t n, const Bounds& bounds);
 
+/// A pair as if it had not been made: its place, the records that it would have given, (values), and the mesh's error that the others tell.
+struct LeftOutPair {
+  std::vector<double> theta;
+  Eigen::VectorXd records;
+  MeshError mesh;
+};
+
 /// Runs made for one calibration and the mesh's error that its pairs tell.
 class MeshPairs {
  public:
@@ -56,10 +63,14 @@ class MeshPairs {
 
   /// Wall time of all this [s].
   [[nodiscard]] double seconds() const { return seconds_; }
+  /// Where pairs were asked for.
+  [[nodiscard]] const std::vector<std::vector<double>>& places() const { return asked_at_; }
   /// Pairs that may still be made.
   [[nodiscard]] int left() const { return wanted_ - asked_; }
   [[nodiscard]] int asked() const { return asked_; }
   [[nodiscard]] const MeshError& mesh() const { return mesh_; }
+  /// Each of the pairs that came through, left out; nothing with fewer than three.
+  [[nodiscard]] std::vector<LeftOutPair> left_out() const;
   /// All runs whose working mesh came through: (n_parameters, n) and (values, n).
   [[nodiscard]] const Eigen::MatrixXd& thetas() const { return theta_; }
   [[nodiscard]] const Eigen::MatrixXd& working() const { return working_; }
@@ -77,7 +88,7 @@ class MeshPairs {
   double beyond_ = 1, seconds_ = 0;
   MeshError mesh_;
   std::vector<std::vector<double>> asked_at_;
-  Eigen::MatrixXd theta_, working_, pair_theta_, difference_;
+  Eigen::MatrixXd theta_, working_, pair_theta_, pair_working_, difference_;
 };
 
 }  // namespace calomel

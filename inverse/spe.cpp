@@ -25,15 +25,15 @@ class SpeRounds {
   [[nodiscard]] KnownRuns& known() { return known_; }
   [[nodiscard]] const Bounds& box() const { return box_; }
 
-  /// Pairs before any fit: the nominal point and good runs of the campaign; half of all, or all where no later round can learn.
-  void first_pairs() {
+  /// Counts the runs of the first fits. Pairs before them only where no box shrinks: at the nominal point and good runs of the campaign; half of all, or all where no later round can
+  /// learn.
+  void begin() {
     known_.price({});
     const auto data = known_.data(bounds_, true);
     out_.n_train = data.train.size(), out_.n_validation = data.validation.size(), out_.runs_used = out_.n_train + out_.n_validation;
-    const auto wanted = std::size_t(pairs_.left());
-    if (wanted == 0) return;
-    first_ = rounds() > 0 ? std::min(wanted, std::max<std::size_t>(3, (wanted + 1) / 2)) : wanted;
-    all_ = wanted;
+    all_ = std::size_t(pairs_.left());
+    if (all_ == 0 || options_.zoom > 0) return;
+    first_ = rounds() > 0 ? std::min(all_, std::max<std::size_t>(3, (all_ + 1) / 2)) : all_;
     learn(pairs_.add(first_pair_points({out_.nominal}, known_.ranked(campaign), first_, bounds_), first_));
   }
 
@@ -45,13 +45,13 @@ class SpeRounds {
     return ranked_proposals(out_, box_, options_.transform);
   }
 
-  /// The true model at the best of a round, those that the pairs' share of this round allows on the finer mesh too.
+  /// The true model at the best of a round; where no box shrinks, those that the pairs' share of this round allows on the finer mesh too.
   void ask(const std::vector<Proposal>& ranked, int round) {
     std::vector<std::vector<double>> points;
     for (const auto& p : spread_out(ranked, std::size_t(options_.candidates), options_.separation, box_))
       if (!known_.knows(p.theta)) points.push_back(p.theta);
-    const std::size_t by_now = all_ == 0 ? 0 : first_ + (all_ - first_) * std::size_t(round + 1) / std::size_t(rounds());
-    const std::size_t asked = std::size_t(pairs_.asked());
+    const std::size_t by_now = all_ == 0 || options_.zoom > 0 ? 0 : first_ + (all_ - first_) * std::size_t(round + 1) / std::size_t(rounds());
+    const auto asked = std::size_t(pairs_.asked());
     const Proposal* before = out_.mesh.rounds.empty() ? nullptr : &best_;
     if (!points.empty()) learn(pairs_.add(points, by_now > asked ? by_now - asked : 0));
     known_.price(pairs_.mesh());
@@ -69,7 +69,7 @@ class SpeRounds {
   void zoom(int round) {
     const bool smaller = round < options_.zoom;
     if (options_.zoom == 0 || (!smaller && !at_edge(bounds_, box_, best_.theta))) return;
-    box_ = next_box(bounds_, box_, best_.theta, smaller), whole_ = false;
+    before_ = box_, box_ = next_box(bounds_, box_, best_.theta, smaller), whole_ = false;
     const auto feasibility = known_.feasibility();
     const Eigen::MatrixXd drawn = points_in(box_, problem_.shape.parameters, std::size_t(options_.zoom_runs), seed_ + zoom_stream + std::uint64_t(round));
     std::vector<std::vector<double>> points;
@@ -79,7 +79,8 @@ class SpeRounds {
     }
     const auto every = std::size_t(std::lround(1 / options_.validation_fraction));
     SpeZoom z{.low = {box_.low.begin(), box_.low.end()}, .high = {box_.high.begin(), box_.high.end()}};
-    if (!points.empty()) z.made = learn(pairs_.add(points, 0), every);
+    const std::size_t paired = pairs_first(points, round);
+    if (!points.empty()) z.made = learn(pairs_.add(points, paired), every);
     known_.price(pairs_.mesh());
     z.runs = std::size_t(known_.data(box_, false).values.size());
     z.best = out_.objective.cost(known_.ranked(campaign).front().cost);
@@ -91,6 +92,27 @@ class SpeRounds {
   static constexpr std::size_t campaign = 1'000'000;  ///< all runs of it
 
  private:
+  /// Puts those of a round's new points first that are run on the finer mesh too, and how many: in the first two boxes, half of the pairs in each, the best run and good places (by the
+  /// surrogates) far apart. Pairs that stand about the optimum tell of the mesh there; where they gather at one place, that place is the only one whose misfit knows of the mesh, and wins.
+  std::size_t pairs_first(std::vector<std::vector<double>>& points, int round) const {
+    const int last = std::min(3, options_.zoom), first_round = std::min(1, last - 1);
+    if (round < first_round || round >= last) return 0;
+    const auto left = std::size_t(pairs_.left()), wanted = round + 1 == last ? left : (left + 1) / 2;
+    if (wanted == 0) return 0;
+    auto good = proposals(out_, before_, options_.transform, points);
+    std::erase_if(good, [](const auto& p) { return !std::isfinite(p.cost); });
+    std::stable_sort(good.begin(), good.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    const auto& paired = pairs_.places();
+    auto given = paired;
+    given.push_back(best_.theta);
+    auto first = first_pair_points(given, good, paired.size() + wanted, box_);
+    std::erase_if(first, [&](const auto& p) { return std::find(paired.begin(), paired.end(), p) != paired.end(); });
+    for (auto& p : points)
+      if (std::find(first.begin(), first.end(), p) == first.end()) first.push_back(std::move(p));
+    points = std::move(first);
+    return std::min(wanted, points.size());
+  }
+
   /// Runs join the known ones, each `every`-th held out (0: none); how many did.
   std::size_t learn(const std::vector<AddedRun>& runs, std::size_t every = 0) {
     std::size_t joined = 0;
@@ -104,7 +126,7 @@ class SpeRounds {
   MeshPairs& pairs_;
   KnownRuns known_;
   std::uint64_t seed_;
-  Bounds bounds_, box_;
+  Bounds bounds_, box_, before_;  ///< the whole, of this round, of the round before
   bool whole_ = true;
   std::size_t first_ = 0, all_ = 0;  ///< pairs
   Proposal best_;
@@ -125,7 +147,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   SpeRounds rounds(out, problem, archive, options, pairs, seed);
 
   // 1. Surrogates, their optima, the modes of these; the true misfit there joins the runs, the box shrinks, and again.
-  rounds.first_pairs();
+  rounds.begin();
   std::vector<Proposal> ranked;
   for (int round = 0;; ++round) {
     ranked = rounds.search(threads, progress);
@@ -159,7 +181,7 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   out.model_runs = model.runs();
   pairs.describe(out, problem);
   if (errors && options.draws > 0 && out.trusted())
-    spread_spe(out, problem, rounds.known(), box, pairs.mesh(), [&] { return errors(out.theta, pairs.mesh(), {}); }, options, seed, threads, progress);
+    spread_spe(out, problem, rounds.known(), box, pairs, [&] { return errors(out.theta, pairs.mesh(), {}); }, options, seed, threads, progress);
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "inverse/spe/lasso_system.hpp"
 #include "inverse/spe/search.hpp"
+#include "base/parallel.hpp"
 #include "inverse/spe/unit_box.hpp"
 #include "inverse/spe/zoom.hpp"
 
@@ -39,8 +40,8 @@ std::vector<const SparsePolynomial*> some_of(const std::vector<SparsePolynomial>
 /// The last rounds, over again.
 class SpeRedraw {
  public:
-  SpeRedraw(const SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const MeshError& mesh, const SpeOptions& options, std::uint64_t seed)
-      : out_(out), problem_(problem), known_(known), mesh_(mesh), options_(options), seed_(seed), bounds_(bounds_of(problem.shape)), box_(box), some_(some_of(out.surrogates)),
+  SpeRedraw(const SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const SpeOptions& options, std::uint64_t seed)
+      : out_(out), problem_(problem), known_(known), options_(options), seed_(seed), bounds_(bounds_of(problem.shape)), box_(box), some_(some_of(out.surrogates)),
         feasibility_(known.feasibility()) {
     for (const auto& p : known.ranked(most_emulated))
       if (thetas_.size() < most_emulated) thetas_.push_back(p.theta);
@@ -52,19 +53,21 @@ class SpeRedraw {
   }
   SpeRedraw(const SpeRedraw&) = delete;
 
-  [[nodiscard]] std::vector<double> prediction(const std::vector<double>& theta) const {
-    const Eigen::MatrixXf h = smooth({theta});
-    return {h.data(), h.data() + h.size()};
+  [[nodiscard]] std::vector<double> prediction(const std::vector<double>& theta, const MeshError& mesh) const {
+    Eigen::VectorXd h = smooth({theta}).cast<double>();
+    if (!mesh.empty()) h += mesh.shift(theta);
+    return {h.begin(), h.end()};
   }
 
-  [[nodiscard]] std::vector<double> answer(const DrawnErrors& errors, std::size_t draw) const {
-    const auto records = errors.records(draw);
-    const DrawnShift shift = errors.shift(draw);
+  /// What a shift adds to a history at a point, (values); nothing where it is empty.
+  using Shift = std::function<Eigen::VectorXd(const std::vector<double>& theta)>;
+  /// Empty where no run has a misfit. The runs' errors are those of draw `draw`.
+  [[nodiscard]] std::vector<double> answer(const Problem& records, const Shift& shift, const DrawnErrors& errors, std::size_t draw) const {
     std::vector<Proposal> runs;
     std::size_t batch = 0;
     const auto run = [&](const std::vector<std::vector<double>>& points, Eigen::MatrixXf histories) {
-      for (std::size_t i = 0; shift && i < points.size(); ++i) histories.col(Eigen::Index(i)) += shift->at(points[i]).cast<float>();
-      const auto costs = out_.objective.costs(records.of_runs, histories + errors.runs(draw, batch++, points.size()));
+      for (std::size_t i = 0; shift && i < points.size(); ++i) histories.col(Eigen::Index(i)) += shift(points[i]).cast<float>();
+      const auto costs = out_.objective.costs(records, histories + errors.runs(draw, batch++, points.size()));
       for (std::size_t i = 0; i < points.size(); ++i)
         if (std::isfinite(costs[i]) && (options_.transform != "log" || costs[i] > 0)) runs.push_back({costs[i], points[i]});
     };
@@ -95,14 +98,10 @@ class SpeRedraw {
     }
   }
 
-  /// Histories with the shift, without the roughness of runs.
+  /// Histories without any shift and without the roughness of runs.
   [[nodiscard]] Eigen::MatrixXf smooth(const std::vector<std::vector<double>>& points) const {
     Eigen::MatrixXf h(Eigen::Index(problem_.shape.values()), Eigen::Index(points.size()));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      Eigen::VectorXd y = emulator_->history(points[i]);
-      if (!mesh_.empty()) y += mesh_.shift(points[i]);
-      h.col(Eigen::Index(i)) = y.cast<float>();
-    }
+    for (std::size_t i = 0; i < points.size(); ++i) h.col(Eigen::Index(i)) = emulator_->history(points[i]).cast<float>();
     return h;
   }
 
@@ -131,7 +130,6 @@ class SpeRedraw {
   const SpeSummary& out_;
   const Problem& problem_;
   const KnownRuns& known_;
-  const MeshError& mesh_;
   const SpeOptions& options_;
   std::uint64_t seed_;
   Bounds bounds_, box_;
@@ -148,11 +146,30 @@ class SpeRedraw {
 RunEmulator::RunEmulator(const std::vector<Parameter>& parameters, const Eigen::MatrixXd& theta, const Eigen::MatrixXd& histories)
     : kriging_(parameters, theta, histories), histories_(histories) {}
 
-void spread_spe(SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const MeshError& mesh, const std::function<AnswerErrors()>& errors,
+void spread_spe(SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const MeshPairs& pairs, const std::function<AnswerErrors()>& errors,
                 const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
-  const SpeRedraw redraw(out, problem, known, box, mesh, options, seed);
-  draw_answers(out.spread, problem, errors, options.draws, out.theta, redraw.prediction(out.theta), seed, threads, progress,
-               [&](const DrawnErrors& drawn, std::size_t k) { return redraw.answer(drawn, k); });
+  const SpeRedraw redraw(out, problem, known, box, options, seed);
+  const MeshError& mesh = pairs.mesh();
+  const auto draws = std::size_t(options.draws);
+  draw_answers(
+      out.spread, problem, errors, options.draws, out.theta, redraw.prediction(out.theta, mesh), seed, threads, progress,
+      [&](const DrawnErrors& drawn, std::size_t k) {
+        const DrawnShift off = drawn.shift(k);
+        SpeRedraw::Shift shift;
+        if (!mesh.empty()) shift = [&](const std::vector<double>& theta) -> Eigen::VectorXd { return off ? Eigen::VectorXd(mesh.shift(theta) + off->at(theta)) : mesh.shift(theta); };
+        return redraw.answer(drawn.records(k).of_runs, shift, drawn, k);
+      },
+      [&](const DrawnErrors& drawn) {
+        const auto left_out = pairs.left_out();
+        std::vector<FoundPair> found(left_out.size());
+        parallel_for(left_out.size(), threads, [&](std::size_t j) {
+          const auto& pair = left_out[j];
+          const auto shift = [&](const std::vector<double>& theta) { return pair.mesh.shift(theta); };
+          found[j] = {pair.theta, redraw.answer(with_records(problem, pair.records), shift, drawn, draws + j)};
+        });
+        std::erase_if(found, [](const auto& f) { return f.found.empty(); });
+        return found;
+      });
 }
 
 }  // namespace calomel

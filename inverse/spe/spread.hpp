@@ -21,8 +21,8 @@ class RunEmulator {
 
 /// For each of options.draws records the last rounds are gone through anew, the true model being the emulator with the shift and, in each run, an error of its own: all
 /// known runs are priced, the box of the last round is put about the best of them, new runs are made there, some of the last surrogates are fitted with their
-/// weights of the norm, searched and their candidates run, until the best no longer lies at the box's edge; the best run wins. Fills out.spread.
-void spread_spe(SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const MeshError& mesh, const std::function<AnswerErrors()>& errors,
+/// weights of the norm, searched and their candidates run, until the best no longer lies at the box's edge; the best run wins. Each pair is left out in turn, and sought in the same way. Fills out.spread.
+void spread_spe(SpeSummary& out, const Problem& problem, const KnownRuns& known, const Bounds& box, const MeshPairs& pairs, const std::function<AnswerErrors()>& errors,
                 const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress);
 
 }  // namespace calomel

@@ -242,4 +242,43 @@ TEST(AnswerSpread, TellsOfBoundsAndOfTheImpedance) {
   EXPECT_THAT(few.sentence, HasSubstr("5 of 10"));
 }
 
+TEST(AnswerSpread, PairsThatAreFoundTooFarOffWidenIt) {
+  const std::vector<Parameter> parameters{uniform_parameter("density", 12000, 14000, 13500), uniform_parameter("sound_speed", 1300, 1600, 1450)};
+  const std::vector<double> answer{13500, 1450};
+  AnswerSpread drawn;
+  drawn.wanted = 8, drawn.answers.resize(2, 8);
+  for (Eigen::Index i = 0; i < 8; ++i) drawn.answers.col(i) << 13500 + (i % 2 ? 100 : -100), 1450 + (i % 4 < 2 ? 10 : -10);  // covariance diag(100^2, 10^2)
+  summarise(drawn, parameters, answer);
+  const auto pairs = [](double deviations, std::size_t n) {
+    return std::vector<FoundPair>(n, FoundPair{{13000, 1400}, {13000 + 100 * deviations, 1400 - 10 * deviations}});
+  };
+  AnswerSpread wide = drawn;
+  widen(wide, parameters, answer, pairs(3, 6));
+  EXPECT_NEAR(wide.inflation, 9, 1e-9);  // each e' C^-1 e is 2 . 3^2
+  EXPECT_NEAR(wide.pairs[0].squares, 18, 1e-9);
+  EXPECT_NEAR(wide.covariance(0, 0), 9e4, 1e-6);
+  EXPECT_NEAR(wide.log_sd[1], 3 * drawn.log_sd[1], 1e-12);
+  EXPECT_NEAR(wide.combinations[0].relative_sd, 3 * drawn.combinations[0].relative_sd, 1e-6);
+  EXPECT_THAT(wide.sentence, HasSubstr("6 pairs of runs, each left out in turn, are found 3 of"));
+  EXPECT_EQ(spread_json(wide, parameters).at("spread").at("left_out_pairs").at("pairs").size(), 6u);
+  // Nearer than they should be: nothing is taken back. Five: nothing is judged.
+  AnswerSpread near = drawn, few = drawn;
+  widen(near, parameters, answer, pairs(0.5, 6)), widen(few, parameters, answer, pairs(3, 5));
+  EXPECT_EQ(near.covariance, drawn.covariance);
+  EXPECT_EQ(near.pairs.size(), 6u);
+  EXPECT_EQ(few.covariance, drawn.covariance);
+  EXPECT_EQ(few.sentence, drawn.sentence);
+}
+
+TEST(DrawnErrors, RecordsOfAHistoryHaveItForTheirMeanAndTheirOwnBands) {
+  const Linear c(3);
+  const auto history = c.model.evaluate({std::vector{1.5, 4.0}}).mean;
+  const auto p = with_records(c.problem, Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
+  EXPECT_LT(score(p, history).nrmse, 1e-6);
+  EXPECT_GT(score(c.problem, history).nrmse, 0.1);
+  const auto &now = p.observations[0], &before = c.problem.observations[0];
+  EXPECT_NEAR(now.high[70] - now.low[70], before.high[70] - before.low[70], 1e-9);
+  EXPECT_NEAR(now.high[70] - now.mean[70], before.high[70] - before.mean[70], 1e-9);
+}
+
 }  // namespace

@@ -154,6 +154,27 @@ TEST(MeshPairs, WithoutAFinerMeshThereAreNone) {
   EXPECT_EQ(enc_json(s, c.problem, {}).count("mesh"), 0u);
 }
 
+TEST(MeshPairs, EachPairIsLeftOutInTurn) {
+  const Case c;
+  const RememberingModel memory(c.working);
+  const RunSource source = without_journal(c.working, &c.finer, 1);
+  MeshPairs pairs(c.problem.shape, source, memory, 4, 0.5);
+  const std::vector<std::vector<double>> points{{12000, 1500, 1e4}, {12500, 1600, 2e4}, {13000, 1400, 3e4}, {12200, 1700, 2e4}};
+  (void)pairs.add({points[0], points[1]}, 2);
+  EXPECT_TRUE(pairs.left_out().empty());
+  (void)pairs.add({points[2], points[3]}, 2);
+  EXPECT_EQ(pairs.places(), points);
+  const auto left_out = pairs.left_out();
+  ASSERT_EQ(left_out.size(), 4u);
+  const auto vector = [](const std::vector<double>& v) { return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size()))); };
+  EXPECT_EQ(left_out[1].theta, points[1]);
+  const Eigen::VectorXd working = vector(c.working.evaluate(points[1]).mean), finer = vector(c.finer.evaluate(points[1]).mean);
+  EXPECT_LT((left_out[1].records - (1.5 * finer - 0.5 * working)).norm(), 1e-5 * finer.norm());
+  EXPECT_EQ(left_out[1].mesh.pairs(), 3);
+  // What the others tell is not what it tells itself.
+  EXPECT_LT((pairs.mesh().shift(points[1]) - 1.5 * (finer - working)).norm(), 0.3 * (left_out[1].mesh.shift(points[1]) - 1.5 * (finer - working)).norm());
+}
+
 TEST(EncMeshPairs, ABiasedMeshIsSeenThrough) {
   const Case c;
   const RunSource source = without_journal(c.working, &c.finer, 2);
@@ -216,6 +237,35 @@ TEST(SpeMeshPairs, ABiasedMeshIsSeenThrough) {
   EXPECT_EQ(with.mesh.pairs, 8);
   EXPECT_LT(*with.best.objective_model, 0.5 * with.mesh.best.nrmse);
   EXPECT_EQ(spe_json(with, c.problem, {}).at("mesh").at("pairs"), 8);
+}
+
+TEST(SpeMeshPairs, StandInTheBoxesOfTheSecondAndTheThirdRound) {
+  const Case c;
+  std::vector<std::vector<double>> places;
+  const RunSource plain = without_journal(c.working, &c.finer, 2);
+  const RunSource source{.run =
+                             [&](const Eigen::MatrixXd& t, const std::vector<bool>& fine) {
+                               for (Eigen::Index i = 0; i < t.cols(); ++i)
+                                 if (fine[std::size_t(i)]) places.emplace_back(t.col(i).begin(), t.col(i).end());
+                               return plain.run(t, fine);
+                             },
+                         .has_finer = true};
+  auto o = spe_options(5);
+  const auto s = run_spe(c.problem, c.archive, c.working, o, 1, 2, {}, &source);
+  ASSERT_EQ(places.size(), 5u);
+  ASSERT_GE(s.mesh.rounds.size(), 4u);
+  const int pairs_by_then[] = {0, 0, 3, 5};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(s.mesh.rounds[i].pairs, pairs_by_then[i]) << i;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const auto& box = s.zooms[i < 3 ? 1 : 2];
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_TRUE(places[i][k] >= box.low[k] && places[i][k] <= box.high[k]) << i << k;
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(places[i], places[j]);
+  }
+  // Where no box shrinks, they come with the nominal point.
+  places.clear(), o.zoom = 0;
+  (void)run_spe(c.problem, c.archive, c.working, o, 1, 2, {}, &source);
+  ASSERT_EQ(places.size(), 5u);
+  EXPECT_EQ(places[0], nominal(c.problem.shape));
 }
 
 TEST(SpeMeshPairs, AnInterruptedCalibrationGoesOnAndEndsAlike) {
