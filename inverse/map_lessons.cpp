@@ -18,7 +18,7 @@ Learnt learnt_from(const std::vector<AddedRun>& runs, std::size_t parameters, co
   for (const auto& r : runs) {
     if (!surrogate.evaluate(r.theta).ok) continue;
     if (r.working.done) done.push_back(&r);
-    if (r.working.done && r.fine && r.fine->done) paired.push_back(&r);
+    if (r.paired()) paired.push_back(&r);
   }
   const Eigen::Index rows = done.empty() ? 0 : Eigen::Index(done[0]->working.mean.size());
   Learnt l{Eigen::MatrixXd(parameters, done.size()), Eigen::MatrixXd(rows, done.size()), Eigen::MatrixXd(parameters, paired.size()),

@@ -35,7 +35,7 @@ MeshError pooled_mesh(const Problem& problem, const MapOptions& options, const s
   std::vector<const AddedRun*> pairs;
   for (const auto* set : sets)
     for (const auto& r : *set)
-      if (r.working.done && r.fine && r.fine->done && std::none_of(pairs.begin(), pairs.end(), [&](const auto* p) { return p->theta == r.theta; })) pairs.push_back(&r);
+      if (r.paired() && std::none_of(pairs.begin(), pairs.end(), [&](const auto* p) { return p->theta == r.theta; })) pairs.push_back(&r);
   if (pairs.size() < 2) return {};
   Eigen::MatrixXd theta(Eigen::Index(problem.shape.parameters.size()), Eigen::Index(pairs.size())), difference(Eigen::Index(problem.shape.values()), theta.cols());
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -128,7 +128,7 @@ std::vector<AddedRun> MeshPairs::add(const std::vector<std::vector<double>>& poi
     if (!r.working.done) continue;
     const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(r.theta.data(), thetas.rows()), working = values_of(r.working.mean);
     append(theta_, theta), append(working_, working);
-    if (r.fine && r.fine->done) append(pair_theta_, theta), append(pair_working_, working), append(difference_, values_of(r.fine->mean) - working);
+    if (r.paired()) append(pair_theta_, theta), append(pair_working_, working), append(difference_, values_of(r.fine->mean) - working);
   }
   if (pair_theta_.cols() >= 2) mesh_ = MeshError(shape_.parameters, pair_theta_, difference_, {.mean = beyond_});
   return runs;

@@ -24,7 +24,7 @@ double distance_squared(const Eigen::VectorXd& x, const Optimum& o) {
 std::vector<std::size_t> nearest_half(const std::vector<AddedRun>& runs, const SearchSpace& space, const Optimum& optimum) {
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (std::size_t i = 0; i < runs.size(); ++i)
-    if (runs[i].working.done && runs[i].fine && runs[i].fine->done) by_distance.emplace_back(distance_squared(space.from(runs[i].theta), optimum), i);
+    if (runs[i].paired()) by_distance.emplace_back(distance_squared(space.from(runs[i].theta), optimum), i);
   if (by_distance.size() < fewest_pairs) return {};
   std::sort(by_distance.begin(), by_distance.end());
   std::vector<std::size_t> nearest;

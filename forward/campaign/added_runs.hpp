@@ -20,7 +20,10 @@ struct AddedRun {
   std::vector<double> theta;
   RunRecord working;
   std::optional<RunRecord> fine;
+  /// All that was asked for came through.
   [[nodiscard]] bool done() const { return working.done && (!fine || fine->done); }
+  /// It came through on both meshes.
+  [[nodiscard]] bool paired() const { return working.done && fine && fine->done; }
 };
 
 /// A run of added_runs.nc.
