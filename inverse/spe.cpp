@@ -69,7 +69,7 @@ class SpeRounds {
   void zoom(int round) {
     const bool smaller = round < options_.zoom;
     if (options_.zoom == 0 || (!smaller && !at_edge(bounds_, box_, best_.theta))) return;
-    before_ = box_, box_ = next_box(bounds_, box_, best_.theta, smaller), whole_ = false;
+    box_ = next_box(bounds_, box_, best_.theta, smaller), whole_ = false;
     const auto feasibility = known_.feasibility();
     const Eigen::MatrixXd drawn = points_in(box_, problem_.shape.parameters, std::size_t(options_.zoom_runs), seed_ + zoom_stream + std::uint64_t(round));
     std::vector<std::vector<double>> points;
@@ -92,25 +92,20 @@ class SpeRounds {
   static constexpr std::size_t campaign = 1'000'000;  ///< all runs of it
 
  private:
-  /// Puts those of a round's new points first that are run on the finer mesh too, and how many: in the first two boxes, half of the pairs in each, the best run and good places (by the
-  /// surrogates) far apart. Pairs that stand about the optimum tell of the mesh there; where they gather at one place, that place is the only one whose misfit knows of the mesh, and wins.
+  /// Puts those points first that are to be run on the finer mesh too, and how many: from the second box on, an equal share of the pairs in each round of zoom (in the first where it is the only one), at the best run and
+  /// at good ones far apart. Pairs that stand about the optimum tell of the mesh there; where they gather at one place, that place is the only one whose misfit knows of the mesh, and wins.
   std::size_t pairs_first(std::vector<std::vector<double>>& points, int round) const {
-    const int last = std::min(3, options_.zoom), first_round = std::min(1, last - 1);
-    if (round < first_round || round >= last) return 0;
-    const auto left = std::size_t(pairs_.left()), wanted = round + 1 == last ? left : (left + 1) / 2;
-    if (wanted == 0) return 0;
-    auto good = proposals(out_, before_, options_.transform, points);
-    std::erase_if(good, [](const auto& p) { return !std::isfinite(p.cost); });
-    std::stable_sort(good.begin(), good.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    if (all_ == 0 || round >= options_.zoom) return 0;
+    const std::size_t by_now = options_.zoom == 1 ? all_ : all_ * std::size_t(round) / std::size_t(options_.zoom - 1);
     const auto& paired = pairs_.places();
+    if (by_now <= paired.size()) return 0;
     auto given = paired;
     given.push_back(best_.theta);
-    auto first = first_pair_points(given, good, paired.size() + wanted, box_);
+    auto first = first_pair_points(given, known_.ranked(campaign), by_now, box_);
     std::erase_if(first, [&](const auto& p) { return std::find(paired.begin(), paired.end(), p) != paired.end(); });
-    for (auto& p : points)
-      if (std::find(first.begin(), first.end(), p) == first.end()) first.push_back(std::move(p));
-    points = std::move(first);
-    return std::min(wanted, points.size());
+    const std::size_t wanted = std::min(first.size(), by_now - paired.size());
+    points.insert(points.begin(), first.begin(), first.end());
+    return wanted;
   }
 
   /// Runs join the known ones, each `every`-th held out (0: none); how many did.
@@ -126,7 +121,7 @@ class SpeRounds {
   MeshPairs& pairs_;
   KnownRuns known_;
   std::uint64_t seed_;
-  Bounds bounds_, box_, before_;  ///< the whole, of this round, of the round before
+  Bounds bounds_, box_;
   bool whole_ = true;
   std::size_t first_ = 0, all_ = 0;  ///< pairs
   Proposal best_;
