@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
@@ -68,15 +70,17 @@ void widen(AnswerSpread& s, const std::vector<Parameter>& parameters, const std:
   if (pairs.size() < fewest_pairs) return;
   const Eigen::LDLT<Eigen::MatrixXd> factor(s.covariance);
   const auto n = Eigen::Index(parameters.size());
-  double sum = 0;
+  std::vector<double> squares;
   for (auto& p : pairs) {
     const Eigen::VectorXd e = Eigen::Map<const Eigen::VectorXd>(p.found.data(), n) - Eigen::Map<const Eigen::VectorXd>(p.theta.data(), n);
-    p.squares = e.dot(factor.solve(e)), sum += p.squares;
+    p.squares = e.dot(factor.solve(e)), squares.push_back(p.squares);
   }
-  const double mean = sum / double(pairs.size()) / double(n);
-  s.pairs = std::move(pairs), s.inflation = std::max(1.0, mean);
+  std::sort(squares.begin(), squares.end());
+  const std::size_t m = squares.size();
+  const double ratio = 0.5 * (squares[(m - 1) / 2] + squares[m / 2]) / boost::math::median(boost::math::chi_squared(double(n)));
+  s.pairs = std::move(pairs), s.inflation = std::max(1.0, ratio);
   summarise(s, parameters, answer);
-  s.sentence += fmt::format("; the parameters of {} pairs of runs, each left out in turn, are found {:.2g} of the drawn deviations away (root mean square)", s.pairs.size(), std::sqrt(mean));
+  s.sentence += fmt::format("; the parameters of {} pairs of runs, each left out in turn, are found {:.2g} times as far off as the drawn deviations say (by the median)", s.pairs.size(), std::sqrt(ratio));
   if (s.inflation > 1) s.sentence += fmt::format(", by which the drawn ones are widened: the mesh's error varies from place to place more than the pairs tell");
 }
 

@@ -37,7 +37,8 @@ struct AnswerSpread {
 /// The second moments are about the answer, not about the draws' mean: a bias that drawn errors cause is part of what the answer may be off by.
 void summarise(AnswerSpread& spread, const std::vector<Parameter>& parameters, const std::vector<double>& answer);
 
-/// Multiplies the covariance by mean(e' C^-1 e) / n over the pairs, e = found - theta, where that is above 1, and tells so. Nothing is judged by fewer than six pairs.
+/// Multiplies the covariance by the median over the pairs of e' C^-1 e, e = found - theta, over the median of chi-squared with n degrees, where that is above 1, and tells so: one pair far
+/// off, where few runs are, does not decide. Nothing is judged by fewer than six pairs.
 void widen(AnswerSpread& spread, const std::vector<Parameter>& parameters, const std::vector<double>& answer, std::vector<FoundPair> pairs);
 
 /// parameters, covariance, sd, log_sd, combinations and spread: keys of METHOD.json; {} where no draws were asked for.

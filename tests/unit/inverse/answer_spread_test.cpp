@@ -252,14 +252,17 @@ TEST(AnswerSpread, PairsThatAreFoundTooFarOffWidenIt) {
   const auto pairs = [](double deviations, std::size_t n) {
     return std::vector<FoundPair>(n, FoundPair{{13000, 1400}, {13000 + 100 * deviations, 1400 - 10 * deviations}});
   };
+  const double middle = 2 * std::log(2.0);  // median of chi-squared with 2 degrees
   AnswerSpread wide = drawn;
-  widen(wide, parameters, answer, pairs(3, 6));
-  EXPECT_NEAR(wide.inflation, 9, 1e-9);  // each e' C^-1 e is 2 . 3^2
+  auto found = pairs(3, 5);
+  found.push_back(pairs(100, 1)[0]);  // one far off does not decide
+  widen(wide, parameters, answer, found);
+  EXPECT_NEAR(wide.inflation, 18 / middle, 1e-9);  // each e' C^-1 e is 2 . 3^2
   EXPECT_NEAR(wide.pairs[0].squares, 18, 1e-9);
-  EXPECT_NEAR(wide.covariance(0, 0), 9e4, 1e-6);
-  EXPECT_NEAR(wide.log_sd[1], 3 * drawn.log_sd[1], 1e-12);
-  EXPECT_NEAR(wide.combinations[0].relative_sd, 3 * drawn.combinations[0].relative_sd, 1e-6);
-  EXPECT_THAT(wide.sentence, HasSubstr("6 pairs of runs, each left out in turn, are found 3 of"));
+  EXPECT_NEAR(wide.covariance(0, 0), 1e4 * 18 / middle, 1e-6);
+  EXPECT_NEAR(wide.log_sd[1], std::sqrt(18 / middle) * drawn.log_sd[1], 1e-12);
+  EXPECT_NEAR(wide.combinations[0].relative_sd, std::sqrt(18 / middle) * drawn.combinations[0].relative_sd, 1e-6);
+  EXPECT_THAT(wide.sentence, HasSubstr("6 pairs of runs, each left out in turn, are found 3.6 times as far off"));
   EXPECT_EQ(spread_json(wide, parameters).at("spread").at("left_out_pairs").at("pairs").size(), 6u);
   // Nearer than they should be: nothing is taken back. Five: nothing is judged.
   AnswerSpread near = drawn, few = drawn;
