@@ -81,7 +81,7 @@ void widen(AnswerSpread& s, const std::vector<Parameter>& parameters, const std:
   s.pairs = std::move(pairs), s.inflation = std::max(1.0, ratio);
   summarise(s, parameters, answer);
   s.sentence += fmt::format("; the parameters of {} pairs of runs, each left out in turn, are found {:.2g} times as far off as the drawn deviations say (by the median)", s.pairs.size(), std::sqrt(ratio));
-  if (s.inflation > 1) s.sentence += fmt::format(", by which the drawn ones are widened: the mesh's error varies from place to place more than the pairs tell");
+  if (s.inflation > 1) s.sentence += ", by which the drawn ones are widened: the mesh's error varies from place to place more than the pairs tell";
 }
 
 Json matrix_json(const Eigen::MatrixXd& m) {
