@@ -107,7 +107,7 @@ ErrorsAt Stages::errors_at(const Surrogate* surrogate) {
   return [this, surrogate](std::span<const double> theta, const MeshError& mesh, const RefinedModel::Variance& surrogate_variance) {
     const RememberingModel once(model());
     MapModels models = models_with_errors(once, surrogate);
-    models.mesh = mesh, models.surrogate_variance = surrogate_variance;
+    models.mesh = mesh.with_records_beyond(study_.map.mesh_beyond, study_.map.mesh_beyond_sd), models.surrogate_variance = surrogate_variance;
     const UnknownOptions& unknowns = study_.map.unknowns;
     if (unknowns.young_sd > 0 || unknowns.gauge_place_sd > 0) models.unknowns = unknown_directions(model(), theta, unknowns, command_.threads);
     return answer_errors(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models, theta);

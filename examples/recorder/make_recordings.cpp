@@ -30,6 +30,8 @@ struct ExperimentOptions {
   double energy_sd = 0;
   double noise_time = 0;
   double resolution = 0;
+  double place_sd = 0, gain_sd = 0;
+  std::vector<std::string> unlike;
   template <class V>
   void visit(V& v) {
     v("seed", seed, {.range = at_least(0), .doc = "of the pulse energies and the noise", .required = true});
@@ -40,6 +42,9 @@ struct ExperimentOptions {
     v("energy_sd", energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse", .required = true});
     v("noise_time", noise_time, {.unit = "s", .range = above(0), .doc = "correlation time of the noise", .required = true});
     v("resolution", resolution, {.range = above(0), .doc = "strain of one count of the digitiser", .required = true});
+    v("place_sd", place_sd, {.unit = "m", .range = at_least(0), .doc = "sd of a gauge's place, along its direction, about that of the case"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "sd of a channel's gain about 1"});
+    v("unlike", unlike, {.doc = "where the experiment is not as the case says: table.key=value each"});
   }
 };
 
@@ -62,6 +67,19 @@ std::vector<double> correlated_noise(std::size_t samples, double sd, double inte
   std::vector<double> e(samples);
   for (std::size_t k = 0; k < samples; ++k) e[k] = k == 0 ? sd * random.normal() : r * e[k - 1] + sd * std::sqrt(1 - r * r) * random.normal();
   return e;
+}
+
+/// Moves the gauges of `c` along their directions and returns the gains of their channels, which no case file tells. Their streams
+/// are their own: neither pulses nor noise depend on them.
+std::vector<double> unknown_channels(ForwardCase& c, const ExperimentOptions& experiment) {
+  RandomStream random(std::uint64_t(experiment.seed), std::uint64_t(1) << 40);
+  std::vector<double> gains;
+  for (auto& s : c.sensors) {
+    gains.push_back(1 + experiment.gain_sd * random.normal());
+    const double moved = experiment.place_sd * random.normal();
+    for (std::size_t k = 0; k < 3; ++k) s.position[k] += moved * s.direction[k];
+  }
+  return gains;
 }
 
 /// Strains of pulses of the given relative energies, shape (pulse, sensor, time) [-]; each pulse is a run of its own. The
@@ -87,16 +105,17 @@ std::vector<double> true_strains(const BuiltInModel& model, const std::vector<do
 }
 
 void make_recordings(const std::string& case_path, const std::string& truth_path, const std::string& out) {
-  // 1. The experiment: the case's target with the true parameters, a finer mesh and another step.
-  CaseFile case_file(case_path);
-  ForwardCase c = case_file.locating([&] { return ForwardCase::read(case_file); });
+  // 1. The experiment: the case's target with the true parameters, a finer mesh, another step, and what no case file tells.
   CaseFile truth(truth_path);
   ExperimentOptions experiment;
+  truth.read("experiment", experiment);
+  CaseFile case_file(case_path, experiment.unlike);
+  ForwardCase c = case_file.locating([&] { return ForwardCase::read(case_file); });
   Named<double> parameters{.range = any(), .doc = "true value"}, noise{.range = at_least(0), .doc = "sd of the noise [-]"};
   Named<int> pulses{.range = at_least(1), .doc = "recorded pulses"};
   for (const auto& p : c.parameters) parameters.of[p.name] = 0;
   for (const auto& s : c.sensors) pulses.of[s.name] = 0, noise.of[s.name] = 0;
-  truth.read("experiment", experiment), truth.read("parameter", parameters), truth.read("pulses", pulses), truth.read("noise", noise);
+  truth.read("parameter", parameters), truth.read("pulses", pulses), truth.read("noise", noise);
   truth.expect_all_read({});
 
   std::vector<double> theta;
@@ -107,6 +126,7 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   c.solver.time_step_safety = experiment.time_step_safety;
   c.time.output_interval = experiment.sample_interval;
   c.time.validate();
+  const std::vector<double> gains = unknown_channels(c, experiment);
   const BuiltInModel model(c);
 
   // 2. Every pulse has its own energy.
@@ -134,7 +154,7 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
       RandomStream random(std::uint64_t(experiment.seed), 1 + s * record.pulses.size() + i);
       const auto e = correlated_noise(samples, noise.of[record.sensors[s]], experiment.sample_interval, experiment.noise_time, random);
       for (std::size_t k = 0; k < samples; ++k) {
-        const double y = strains[(i * sensors + s) * samples + k] + e[k] - e[0];
+        const double y = gains[s] * strains[(i * sensors + s) * samples + k] + e[k] - e[0];
         record.values[record.at(0, s, i, k)] = experiment.resolution * std::round(y / experiment.resolution);
       }
     }

@@ -32,6 +32,12 @@ MeshError MeshError::with_known_scatter_drawn() const {
   return m;
 }
 
+MeshError MeshError::with_records_beyond(double mean, double sd) const {
+  MeshError m = *this;
+  m.beyond_.sd = std::hypot(sd, mean - beyond_.mean);
+  return m;
+}
+
 MeshError::Draw MeshError::draw(RandomStream& random) const { return {KrigingError(kriging_, pairs() - 1, random), std::sqrt(known_share()) * root()}; }
 
 MeshError::Spread MeshError::spread(std::span<const double> theta) const {

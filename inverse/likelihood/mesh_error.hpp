@@ -41,6 +41,8 @@ class MeshError {
   [[nodiscard]] Spread spread(std::span<const double> theta) const;
   /// The same whose spread has no part of the pairs' scatter in the directions that they show, for those who draw it.
   [[nodiscard]] MeshError with_known_scatter_drawn() const;
+  /// The same for records that lie `mean` +- `sd` beyond the finer mesh, wherever its own shift goes: what is left between the two is part of the spread.
+  [[nodiscard]] MeshError with_records_beyond(double mean, double sd) const;
   /// One draw of that part: what the shift is off by, as a function of the parameters.
   class Draw {
    public:

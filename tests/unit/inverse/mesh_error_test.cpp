@@ -131,6 +131,19 @@ TEST(MeshError, ShiftGoesBeyondTheFinerMeshAndItsSpreadKnowsIt) {
   EXPECT_GT(two.scatter.norm(), 2 * two.known.col(0).norm());
 }
 
+TEST(MeshError, WhatItsShiftLeavesOfTheWayToTheRecordsIsPartOfItsSpread) {
+  // Records at 1 +- 0.5 beyond the finer mesh, an error that is carried to k: (1 - k)^2 + 0.5^2 of the difference's square are left. The shift stays.
+  const Seen seen(14, 0, 9);
+  const std::vector<double> at{1.1, 0.2};
+  for (const auto& [k, left] : {std::pair{0.0, std::sqrt(1.25)}, {0.5, std::sqrt(0.5)}, {1.0, 0.5}, {2.0, std::sqrt(1.25)}}) {
+    const MeshError carried(square, seen.theta, seen.outputs, {.mean = k}), judged = carried.with_records_beyond(1, 0.5);
+    const auto spread = judged.spread(at);
+    EXPECT_NEAR(spread.known.rightCols(1).norm(), left * carried.difference(at).norm(), 1e-9) << k;
+    EXPECT_EQ((judged.shift(at) - carried.shift(at)).norm(), 0);
+    EXPECT_LT((spread.scatter - carried.spread(at).scatter).norm(), 1e-12);
+  }
+}
+
 TEST(Kriging, DrawnErrorsHaveTheVarianceOfTheSmoothPartEverywhere) {
   RandomStream random(21, 0);
   const auto [theta, y] = drawn(random, 10, 6, 0.1);
