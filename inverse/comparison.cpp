@@ -138,6 +138,7 @@ ComparedPair pair_of(const Comparison& c, std::size_t a, std::size_t b) {
       d.absolute = *r.values[b] - *r.values[a];
       if (*r.values[a] != 0) d.percent = 100 * *d.absolute / *r.values[a];
       if (r.map_sd) d.in_map_sd = *d.absolute / *r.map_sd;
+      if (r.sds[a] && r.sds[b]) d.in_own_sds = *d.absolute / std::hypot(*r.sds[a], *r.sds[b]);
     }
     if (d.in_map_sd) pair.largest_in_map_sd = std::max(pair.largest_in_map_sd.value_or(0), std::abs(*d.in_map_sd));
     pair.differences.push_back(std::move(d));
@@ -154,7 +155,8 @@ void judge(Comparison& c) {
     std::string beyond;
     for (const auto& d : p.differences)
       if (d.in_map_sd && std::abs(*d.in_map_sd) > Comparison::agreement_sds)
-        beyond += fmt::format("{}{} ({:+.1f} sd, {:+.1f} %)", beyond.empty() ? "" : ", ", d.name, *d.in_map_sd, d.percent.value_or(0));
+        beyond += fmt::format("{}{} ({:+.1f} sd{}, {:+.1f} %)", beyond.empty() ? "" : ", ", d.name, *d.in_map_sd,
+                              d.in_own_sds ? fmt::format(", {:+.1f} of the two's own", *d.in_own_sds) : "", d.percent.value_or(0));
     if (!beyond.empty()) apart += fmt::format("{}{} against {} in {}", apart.empty() ? "" : "; ", method_label(p.second), method_label(p.first), beyond);
   }
   c.agree = told && apart.empty();

@@ -30,6 +30,7 @@ struct ComparedDifference {
   std::optional<double> absolute;   ///< second less first
   std::optional<double> percent;    ///< of the first
   std::optional<double> in_map_sd;  ///< in units of MAP's standard deviation
+  std::optional<double> in_own_sds{};  ///< in units of those that the two report, added in squares
 };
 
 struct ComparedPair {

@@ -70,7 +70,7 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
   for (const auto& p : c.pairs) {
     Json differences = Json::array();
     for (const auto& d : p.differences)
-      differences.push_back({{"name", d.name}, {"absolute", json_of(d.absolute)}, {"percent", json_of(d.percent)}, {"in_map_sd", json_of(d.in_map_sd)}});
+      differences.push_back({{"name", d.name}, {"absolute", json_of(d.absolute)}, {"percent", json_of(d.percent)}, {"in_map_sd", json_of(d.in_map_sd)}, {"in_own_sds", json_of(d.in_own_sds)}});
     j["agreement"].push_back({{"first", p.first}, {"second", p.second}, {"differences", differences}, {"largest_in_map_sd", json_of(p.largest_in_map_sd)}});
   }
   j["agree"] = c.agree, j["sentence"] = c.sentence;

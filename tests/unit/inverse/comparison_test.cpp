@@ -117,6 +117,17 @@ TEST(Comparison, AnAnswerAcrossTheRidgeIsADisagreementThoughEachParameterIsWithi
   EXPECT_THAT(c.sentence, testing::AllOf(HasSubstr("disagree"), HasSubstr("MAP against ENC"), HasSubstr("impedance"), Not(HasSubstr("density ("))));
 }
 
+TEST(Comparison, TellsADisagreementInTheTwoMethodsOwnDeviationsToo) {
+  // Both report 100 of density: 250 apart are 2.5 of MAP's and 2.5 / sqrt 2 of the two's; who reports none is told in MAP's alone.
+  const std::vector<MethodSummary> all{{"spe", map_summary(13650, 1390)}, {"map", map_summary(13400, 1390)}}, alone{{"spe", summary(13650, 1390, 85, 75)}, {"map", map_summary(13400, 1390)}};
+  const auto c = compare_calibrations(all), without = compare_calibrations(alone);
+  EXPECT_NEAR(*c.pairs[0].differences[0].in_own_sds, -2.5 / std::sqrt(2.0), 1e-12);
+  EXPECT_THAT(c.sentence, HasSubstr("density (-2.5 sd, -1.8 of the two's own, -1.8 %)"));
+  EXPECT_FALSE(without.pairs[0].differences[0].in_own_sds.has_value());
+  EXPECT_THAT(without.sentence, HasSubstr("density (-2.5 sd, -1.8 %)"));
+  EXPECT_NEAR(comparison_json(c, {.stage = "comparison"})["agreement"][0]["differences"][0]["in_own_sds"].get<double>(), -2.5 / std::sqrt(2.0), 1e-12);
+}
+
 TEST(Comparison, WithoutMapItDoesNotClaimAgreement) {
   const std::vector<MethodSummary> all{{"enc", summary(13300, 1400, 85, 75)}, {"spe", summary(13300, 1400, 85, 75)}};
   const auto c = compare_calibrations(all);
