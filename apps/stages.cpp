@@ -97,7 +97,10 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
     if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
   if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
-  if (draws_errors(method)) p.options["map"]["unknowns"] = echo(study_.map.unknowns), p.options["map"]["mesh_error"] = echo(study_.map)["mesh_error"];
+  if (draws_errors(method)) {
+    p.options["map"]["unknowns"] = echo(study_.map.unknowns);
+    for (const char* key : {"mesh_error", "mesh_beyond", "mesh_beyond_sd"}) p.options["map"][key] = echo(study_.map)[key];
+  }
   if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;
 }

@@ -56,6 +56,13 @@ def realisation(k, truth, case, program, work):
     return path
 
 
+def copy_missing(source, target):
+    """What calibrations share: campaign, surrogate and repeatability floor."""
+    for name in ("campaign.nc", "campaign.json", "surrogate.nc", "train.json", "floor.json"):
+        if os.path.exists(os.path.join(source, name)) and not os.path.exists(os.path.join(target, name)):
+            shutil.copyfile(os.path.join(source, name), os.path.join(target, name))
+
+
 def study(args, case, seed, recordings, out):
     """The calibrations of one pair; the campaign and the surrogate are those of the seed."""
     sets = [x for o in args.overrides for x in ("--set", o)]
@@ -66,13 +73,10 @@ def study(args, case, seed, recordings, out):
     for verb in ("campaign", "train"):
         run([program, verb, case, "--out", base] + common, log)
     os.makedirs(out, exist_ok=True)
-    for name in ("campaign.nc", "campaign.json", "surrogate.nc", "train.json", "floor.json"):
-        if os.path.exists(os.path.join(base, name)) and not os.path.exists(os.path.join(out, name)):
-            shutil.copyfile(os.path.join(base, name), os.path.join(out, name))
+    copy_missing(base, out)
     methods = [x for m in args.methods.split(",") for x in ("--method", m)]
     run([program, "calibrate", case, "--out", out, "--set", f'recordings.file="{recordings}"'] + methods + common, log)
-    if os.path.exists(os.path.join(out, "floor.json")) and not os.path.exists(os.path.join(base, "floor.json")):
-        shutil.copyfile(os.path.join(out, "floor.json"), os.path.join(base, "floor.json"))
+    copy_missing(out, base)
 
 
 def answer(out, method, truth):

@@ -16,10 +16,9 @@ import math
 import os
 import random
 import re
-import shutil
 import sys
 
-from calibration_spread import answer, run
+from calibration_spread import answer, copy_missing, run
 
 
 def arguments():
@@ -63,14 +62,10 @@ def study(args, recordings, base, out):
         for verb in ("campaign", "train"):
             run([program, verb, args.case, "--out", base] + common + sets, log)
     os.makedirs(out, exist_ok=True)
-    names = ("campaign.nc", "campaign.json", "surrogate.nc", "train.json", "floor.json")
-    for a, b in ((base, out), (out, base)):
-        if b == base:
-            methods = [x for m in args.methods.split(",") for x in ("--method", m)]
-            run([program, "calibrate", args.case, "--out", out] + methods + common + sets, log)
-        for name in names:
-            if os.path.exists(os.path.join(a, name)) and not os.path.exists(os.path.join(b, name)):
-                shutil.copyfile(os.path.join(a, name), os.path.join(b, name))
+    copy_missing(base, out)
+    methods = [x for m in args.methods.split(",") for x in ("--method", m)]
+    run([program, "calibrate", args.case, "--out", out] + methods + common + sets, log)
+    copy_missing(out, base)
 
 
 def print_table(found):

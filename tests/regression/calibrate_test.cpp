@@ -1,4 +1,4 @@
-// `calomel calibrate --method map` as a whole: what becomes of it when the floor that it reads is measured anew.
+// `calomel calibrate` as a whole: what becomes of a summary when the floor that it reads is measured anew, and which options of MAP the others' deviations hang on.
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/regression/slice_case.hpp"
@@ -81,4 +81,21 @@ TEST(CalibrateVerb, AFloorMeasuredAnewDoesNotAskForFresh) {
   EXPECT_TRUE(fs::exists(out / "map.json.old-1"));
   EXPECT_TRUE(read_json(out / "floor.json").contains("comparisons"));
   EXPECT_EQ(read_json(out / "map.json")["theta"], map["theta"]);
+}
+
+TEST(CalibrateVerb, DeviationsOfSpeCountHowFarRecordsLieBeyondTheFinerMesh) {
+  const auto dir = folder("calibrate_beyond"), out = dir / "a";
+  const std::string words =
+      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set spe.zoom=1 --set spe.zoom_runs=10"
+      " --set spe.mesh_pairs=2 --set spe.draws=16";
+  const auto share_of_mesh = [&] { return read_json(out / "spe.json")["spread"]["covariance_shares"]["mesh"].get<double>(); };
+  const auto on_it = run(dir, words + " --set map.mesh_beyond=0 --set map.mesh_beyond_sd=0");
+  ASSERT_EQ(on_it.status, 0) << on_it.said;
+  EXPECT_EQ(share_of_mesh(), 0);  // spe.mesh_beyond is 0: nothing is left
+  const auto refused = run(dir, words + " --set map.mesh_beyond=3 --set map.mesh_beyond_sd=0");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.said, HasSubstr("mesh_beyond"));
+  const auto beyond = run(dir, words + " --set map.mesh_beyond=3 --set map.mesh_beyond_sd=0 --fresh");
+  ASSERT_EQ(beyond.status, 0) << beyond.said;
+  EXPECT_GT(share_of_mesh(), 0.5);
 }
