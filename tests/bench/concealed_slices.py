@@ -36,11 +36,11 @@ def arguments():
     return p.parse_args()
 
 
-def drawn(draw, sensors):
+def drawn(draw, sensors, case_young):
     """Parameters, and the truth file of make_recordings. Odd draws are recorded in one way, even ones in another."""
     r = random.Random(draw)
     truth = {"density": r.uniform(10500, 13500), "sound_speed": r.uniform(1200, 1650), "tensile_cutoff": math.exp(r.uniform(math.log(5e4), math.log(8e5)))}
-    young = 193e9 * (1 + 0.015 * r.gauss(0, 1))
+    young = case_young * (1 + 0.015 * r.gauss(0, 1))
     way = {"element": 0.6, "safety": 0.7, "eta": 1000, "least": 0.15} if draw % 2 else {"element": 0.7, "safety": 0.9, "eta": 3000, "least": 0.08}
     lines = ["[parameter]"] + [f"{n} = {v:.6g}" for n, v in truth.items()]
     lines += ["[experiment]", f"seed = {draw}", 'precision = "single"', f"element_size_ratio = {way['element']}", f"time_step_safety = {way['safety']}",
@@ -91,13 +91,15 @@ def main():
     args = arguments()
     args.work, args.build, args.case = (os.path.abspath(p) for p in (args.work, args.build, args.case))
     os.makedirs(args.work, exist_ok=True)
-    sensors = re.findall(r'\[\[sensor\]\]\s*\n\s*name\s*=\s*"([^"]+)"', open(args.case).read())
+    text_of_case = open(args.case).read()
+    sensors = re.findall(r'\[\[sensor\]\]\s*\n\s*name\s*=\s*"([^"]+)"', text_of_case)
+    young = float(re.search(r"^young\s*=\s*([-+.\deE]+)", text_of_case, re.M).group(1))
     work = []
     if args.truth:
         work.append(("the case's", None, dict(zip(("density", "sound_speed", "tensile_cutoff"), map(float, args.truth.split(","))))))
     else:
         for draw in map(int, args.draws.split(",")):
-            truth, text = drawn(draw, sensors)
+            truth, text = drawn(draw, sensors, young)
             recordings = os.path.join(args.work, f"records_{draw}.nc")
             if not os.path.exists(recordings) and not args.finished:
                 path = os.path.join(args.work, f"truth_{draw}.toml")
