@@ -99,8 +99,7 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
   if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
   if (draws_errors(method)) {
     p.options["map"]["unknowns"] = echo(study_.map.unknowns);
-    const Json options = echo(study_.map);
-    for (const char* key : {"mesh_error", "mesh_beyond", "mesh_beyond_sd"}) p.options["map"][key] = options[key];
+    for (const char* key : {"mesh_error", "mesh_beyond", "mesh_beyond_sd"}) p.options["map"][key] = echo(study_.map)[key];
   }
   if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;
