@@ -3,7 +3,7 @@
 
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build/release
+build=${CALOMEL_BUILD:-$root/build/release}  # CALOMEL_BUILD: another folder
 
 fail() {
   printf '%s\n' "$@" >&2
@@ -43,8 +43,10 @@ install_packages() {
   fi
 }
 
-# build TARGET...: configures at the first call; ninja then makes what has changed.
+# build TARGET...: configures at the first call, with the words of CALOMEL_CONFIGURE; ninja then makes what has changed.
 build() {
-  [ -f "$build/build.ninja" ] || (cd "$root" && cmake --preset release)
+  local words
+  read -ra words <<<"${CALOMEL_CONFIGURE:-}"
+  [ -f "$build/build.ninja" ] || (cd "$root" && cmake --preset release -B "$build" ${words[@]+"${words[@]}"})
   ninja -C "$build" "$@"
 }
