@@ -1,6 +1,8 @@
 // Runs of the true model that calibrations add to a campaign, from one journal in --out.
 #include "apps/interrupt.hpp"
 #include "apps/stages.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 
 namespace calomel {
 

@@ -5,6 +5,8 @@
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
 #include "apps/verbs.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "inverse/comparison.hpp"
 #include "inverse/feasibility.hpp"

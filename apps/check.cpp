@@ -7,6 +7,8 @@
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "forward/mesh/write_mesh.hpp"
 #include "forward/repeatability.hpp"
 

@@ -5,6 +5,8 @@
 #include "apps/rival_fit.hpp"
 #include "apps/stages.hpp"
 #include "apps/unknowns.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "inverse/feasibility.hpp"
 
 namespace calomel {

@@ -6,6 +6,7 @@
 
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

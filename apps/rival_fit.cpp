@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 
 namespace calomel {

@@ -8,7 +8,9 @@
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "forward/mesh/exodus_fields.hpp"
 #include "forward/solver/kernel.hpp"
 

@@ -7,6 +7,8 @@
 
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc.hpp"

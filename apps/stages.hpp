@@ -8,7 +8,6 @@
 
 #include "apps/command_line.hpp"
 #include "apps/study_case.hpp"
-#include "base/artefact.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/added_runs.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
@@ -21,6 +20,8 @@
 #include "inverse/spe.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// Runs added beside the campaign, and the finer model of their pairs; both empty where none are added.
 struct AddedStage {

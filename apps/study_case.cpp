@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
+
 namespace calomel {
 
 const std::vector<std::string>& known_tables() {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
 #include "base/case_file.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "forward/forward_case.hpp"

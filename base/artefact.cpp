@@ -8,6 +8,8 @@
 #include <sstream>
 
 #include "base/identity.hpp"
+#include "base/json.hpp"
+#include "base/provenance.hpp"
 
 namespace calomel {
 

@@ -1,5 +1,6 @@
 #pragma once
 /// The case file: TOML with line numbers, `--set` overrides, and typed reading of Options with errors a stranger can act on.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <set>

@@ -12,8 +12,9 @@
 /// `v.table("profile", profile, "doc")`. Optional members: `validate() const` throws InputError for what spans fields.
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -23,7 +24,7 @@
 
 namespace calomel {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;  ///< by name only; json.hpp defines it
 
 /// Allowed interval of a number, both ends closed unless said.
 struct Range {
@@ -53,34 +54,35 @@ struct FieldInfo {
   std::size_t least_size = 0;        ///< lists
 };
 
-/// Writes Options to JSON, in the order of the fields: the echo that every artefact carries.
+/// Writes Options into a JSON object, in the order of the fields: the echo that every artefact carries (`echo` in json.hpp). A number that is absent or not
+/// finite is left out.
 class EchoVisitor {
  public:
-  Json json = Json::object();
-  template <class T>
-  void operator()(const char* key, T& value, const FieldInfo&) {
-    if constexpr (std::is_same_v<T, std::optional<double>>) {
-      if (value) json[key] = *value;
-    } else if constexpr (std::is_same_v<T, double>) {
-      if (std::isfinite(value)) json[key] = value;
-    } else {
-      json[key] = value;
-    }
+  /// `object` outlives the visitor.
+  explicit EchoVisitor(Json& object) : object_(object) {}
+  void operator()(const char* key, const bool& value, const FieldInfo&);
+  void operator()(const char* key, const int& value, const FieldInfo&);
+  void operator()(const char* key, const double& value, const FieldInfo&);
+  void operator()(const char* key, const std::string& value, const FieldInfo&);
+  void operator()(const char* key, const std::optional<double>& value, const FieldInfo&);
+  void operator()(const char* key, const std::vector<double>& value, const FieldInfo&);
+  void operator()(const char* key, const std::vector<int>& value, const FieldInfo&);
+  void operator()(const char* key, const std::vector<std::string>& value, const FieldInfo&);
+  template <std::size_t N>
+  void operator()(const char* key, const std::array<double, N>& value, const FieldInfo& info) {
+    (*this)(key, std::vector<double>(value.begin(), value.end()), info);
   }
   template <class O>
   void table(const char* key, O& options, const char*) {
-    EchoVisitor inner;
+    EchoVisitor inner(table(key));
     options.visit(inner);
-    json[key] = std::move(inner.json);
   }
-};
 
-template <class O>
-Json echo(const O& options) {
-  EchoVisitor v;
-  const_cast<O&>(options).visit(v);  // a visit that only reads
-  return std::move(v.json);
-}
+ private:
+  /// The empty object that now stands at the key.
+  Json& table(const char* key);
+  Json& object_;
+};
 
 /// Finds the number at a dotted path ("profile.decay", "center.1") so that a parameter can be bound to any number of a case.
 class NumberVisitor {
@@ -130,14 +132,7 @@ class ReferenceVisitor {
   std::string markdown;
   template <class T>
   void operator()(const char* key, T& value, const FieldInfo& field) {
-    Json j;
-    if constexpr (std::is_same_v<T, std::optional<double>>)
-      j = value ? Json(*value) : Json();
-    else if constexpr (std::is_same_v<T, double>)
-      j = std::isfinite(value) ? Json(value) : Json();
-    else
-      j = value;
-    row(prefix_ + key, field, j);
+    row(key, field, [&](EchoVisitor& echo) { echo(key, value, field); });
   }
   template <class O>
   void table(const char* key, O& options, const char*) {
@@ -147,7 +142,8 @@ class ReferenceVisitor {
   }
 
  private:
-  void row(const std::string& key, const FieldInfo& field, const Json& value);
+  /// `write` echoes the default.
+  void row(const char* key, const FieldInfo& field, const std::function<void(EchoVisitor&)>& write);
   std::string prefix_;
 };
 

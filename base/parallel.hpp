@@ -1,6 +1,7 @@
 #pragma once
 /// A loop over independent indices on a few threads. Results never depend on the number of threads, because every
 /// index writes only its own place.
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>

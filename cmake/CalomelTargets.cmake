@@ -12,12 +12,15 @@ function(calomel_library name)
   set_property(GLOBAL APPEND PROPERTY CALOMEL_LIBRARIES calomel_${name})
 endfunction()
 
+# Test programs are compiled at -O1: what they compute is in the libraries, which are not.
+set(CALOMEL_TEST_OPTIONS -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers $<$<NOT:$<CONFIG:Debug>>:-O1>)
+
 # One test program a folder: calomel_test(unit_mesh SOURCES mesh_test.cpp LINKS calomel::mesh LABELS unit)
 # SETS_UP names a fixture that another test requires: that one runs after all of these.
 function(calomel_test name)
   cmake_parse_arguments(ARG "" "SETS_UP" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
-  target_compile_options(test_${name} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
+  target_compile_options(test_${name} PRIVATE ${CALOMEL_TEST_OPTIONS})
   foreach(source ${ARG_SOURCES})  # only where it is used: a path in the command makes a compiler cache useless for another copy of the tree
     file(STRINGS ${source} uses REGEX CALOMEL_SOURCE_DIR)
     if(uses)

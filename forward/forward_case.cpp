@@ -7,6 +7,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/json.hpp"
+
 namespace calomel {
 
 namespace {

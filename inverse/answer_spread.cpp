@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
+#include "base/linear_algebra.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/prior.hpp"
 
@@ -53,7 +54,7 @@ void summarise(AnswerSpread& s, const std::vector<Parameter>& parameters, const 
   }
   Eigen::MatrixXd flat = s.covariance;
   flat.diagonal() += 1e-12 * prior_sd.cwiseAbs2();
-  s.combinations = identify(parameters, answer, flat.inverse(), s.covariance, prior_sd, 1).combinations;
+  s.combinations = identify(parameters, answer, inverse(flat), s.covariance, prior_sd, 1).combinations;
   std::string list;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double sd = std::sqrt(s.covariance(k, k));
@@ -68,12 +69,11 @@ void summarise(AnswerSpread& s, const std::vector<Parameter>& parameters, const 
 
 void widen(AnswerSpread& s, const std::vector<Parameter>& parameters, const std::vector<double>& answer, std::vector<FoundPair> pairs) {
   if (pairs.size() < fewest_pairs) return;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(s.covariance);
   const auto n = Eigen::Index(parameters.size());
   std::vector<double> squares;
   for (auto& p : pairs) {
     const Eigen::VectorXd e = Eigen::Map<const Eigen::VectorXd>(p.found.data(), n) - Eigen::Map<const Eigen::VectorXd>(p.theta.data(), n);
-    p.squares = e.dot(factor.solve(e)), squares.push_back(p.squares);
+    p.squares = e.dot(solve_symmetric(s.covariance, e)), squares.push_back(p.squares);
   }
   std::sort(squares.begin(), squares.end());
   const std::size_t m = squares.size();

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/options.hpp"
 #include "inverse/answer_spread.hpp"
 #include "inverse/mesh_correction.hpp"
 #include "inverse/objective.hpp"
@@ -17,6 +17,8 @@
 #include "inverse/problem.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// A point that a search proposes.
 struct Proposal {

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "inverse/calibration.hpp"
 
 namespace calomel {

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "base/json.hpp"
+
 namespace calomel {
 
 namespace {

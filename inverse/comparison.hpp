@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/json.hpp"
+#include "base/options.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// A calibration as its METHOD.json tells it.
 struct MethodSummary {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/provenance.hpp"
 #include "inverse/comparison.hpp"
 
 namespace calomel {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "base/linear_algebra.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 
@@ -19,9 +20,9 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
   if (!(mean > 0)) return {};
   Eigen::MatrixXd c = covariance;
   c.diagonal().array() += 1e-9 * mean;
-  const Eigen::LLT<Eigen::MatrixXd> factor(c);
-  if (factor.info() != Eigen::Success) throw NumericsError("a part of the covariance of the data is not positive definite");
-  return factor.matrixL();
+  const Cholesky factor(c);
+  if (!factor.positive_definite()) throw NumericsError("a part of the covariance of the data is not positive definite");
+  return factor.lower();
 }
 
 Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns, RandomStream& random) {

@@ -13,6 +13,8 @@
 
 namespace calomel {
 
+struct Provenance;  // base/provenance.hpp
+
 /// `[enc]` of a case file.
 struct EncOptions {
   int rounds = 100;

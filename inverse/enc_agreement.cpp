@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "base/json.hpp"
 #include "base/nan.hpp"
 #include "base/parallel.hpp"
 

@@ -1,5 +1,7 @@
 #include "inverse/enc.hpp"
 
+#include "base/provenance.hpp"
+
 namespace calomel {
 
 Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& provenance) {

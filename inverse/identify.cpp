@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -69,15 +70,15 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
   };
   const Eigen::MatrixXd hessian = value.asDiagonal() * chosen(data) * value.asDiagonal();
   const Eigen::MatrixXd spread = value.cwiseInverse().asDiagonal() * chosen(covariance) * value.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+  const SymmetricEigen eigen = symmetric_eigen(hessian);
   for (Eigen::Index k = n; k-- > 0;) {
     Direction d;
-    d.exponents = eigen.eigenvectors().col(k);
+    d.exponents = eigen.vectors.col(k);
     Eigen::Index largest = 0;
     d.exponents.cwiseAbs().maxCoeff(&largest);
     if (d.exponents[largest] < 0) d.exponents = -d.exponents;
     d.value = std::exp((d.exponents.array() * value.array().log()).sum());
-    d.data_sd = eigen.eigenvalues()[k] > 1e-12 ? std::sqrt(widening / eigen.eigenvalues()[k]) : std::numeric_limits<double>::infinity();
+    d.data_sd = eigen.values[k] > 1e-12 ? std::sqrt(widening / eigen.values[k]) : std::numeric_limits<double>::infinity();
     d.sd = std::sqrt(std::max(0.0, d.exponents.dot(spread * d.exponents)));
     d.prior_sd = std::sqrt((d.exponents.array() * before.array()).square().sum());
     d.text = powers(names, d.exponents);

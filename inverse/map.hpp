@@ -15,6 +15,8 @@
 
 namespace calomel {
 
+struct Provenance;  // base/provenance.hpp
+
 /// `[map.unknowns]`: what no case file tells exactly and moves the records as much as the parameters do.
 struct UnknownOptions {
   double young_sd = 0.015;

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/provenance.hpp"
 #include "inverse/map.hpp"
 
 namespace calomel {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 #include "inverse/map_lessons.hpp"
 #include "inverse/mesh_pairs.hpp"
@@ -60,7 +61,7 @@ std::vector<Eigen::VectorXd> first_points(MapSearch& search, const std::vector<O
 /// A later round: the optimum, and draws from its posterior at which `unsure` is greatest, each apart from the others.
 std::vector<Eigen::VectorXd> later_points(const Optimum& best, const SearchSpace& space, RandomStream& random,
                                           const std::function<double(const Eigen::VectorXd&)>& unsure) {
-  const Eigen::MatrixXd root = best.covariance.llt().matrixL();
+  const Eigen::MatrixXd root = Cholesky(best.covariance).lower();
   const Eigen::VectorXd sd = best.covariance.diagonal().cwiseSqrt();
   std::vector<Eigen::VectorXd> chosen{best.x};
   std::vector<std::pair<double, Eigen::VectorXd>> pool;

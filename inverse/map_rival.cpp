@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/json.hpp"
 #include "inverse/map.hpp"
 #include "inverse/map_discrepancy.hpp"
 #include "inverse/rival_hypothesis.hpp"

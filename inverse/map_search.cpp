@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/linear_algebra.hpp"
 #include "base/parallel.hpp"
 #include "forward/campaign/design.hpp"
 
@@ -118,7 +119,7 @@ std::vector<Optimum> MapSearch::global(std::optional<Likelihood>& likelihood, co
 double laplace_log_evidence(const Optimum& o, const SearchSpace& space) {
   const Eigen::VectorXd m = space.mode_slope(o.x);
   const Eigen::MatrixXd c = m.asDiagonal() * o.covariance * m.asDiagonal();
-  return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + Eigen::LLT<Eigen::MatrixXd>(c).matrixLLT().diagonal().array().log().sum();
+  return o.log_posterior + 0.5 * double(o.x.size()) * std::log(2 * std::numbers::pi) + Cholesky(c).half_log_determinant();
 }
 
 }  // namespace calomel

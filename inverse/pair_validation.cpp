@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear_algebra.hpp"
 #include "inverse/map_lessons.hpp"
 #include "inverse/mesh_pairs.hpp"
 
@@ -17,7 +18,7 @@ constexpr std::size_t fewest_pairs = 6;
 /// Squared distance of x from an optimum by its covariance.
 double distance_squared(const Eigen::VectorXd& x, const Optimum& o) {
   const Eigen::VectorXd d = x - o.x;
-  return d.dot(o.covariance.ldlt().solve(d));
+  return d.dot(solve_symmetric(o.covariance, d));
 }
 
 /// Indices of the half of the pairs that lie nearest to the optimum; empty for fewer than fewest_pairs.

@@ -1,11 +1,12 @@
 #include "inverse/posterior_mode.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
 #include <cmath>
 #include <limits>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -258,7 +259,7 @@ std::optional<Linearisation> PosteriorMode::linearise(const Eigen::VectorXd& x, 
     if (up + down == 0) return std::nullopt;
     along.col(k) = ((up > 0 ? r.col(2 * k) : r.col(2 * n)) - (down > 0 ? r.col(2 * k + 1) : r.col(2 * n))) / (up + down);
   }
-  l.jacobian = errors.whiten(along) * steps.inverse();
+  l.jacobian = errors.whiten(along) * inverse(steps);
   return l;
 }
 
@@ -297,11 +298,11 @@ std::optional<PosteriorMode::Mode> PosteriorMode::find(const Eigen::VectorXd& st
 
 double seen_curvature(const Eigen::MatrixXd& points, const Eigen::VectorXd& log_posteriors, const Eigen::VectorXd& best, double log_posterior,
                       const Eigen::MatrixXd& covariance, double greatest) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  const Cholesky factor(covariance);
   double seen = 0, promised = 0;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const double drop = log_posterior - log_posteriors[i];
-    const double due = 0.5 * factor.matrixL().solve(points.col(i) - best).squaredNorm();
+    const double due = 0.5 * factor.solve_lower(Eigen::VectorXd(points.col(i) - best)).squaredNorm();
     if (!(drop < greatest) || !(due > 0.1)) continue;
     seen += std::max(drop, 0.0), promised += due;
   }
@@ -314,14 +315,14 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& curvature, const SearchSpac
   limited = true;
   // In units of the priors, where 1 is what was known before.
   const Eigen::MatrixXd unit = prior_sd.asDiagonal() * curvature * prior_sd.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit);
-  if (eigen.eigenvalues()[0] > 1e-10 * eigen.eigenvalues()[n - 1]) {
-    const Eigen::MatrixXd c = curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd eigenvalues = symmetric_eigenvalues(unit);
+  if (eigenvalues[0] > 1e-10 * eigenvalues[n - 1]) {
+    const Eigen::MatrixXd c = inverse_symmetric(curvature);
     limited = (c.diagonal().array().sqrt() > width.array() / 4).any();
     if (!limited) return c;
   }
   const Eigen::MatrixXd bounded = curvature + Eigen::MatrixXd((12 / width.array().square()).matrix().asDiagonal());
-  return bounded.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  return inverse_symmetric(bounded);
 }
 
 }  // namespace calomel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 #include "inverse/polish.hpp"
 
@@ -143,7 +144,7 @@ double roughness_of(const Linearisation& at, const Likelihood& likelihood, const
 double share_within(const SearchSpace& space, const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, std::uint64_t seed) {
   constexpr int draws = 4000;
   RandomStream random(seed, rival_stream);
-  const Eigen::MatrixXd root = covariance.llt().matrixL();
+  const Eigen::MatrixXd root = Cholesky(covariance).lower();
   int within = 0;
   for (int i = 0; i < draws; ++i) {
     Eigen::VectorXd z(x.size());

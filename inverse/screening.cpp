@@ -1,13 +1,13 @@
 #include "inverse/screening.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
+#include "base/json.hpp"
+#include "base/linear_algebra.hpp"
 #include "inverse/calibration.hpp"
 
 namespace calomel {
@@ -22,11 +22,11 @@ constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the gr
 Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
   Eigen::MatrixXd span = m;
   for (int pass = 0; pass < 2 && span.cols() > 0; ++pass) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(span.transpose() * span);  // ascending
-    const Eigen::VectorXd squares = eigen.eigenvalues().reverse();
+    const SymmetricEigen eigen = symmetric_eigen(span.transpose() * span);  // ascending
+    const Eigen::VectorXd squares = eigen.values.reverse();
     Eigen::Index rank = 0;
     while (rank < squares.size() && squares[rank] > 0 && squares[rank] > nothing * nothing * squares[0]) ++rank;
-    const Eigen::MatrixXd vectors = eigen.eigenvectors().rowwise().reverse().leftCols(rank);
+    const Eigen::MatrixXd vectors = eigen.vectors.rowwise().reverse().leftCols(rank);
     span = span * vectors * squares.head(rank).cwiseSqrt().cwiseInverse().asDiagonal();
   }
   return span;
@@ -66,7 +66,7 @@ class Screen {
     }
     out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f / std::max(1.0, out.f_of_pairs)));
     if (out.directions < unit.cols()) return out;  // its keys are not told apart
-    const Eigen::MatrixXd inverse = (unit.transpose() * unit).ldlt().solve(Eigen::MatrixXd::Identity(unit.cols(), unit.cols()));
+    const Eigen::MatrixXd inverse = inverse_symmetric(unit.transpose() * unit);
     const Eigen::VectorXd best = inverse * (unit.transpose() * residual_);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const auto k = Eigen::Index(i);

@@ -13,6 +13,8 @@
 
 namespace calomel {
 
+struct Provenance;  // base/provenance.hpp
+
 /// An optimum of one surrogate.
 struct SpeOptimum {
   std::size_t surrogate = 0;  ///< index into SpeSummary::surrogates

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/provenance.hpp"
 #include "inverse/spe.hpp"
 
 namespace calomel {

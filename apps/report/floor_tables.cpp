@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/report/tables.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

@@ -10,6 +10,7 @@
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
+#include "base/provenance.hpp"
 
 namespace calomel {
 

@@ -8,6 +8,7 @@
 #include "apps/report/surface.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

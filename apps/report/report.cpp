@@ -11,6 +11,7 @@
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

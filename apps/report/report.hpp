@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/options.hpp"
+#include "base/json.hpp"
 #include "forward/mesh/mesh.hpp"
 #include "forward/parameter.hpp"
 

@@ -1,6 +1,7 @@
 #include "apps/report/spe_tables.hpp"
 
 #include "apps/report/tables.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

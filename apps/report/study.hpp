@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/options.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

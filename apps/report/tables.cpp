@@ -5,6 +5,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

@@ -8,6 +8,7 @@
 
 #include "apps/report/table.hpp"
 #include "apps/report/tables.hpp"
+#include "base/json.hpp"
 
 namespace calomel {
 

@@ -6,6 +6,7 @@
 // In a wall of thickness h the wave then runs to and fro: -1 of it turns round at the free outer face and -R at the mercury.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>

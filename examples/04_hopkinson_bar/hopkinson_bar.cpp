@@ -12,6 +12,8 @@
 #include <span>
 #include <vector>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "examples/expected.hpp"
 #include "inverse/recordings.hpp"

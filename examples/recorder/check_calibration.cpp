@@ -13,6 +13,7 @@
 #include "base/artefact.hpp"
 #include "base/case_file.hpp"
 #include "base/errors.hpp"
+#include "base/json.hpp"
 
 namespace {
 

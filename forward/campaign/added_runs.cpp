@@ -10,6 +10,7 @@
 #include "base/identity.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/parallel.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
 
 namespace calomel {
@@ -65,7 +66,7 @@ std::vector<KeptRun> of_others(const std::filesystem::path& path, const Provenan
 }  // namespace
 
 AddedRuns::AddedRuns(const ForwardModel& working, const ForwardModel* fine, const Provenance& provenance, const std::filesystem::path& directory)
-    : working_(working), fine_(fine), provenance_(provenance), journal_(directory / "added_runs.journal", provenance) {}
+    : working_(working), fine_(fine), provenance_(std::make_shared<const Provenance>(provenance)), journal_(directory / "added_runs.journal", provenance) {}
 
 std::size_t AddedRuns::key(std::span<const double> theta, bool fine) {
   std::uint64_t h = 14695981039346656037ull;
@@ -115,7 +116,7 @@ void AddedRuns::write(const std::filesystem::path& directory, const std::string&
   const ModelShape& shape = working_.shape();
   if (all_.empty()) return;
   const auto path = directory / "added_runs.nc";
-  std::vector<KeptRun> runs = of_others(path, provenance_, shape, method);
+  std::vector<KeptRun> runs = of_others(path, *provenance_, shape, method);
   for (const auto& r : all_) {
     KeptRun* same = find(runs, r.theta);
     if (!same) runs.push_back({r, {}}), same = &runs.back();
@@ -135,7 +136,7 @@ void AddedRuns::write(const std::filesystem::path& directory, const std::string&
     any_fine = any_fine || r.fine;
   }
   NetcdfWriter file(path);
-  file.attribute("provenance", provenance_.json().dump());
+  file.attribute("provenance", provenance_->json().dump());
   file.dimension("run", runs.size());
   file.dimension("parameter", names.size());
   if (shape.conditions.size() > 1) file.dimension("condition", shape.conditions.size());

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,8 @@
 #include "forward/model.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// A point and what came of it. `fine` is empty where no finer mesh was asked for.
 struct AddedRun {
@@ -66,7 +69,7 @@ class AddedRuns {
   static std::size_t key(std::span<const double> theta, bool fine);
   const ForwardModel& working_;
   const ForwardModel* fine_;
-  Provenance provenance_;
+  std::shared_ptr<const Provenance> provenance_;
   Journal journal_;
   std::vector<AddedRun> all_;
   std::size_t made_ = 0, reused_ = 0;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/archive_writer.hpp"
 #include "forward/campaign/design.hpp"
 

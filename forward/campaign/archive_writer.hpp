@@ -6,6 +6,8 @@
 
 namespace calomel {
 
+struct Provenance;  // base/provenance.hpp
+
 /// Writes campaign.nc, one variable after another so that only one is in memory, and returns message(run), empty where a
 /// run is done. theta: (n_parameters, n_runs); `floor` may be null. Values are single precision: 6e-8 of themselves, far below the scatter.
 /// Errors: InputError when the disk is full.

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <new>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/parallel.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/archive_writer.hpp"
 #include "forward/campaign/journal.hpp"

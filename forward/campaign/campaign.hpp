@@ -7,13 +7,15 @@
 #include <optional>
 #include <string>
 
-#include "base/artefact.hpp"
+#include "base/options.hpp"
 #include "forward/campaign/design.hpp"
 #include "forward/campaign/journal.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/model.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// `[campaign]` of a case file.
 struct CampaignOptions {

@@ -12,7 +12,9 @@
 #include <optional>
 #include <string_view>
 
+#include "base/artefact.hpp"
 #include "base/identity.hpp"
+#include "base/provenance.hpp"
 
 namespace calomel {
 

@@ -11,9 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/options.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// What one run left: the values in single precision, as campaign.nc keeps them.
 struct RunRecord {

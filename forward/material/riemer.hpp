@@ -4,6 +4,8 @@
 /// pressure p [Pa] positive in compression, volumetric strain e_v [-] positive in expansion, no shear, reversible:
 /// when e_v comes back the ordinary equation of state resumes. eta stands inside the max(), so the law is monotone and
 /// the viscosity can only dissipate.
+#include <algorithm>
+
 #include "base/options.hpp"
 #include "base/registry.hpp"
 

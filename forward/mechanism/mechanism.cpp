@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/artefact.hpp"
+
 namespace calomel {
 
 double* MechanismValues::find(const std::string& path) {

@@ -1,8 +1,10 @@
 #include <exodusII.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/artefact.hpp"
 #include "base/errors.hpp"
 #include "forward/mesh/file_order.hpp"
 #include "forward/mesh/mesh_file.hpp"

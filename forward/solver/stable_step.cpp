@@ -1,8 +1,8 @@
 #include "forward/solver/stable_step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 
 namespace calomel {
@@ -21,9 +21,8 @@ struct Ritz {
 
 Ritz greatest_ritz(const std::vector<double>& diagonal, const std::vector<double>& off) {
   const auto k = Eigen::Index(diagonal.size());
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(Eigen::Map<const Eigen::VectorXd>(diagonal.data(), k), Eigen::Map<const Eigen::VectorXd>(off.data(), k - 1));
-  const double value = solver.eigenvalues()(k - 1), residual = off.back() * std::abs(solver.eigenvectors()(k - 1, k - 1));
+  const auto eigen = tridiagonal_eigen(Eigen::Map<const Eigen::VectorXd>(diagonal.data(), k), Eigen::Map<const Eigen::VectorXd>(off.data(), k - 1));
+  const double value = eigen.values(k - 1), residual = off.back() * std::abs(eigen.vectors(k - 1, k - 1));
   return {value + residual, residual / value};
 }
 

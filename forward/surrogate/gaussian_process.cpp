@@ -95,19 +95,19 @@ double negative_log_posterior(const Eigen::MatrixXd& x, const Eigen::VectorXd& z
   Eigen::MatrixXd R = matern(r2).matrix();
   const double nugget = std::exp(h.log_nugget) + 1e-9;
   R.diagonal().array() += nugget;
-  const Eigen::LLT<Eigen::MatrixXd> factor(R);
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  const Cholesky factor(R);
+  if (!factor.positive_definite()) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd alpha = factor.solve(z);
   const double variance = z.dot(alpha) / double(n);
   if (!(variance > 0)) return std::numeric_limits<double>::infinity();
-  double cost = 0.5 * double(n) * std::log(variance) + factor.matrixLLT().diagonal().array().log().sum();
+  double cost = 0.5 * double(n) * std::log(variance) + factor.half_log_determinant();
   const Eigen::ArrayXd dl = (h.log_length.array() - log_length_prior.mean) / log_length_prior.sd;
   const Eigen::ArrayXd dk = (h.kappa - kappa0).array() / kappa_sd;
   const double dn = (h.log_nugget - log_nugget_prior.mean) / log_nugget_prior.sd;
   cost += 0.5 * (dl.square().sum() + dk.square().sum() + dn * dn);
   if (gradient) {
     // d cost / d p = 1/2 tr((R^-1 - alpha alpha' / variance) dR/dp)
-    Eigen::MatrixXd G = factor.solve(Eigen::MatrixXd::Identity(n, n));
+    Eigen::MatrixXd G = factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
     G -= alpha * alpha.transpose() / variance;
     const Eigen::ArrayXXd weighted = G.array() * matern_slope(r2);  // symmetric
     gradient->resize(packed.size());
@@ -146,8 +146,8 @@ GaussianProcess::GaussianProcess(const Eigen::MatrixXd& x, const Eigen::VectorXd
     : hyperparameters_(std::move(hyperparameters)), points_(scaled(x)) {
   Eigen::MatrixXd R = matern(squared_distances(points_, points_)).matrix();
   R.diagonal().array() += std::exp(hyperparameters_.log_nugget) + 1e-9;
-  factor_.compute(R);
-  if (factor_.info() != Eigen::Success)
+  factor_ = Cholesky(R);
+  if (!factor_.positive_definite())
     throw NumericsError("surrogate: the covariance matrix of a Gaussian process is not positive definite; are two runs at the same point?");
   weights_ = factor_.solve(z);
   variance_ = z.dot(weights_) / double(z.size());
@@ -178,7 +178,7 @@ Eigen::VectorXd GaussianProcess::gradient(const Eigen::VectorXd& x) const {
 double GaussianProcess::variance(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd k = matern(squared_distances(points_, scaled(x))).matrix().col(0);
   const double own = 1 + std::exp(hyperparameters_.log_nugget) + 1e-9;
-  return variance_ * std::max(0.0, own - factor_.matrixL().solve(k).squaredNorm());
+  return variance_ * std::max(0.0, own - factor_.solve_lower(k).squaredNorm());
 }
 
 }  // namespace calomel

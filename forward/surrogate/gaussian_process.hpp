@@ -1,8 +1,9 @@
 #pragma once
 /// Gaussian-process regression of one scalar (Rasmussen and Williams 2006, chapters 2 and 5) with a Matern 5/2 kernel,
 /// one length scale a feature and a learned warp of every feature.
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -55,7 +56,7 @@ class GaussianProcess {
   [[nodiscard]] Eigen::MatrixXd scaled(const Eigen::MatrixXd& x) const;
   GaussianProcessHyperparameters hyperparameters_;
   Eigen::MatrixXd points_;  ///< scaled training features, (features, n)
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Cholesky factor_;
   Eigen::VectorXd weights_;  ///< R^-1 z
   double variance_ = 0;
 };

@@ -1,12 +1,12 @@
 #include "forward/surrogate/lasso.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/errors.hpp"
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -85,8 +85,8 @@ class Lasso::Workspace {
       downhill = -(h * zs);
       for (Eigen::Index i = 0; i < s; ++i) downhill[i] += q_[support[std::size_t(i)]] - std::copysign(half, zs[i]);
       h.diagonal().array() += 1e-14 * h.trace() / double(s);
-      const Eigen::LLT<Eigen::MatrixXd> factor(h);
-      if (factor.info() != Eigen::Success) return;
+      const Cholesky factor(h);
+      if (!factor.positive_definite()) return;
       const Eigen::VectorXd step = factor.solve(downhill);
       if (!step.allFinite()) return;
       double length = 1;

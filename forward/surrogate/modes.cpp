@@ -1,8 +1,7 @@
 #include "forward/surrogate/modes.hpp"
 
-#include <Eigen/SVD>
-
 #include "base/errors.hpp"
+#include "base/linear_algebra.hpp"
 #include "base/parallel.hpp"
 #include "forward/surrogate/stored_array.hpp"
 
@@ -25,8 +24,8 @@ ModeBasis::ModeBasis(const Eigen::MatrixXf& histories, std::size_t series, const
     }
     centred.array().colwise() /= scale_.cast<double>().array();
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& s = svd.singularValues();
+  const SingularValues svd = singular_values(centred);
+  const Eigen::VectorXd& s = svd.values;
   const double total = s.squaredNorm();
   Eigen::Index kept = 0;
   double carried = 0;
@@ -36,9 +35,9 @@ ModeBasis::ModeBasis(const Eigen::MatrixXf& histories, std::size_t series, const
     ++kept;
   }
   energy_ = total > 0 ? carried / total : 1;
-  vectors_ = svd.matrixU().leftCols(kept).cast<float>();
+  vectors_ = svd.left.leftCols(kept).cast<float>();
   deviation_ = s.head(kept) / std::sqrt(double(n));
-  const Eigen::MatrixXd missed = svd.matrixU().rightCols(s.size() - kept) * s.tail(s.size() - kept).asDiagonal();
+  const Eigen::MatrixXd missed = svd.left.rightCols(s.size() - kept) * s.tail(s.size() - kept).asDiagonal();
   discarded_ = (missed.rowwise().squaredNorm().array() / double(n) * scale_.cast<double>().array().square()).cast<float>();
   make_map();
 }

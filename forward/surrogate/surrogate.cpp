@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "base/json.hpp"
 #include "forward/surrogate/stored_array.hpp"
 
 namespace calomel {

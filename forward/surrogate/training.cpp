@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+
 namespace calomel {
 namespace {
 

@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/options.hpp"
 #include "base/random.hpp"
 #include "forward/surrogate/surrogate.hpp"
 
 namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
 
 /// Errors over held-out runs. mae and rmse in the data's unit; r2 is pooled, 1 - sum error^2 / sum (y - mean over the
 /// held-out runs)^2, NaN where the runs do not differ.

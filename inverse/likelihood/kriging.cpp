@@ -1,6 +1,5 @@
 #include "inverse/likelihood/kriging.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,9 +26,9 @@ Kriging::Kriging(std::vector<Parameter> parameters, const Eigen::MatrixXd& theta
   fit(outputs.transpose() * outputs);
   // P = R^-1 - R^-1 1 (1' R^-1 1)^-1 1' R^-1, of rank n - 1.
   const Eigen::Index n = size();
-  const Eigen::MatrixXd p = factor_.solve(Eigen::MatrixXd::Identity(n, n)) - ones_ * ones_.transpose() / ones_.sum();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(p);
-  root_ = eigen.eigenvectors().rightCols(n - 1) * (eigen.eigenvalues().tail(n - 1).cwiseMax(0.0) / double(n - 1)).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd p = factor_.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))) - ones_ * ones_.transpose() / ones_.sum();
+  const SymmetricEigen eigen = symmetric_eigen(p);
+  root_ = eigen.vectors.rightCols(n - 1) * (eigen.values.tail(n - 1).cwiseMax(0.0) / double(n - 1)).cwiseSqrt().asDiagonal();
 }
 
 Eigen::VectorXd Kriging::scaled(std::span<const double> theta) const {
@@ -51,13 +50,13 @@ Eigen::MatrixXd Kriging::correlation(const Eigen::VectorXd& lengths, double nugg
 }
 
 double Kriging::deviance(const Eigen::VectorXd& lengths, double nugget, const Eigen::MatrixXd& gram) const {
-  const Eigen::LLT<Eigen::MatrixXd> factor(correlation(lengths, nugget));
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd ones = factor.solve(Eigen::VectorXd::Ones(size()));
+  const Cholesky factor(correlation(lengths, nugget));
+  if (!factor.positive_definite()) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd ones = factor.solve(Eigen::VectorXd(Eigen::VectorXd::Ones(size())));
   const double squares = factor.solve(gram).trace() - ones.dot(gram * ones) / ones.sum();
   const double floor = 1e-12 * gram.trace();  // what is constant over the points has no scatter to learn from
   const double prior = (lengths.array() / usual_length).log().square().sum() / (length_spread * length_spread);
-  return double(size() - 1) * std::log(std::max(squares, floor)) + 2 * factor.matrixLLT().diagonal().array().log().sum() + std::log(ones.sum()) + prior;
+  return double(size() - 1) * std::log(std::max(squares, floor)) + 2 * factor.half_log_determinant() + std::log(ones.sum()) + prior;
 }
 
 void Kriging::fit(const Eigen::MatrixXd& gram) {
@@ -75,8 +74,8 @@ void Kriging::fit(const Eigen::MatrixXd& gram) {
       }
     }
   }
-  factor_.compute(correlation(lengths_, nugget_));
-  ones_ = factor_.solve(Eigen::VectorXd::Ones(size()));
+  factor_ = Cholesky(correlation(lengths_, nugget_));
+  ones_ = factor_.solve(Eigen::VectorXd(Eigen::VectorXd::Ones(size())));
 }
 
 Eigen::VectorXd Kriging::weights(std::span<const double> theta) const {

@@ -1,11 +1,11 @@
 #pragma once
 /// Ordinary kriging of many outputs with one correlation: a prediction is a weighted sum of what was seen, the same weights for all outputs.
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <span>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 #include "forward/parameter.hpp"
 
@@ -49,7 +49,7 @@ class Kriging {
   Eigen::MatrixXd points_;  ///< scaled, (n_parameters, n)
   Eigen::VectorXd lengths_;
   double nugget_ = 0;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Cholesky factor_;
   Eigen::VectorXd ones_;  ///< R^-1 1
   Eigen::MatrixXd root_;
 };

@@ -73,12 +73,12 @@ double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp
 ErrorDistribution::ErrorDistribution(const Eigen::MatrixXd& covariance, double freedom) : variance_(covariance.diagonal()), freedom_(freedom) {
   expect(covariance.rows() > 0 && covariance.rows() == covariance.cols() && freedom > 0, "a covariance is square");
   if (!(variance_.minCoeff() > 0)) throw NumericsError("the covariance of the data has a variance that is not positive");
-  factor_.compute(covariance);
-  if (factor_.info() != Eigen::Success) throw NumericsError("the covariance of the data is not positive definite");
+  factor_ = Cholesky(covariance);
+  if (!factor_.positive_definite()) throw NumericsError("the covariance of the data is not positive definite");
   const Eigen::VectorXd inverse = variance_.cwiseSqrt().cwiseInverse();
   const double p = double(size());
   effective_data_ = p * p / (inverse.asDiagonal() * covariance * inverse.asDiagonal()).squaredNorm();
-  const double half_log_det = factor_.matrixLLT().diagonal().array().log().sum();
+  const double half_log_det = factor_.half_log_determinant();
   log_norm_ = std::isinf(freedom) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det
                                   : std::lgamma((freedom + p) / 2) - std::lgamma(freedom / 2) - 0.5 * p * std::log(freedom * std::numbers::pi) - half_log_det;
 }

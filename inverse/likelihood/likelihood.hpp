@@ -1,7 +1,6 @@
 #pragma once
 /// The likelihood of the mean records with all that is not the parameters' marginalised: one Gaussian, or multivariate t, for
 /// calibration, samplers and diagnosis alike.
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "base/options.hpp"
 #include "inverse/likelihood/mesh_error.hpp"
 #include "inverse/likelihood/replicate_noise.hpp"
@@ -74,10 +74,10 @@ class ErrorDistribution {
   /// `freedom`: of the scale; infinity is the Gaussian. Errors: NumericsError when the covariance is not positive definite.
   ErrorDistribution(const Eigen::MatrixXd& covariance, double freedom);
 
-  [[nodiscard]] Eigen::Index size() const { return factor_.rows(); }
+  [[nodiscard]] Eigen::Index size() const { return factor_.size(); }
   [[nodiscard]] double freedom() const { return freedom_; }
   /// L^-1 r, of unit covariance; columns at once.
-  [[nodiscard]] Eigen::MatrixXd whiten(const Eigen::MatrixXd& residuals) const { return factor_.matrixL().solve(residuals); }
+  [[nodiscard]] Eigen::MatrixXd whiten(const Eigen::MatrixXd& residuals) const { return factor_.solve_lower(residuals); }
   [[nodiscard]] double chi2(const Eigen::VectorXd& residual) const { return whiten(residual).col(0).squaredNorm(); }
   /// log density at a residual of this chi2.
   [[nodiscard]] double log_density_at(double chi2) const;
@@ -95,7 +95,7 @@ class ErrorDistribution {
   [[nodiscard]] double effective_chi2(const Eigen::VectorXd& residual) const;
 
  private:
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Cholesky factor_;
   Eigen::VectorXd variance_;
   double freedom_ = 0, log_norm_ = 0, effective_data_ = 0;
 };

@@ -1,10 +1,11 @@
 #include "inverse/likelihood/replicate_noise.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -140,12 +141,12 @@ Eigen::VectorXd modulation_of(const Eigen::MatrixXd& e, std::span<const Window> 
 }
 
 double profile_log_likelihood(const Eigen::MatrixXd& u, const Eigen::MatrixXd& covariance) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  if (factor.info() != Eigen::Success) return -infinity;
+  const Cholesky factor(covariance);
+  if (!factor.positive_definite()) return -infinity;
   const double n = double(u.rows()), pulses = double(u.cols()) - 1;  // the mean took one pulse's worth
-  const double chi2 = factor.matrixL().solve(u).squaredNorm();
+  const double chi2 = factor.solve_lower(u).squaredNorm();
   if (!(chi2 > 0)) return -infinity;
-  return -0.5 * n * pulses * std::log(chi2 / (n * pulses)) - pulses * factor.matrixLLT().diagonal().array().log().sum();
+  return -0.5 * n * pulses * std::log(chi2 / (n * pulses)) - pulses * factor.half_log_determinant();
 }
 
 Eigen::MatrixXd pulse_covariance(const SeriesNoise& s, std::span<const Window> windows, std::span<const double> record_time, double scale) {

@@ -2,12 +2,12 @@
 
 #include <gsl/gsl_integration.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 #include "inverse/optimizer/generation.hpp"
 
@@ -33,11 +33,7 @@ Rule gauss_hermite(int points) {
 /// A rotation drawn evenly: the orthogonal factor of a Gaussian matrix, its signs fixed by the diagonal of R.
 Eigen::MatrixXd random_basis(Eigen::Index d, RandomStream& random) {
   const Eigen::MatrixXd gaussian = Eigen::MatrixXd::NullaryExpr(d, d, [&] { return random.normal(); });
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(gaussian);
-  Eigen::MatrixXd q = qr.householderQ();
-  for (Eigen::Index k = 0; k < d; ++k)
-    if (qr.matrixQR()(k, k) < 0) q.col(k) *= -1;
-  return q;
+  return orthogonal_factor(gaussian);
 }
 
 Eigen::VectorXd projected(const Eigen::VectorXd& x) { return x.cwiseMax(0.0).cwiseMin(1.0); }

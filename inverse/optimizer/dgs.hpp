@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
-#include <pagmo/population.hpp>
 #include <string>
 #include <vector>
 

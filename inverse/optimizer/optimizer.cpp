@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <pagmo/algorithm.hpp>
 #include <pagmo/population.hpp>
 #include <pagmo/problem.hpp>
 

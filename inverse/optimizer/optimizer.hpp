@@ -4,12 +4,12 @@
 /// algorithms here that pass each generation to the problem's batch_fitness; cmaes is pagmo's.
 #include <Eigen/Core>
 #include <functional>
-#include <pagmo/algorithm.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/registry.hpp"
+#include "inverse/optimizer/pagmo_fwd.hpp"
 
 namespace calomel {
 

@@ -15,8 +15,10 @@
 #include <cmath>
 
 #include "apps/study_case.hpp"
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/parallel.hpp"
+#include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/added_runs.hpp"

@@ -16,6 +16,8 @@
 #include <pagmo/algorithms/gwo.hpp>
 
 #include "apps/study_case.hpp"
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 #include "inverse/optimizer/dgs.hpp"

@@ -1,6 +1,7 @@
 // `calomel calibrate` as a whole: what becomes of a summary when the floor that it reads is measured anew, and which options of MAP the others' deviations hang on.
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;

@@ -1,5 +1,6 @@
 // `calomel campaign` as a whole: the repeatability floor at its end, a kill in it, and what belongs to a campaign's identity.
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/regression/slice_case.hpp"
 

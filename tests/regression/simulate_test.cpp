@@ -1,5 +1,6 @@
 // `calomel simulate` as a whole: a run that is killed goes on and ends the same; what simulate.json and fields.exo hold.
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/regression/slice_case.hpp"
 

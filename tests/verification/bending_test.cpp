@@ -1,4 +1,5 @@
 // A free plate of 100 x 5 mm in plane strain, against Timoshenko's beam with E' = E/(1 - nu^2) (physics.md section 4).
+#include "base/linear_algebra.hpp"
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -73,7 +74,7 @@ Vibration vibrate(int through, int along, const LinearElastic& moduli) {
   const auto amplitude = [&](std::span<const double> y) {
     Eigen::MatrixXd a(Eigen::Index(y.size()), 3);
     for (Eigen::Index i = 0; i < a.rows(); ++i) a.row(i) << 1, std::cos(2 * M_PI * v.frequency * out.times[std::size_t(i)]), std::sin(2 * M_PI * v.frequency * out.times[std::size_t(i)]);
-    const Eigen::Vector3d c = (a.transpose() * a).ldlt().solve(a.transpose() * Eigen::Map<const Eigen::VectorXd>(y.data(), a.rows()));
+    const Eigen::Vector3d c = solve_symmetric(a.transpose() * a, Eigen::VectorXd(a.transpose() * Eigen::Map<const Eigen::VectorXd>(y.data(), a.rows())));
     return std::hypot(c[1], c[2]);
   };
   const double mean_curvature = (beam.psi(h) - beam.psi(-h)) / (2 * h);

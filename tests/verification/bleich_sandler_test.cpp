@@ -4,6 +4,8 @@
 // by the pressure from below and rise together at g, and the pressure in them is the hydrostatic one. So: heating pressure p0(z) = m g + rho g z
 // (gauge), the same on the lower end of the column, cutoff p_atm (absolute pressure 0); g t comes off the velocities afterwards. The liquid is
 // 18 m deep in place of 3.81 m with a non-reflecting lower face: nothing comes back from below within 12 ms.
+#include <fmt/format.h>
+
 #include "tests/verification/column.hpp"
 #include "tests/verification/rows.hpp"
 

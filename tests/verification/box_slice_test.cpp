@@ -2,6 +2,8 @@
 // differences, Richardson-extrapolated from 0.25 and 0.125 mm), relative L2 per gauge over 0.5 ms.
 #include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <map>
 #include <sstream>
 
 #include "forward/built_in_model.hpp"

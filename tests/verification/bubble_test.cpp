@@ -1,4 +1,6 @@
 // Bubbles alone and the sound of a bubbly liquid (physics.md section 4).
+#include <fmt/format.h>
+
 #include "tests/verification/bubbles.hpp"
 #include "tests/verification/rows.hpp"
 

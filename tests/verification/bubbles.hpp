@@ -2,6 +2,7 @@
 /// Bubbles alone, and a liquid with bubbles at one point.
 #include <complex>
 
+#include "base/linear_algebra.hpp"
 #include "forward/mechanism/bubbly_liquid.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -76,15 +77,15 @@ inline double soft(double t, double rise) { return t >= rise ? 1 : 0.5 - 0.5 * s
 inline double phase_speed(const BubblyLiquid& law, double f, double small) {
   const double w = 2 * M_PI * f, dt = 2.5e-7, rise = 12 / f + 2e-3, end = rise + 10 / f;
   OnePoint point(law, dt);
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3, 3);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(3);
   for (double t = 0; t < end; t += dt) {
     const double p = point.step(small * soft(t, rise) * std::sin(w * t));
     if (t < rise) continue;
     const Eigen::Vector3d a(std::sin(w * t), std::cos(w * t), 1);
     normal += a * a.transpose(), right += p * a;
   }
-  const Eigen::Vector3d fit = normal.ldlt().solve(right);
+  const Eigen::Vector3d fit = solve_symmetric(normal, right);
   const std::complex<double> modulus(-fit[0] / small, -fit[1] / small);
   return w / (w * std::sqrt(mercury_density / modulus)).real();
 }

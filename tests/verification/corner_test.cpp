@@ -2,6 +2,8 @@
 // No closed solution: 1531.8 Hz is extrapolated from uncorrected runs with 5, 10 and 20 elements through the legs (1540.18,
 // 1535.77, 1533.69 Hz), whose differences fall by 2.12, the 2^1.09 that the exponent 0.544 of a 270 degree corner predicts
 // (Williams 1952).
+#include <fmt/format.h>
+
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 

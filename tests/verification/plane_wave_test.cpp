@@ -1,4 +1,6 @@
 // Plane waves: speed, order under refinement, and reflection where mercury meets steel.
+#include <fmt/format.h>
+
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -1,5 +1,7 @@
 // A simply supported plate of 0.4 x 0.3 m, dry (physics.md section 4): thin-plate theory (Navier), f11 = pi/2 sqrt(D/(rho h)) (1/a^2 + 1/b^2).
 // Shear and rotary inertia (Mindlin 1951) take (kh)^2/24 (1 + 2/(kappa (1 - nu))) off, 0.05 % at 3 mm and 0.08 % at 5 mm.
+#include <fmt/format.h>
+
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -1,5 +1,6 @@
 // The same answer whatever the number of threads, the use of the SIMD lanes, the precision and the instruction set.
 #include <cstdlib>
+#include <iostream>
 
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/solver/load.hpp"

@@ -1,5 +1,7 @@
 // A steel ring of 50 mm inner radius filled with mercury, plane strain, breathing modes (physics.md section 4). Exact: in the steel
 // u = A J1(k_L r) + B Y1(k_L r), k_L = omega / c_L; in the mercury p = P J0(k r), k = omega / c; radial stress and motion common at R.
+#include <fmt/format.h>
+
 #include "forward/mesh/section.hpp"
 #include "tests/verification/disc_section.hpp"
 #include "tests/verification/roots.hpp"

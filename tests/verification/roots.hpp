@@ -1,5 +1,6 @@
 #pragma once
 /// Roots of characteristic equations, and frequencies of records that hold several tones.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <span>

@@ -1,5 +1,7 @@
 // First longitudinal mode of a round bar (Pochhammer 1876, Chree 1889), nu = 0.29. A bar whose plane ends cannot move along x swings
 // exactly in the mode with k = pi / L; its frequency at that k gives c = omega / k.
+#include <fmt/format.h>
+
 #include "forward/mesh/make_mesh.hpp"
 #include "tests/verification/roots.hpp"
 #include "tests/verification/rows.hpp"

@@ -6,6 +6,8 @@
 // (1 + nu)((1 - 2 nu) r_i^2 + r_o^2)/(r_o^2 - r_i^2)): 2 to 3 % slower at 3 to 5 mm. That is the reference. A wall whose
 // particles are all held along the axis also resists in shear, (1 - nu)/2 (k R)^2 = 0.9 % of its hoop stiffness at this wavelength, which the reference
 // includes; radial inertia of the mercury, which takes (k R)^2 / 16 = 0.15 % off the speed, it does not.
+#include <fmt/format.h>
+
 #include "forward/mesh/section.hpp"
 #include "tests/verification/disc_section.hpp"
 #include "tests/verification/rows.hpp"

@@ -1,6 +1,8 @@
 // Flexural waves of a steel plate with mercury (c = 1456 m/s) on one side (physics.md section 4). Tabulated: thin plate,
 // (D k^4 - m w^2) sqrt(k^2 - w^2/c^2) = rho w^2. That leaves out shear and rotary inertia, k h = 0.19 to 0.52 here, up to 3 %; the reference is
 // the same problem with the plate as an elastic layer (Lamb 1917) under mercury of the mesh's depth with a rigid lid.
+#include <fmt/format.h>
+
 #include "tests/verification/roots.hpp"
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"

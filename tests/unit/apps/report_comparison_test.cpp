@@ -3,6 +3,8 @@
 #include "apps/report/comparison_tables.hpp"
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "report_study.hpp"
 
 namespace calomel {

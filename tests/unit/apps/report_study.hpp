@@ -6,6 +6,7 @@
 
 #include "apps/report/report.hpp"
 #include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
 #include "tests/scratch.hpp"

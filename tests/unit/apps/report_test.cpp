@@ -15,6 +15,8 @@
 #include "apps/report/table.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "tests/unit/apps/report_study.hpp"
 
 using namespace calomel;

@@ -7,6 +7,7 @@
 
 #include "base/identity.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;

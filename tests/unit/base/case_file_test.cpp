@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "base/json.hpp"
+
 using namespace calomel;
 using testing::HasSubstr;
 

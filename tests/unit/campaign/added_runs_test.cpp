@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;

@@ -9,7 +9,9 @@
 #include <fstream>
 #include <thread>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
 #include "tests/scratch.hpp"

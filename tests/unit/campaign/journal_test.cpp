@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "tests/scratch.hpp"
 

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "tests/scratch.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/json.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;

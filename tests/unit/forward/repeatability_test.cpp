@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 

@@ -3,9 +3,12 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
+#include "base/linear_algebra.hpp"
+#include "base/provenance.hpp"
 #include "inverse/drawn_errors.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/spe.hpp"
@@ -65,7 +68,7 @@ Eigen::MatrixXd least_squares_covariance(const Linear& c, double weight) {
   for (Eigen::Index i = 0; i < p; ++i) g(i, 0) = slow(double(i) * 1e-6), g(i, 1) = weight * fast(double(i) * 1e-6);
   const auto& grid = e.records.grid();
   const Eigen::MatrixXd lifted = grid.lift(Eigen::MatrixXd::Identity(Eigen::Index(grid.size()), Eigen::Index(grid.size())));
-  const Eigen::MatrixXd gain = (g.transpose() * g).inverse() * g.transpose() * lifted;
+  const Eigen::MatrixXd gain = inverse(g.transpose() * g) * g.transpose() * lifted;
   return gain * e.records.covariance() * gain.transpose();
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "base/provenance.hpp"
+
 namespace calomel {
 namespace {
 

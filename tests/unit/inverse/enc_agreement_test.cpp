@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/json.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/likelihood/likelihood.hpp"
 #include "inverse/objective_slope.hpp"

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "oscillations.hpp"
 #include "tests/scratch.hpp"
 

@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "base/json.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "inverse/map_judgement.hpp"
 #include "tests/unit/inverse/lines.hpp"

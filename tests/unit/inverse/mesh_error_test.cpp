@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/linear_algebra.hpp"
 #include "inverse/refined_model.hpp"
 #include "tests/unit/inverse/lines.hpp"
 
@@ -39,7 +40,7 @@ Drawn drawn(RandomStream& random, int n, int outputs, double nugget) {
   Eigen::MatrixXd r(n, n);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) r(i, j) = std::exp(-0.5 * ((d.theta.col(i) - d.theta.col(j)) / 2).squaredNorm() / (0.4 * 0.4)) + (i == j ? nugget : 0.0);
-  const Eigen::MatrixXd l = r.llt().matrixL();
+  const Eigen::MatrixXd l = Cholesky(r).lower();
   for (int k = 0; k < outputs; ++k) {
     Eigen::VectorXd e(n);
     for (auto& v : e) v = random.normal();

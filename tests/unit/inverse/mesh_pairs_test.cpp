@@ -5,8 +5,10 @@
 
 #include <cmath>
 
+#include "base/artefact.hpp"
 #include "base/errors.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/spe.hpp"
 #include "meshed.hpp"

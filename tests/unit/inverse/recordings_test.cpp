@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
 #include "tests/scratch.hpp"

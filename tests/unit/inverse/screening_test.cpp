@@ -3,9 +3,10 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/QR>
 #include <cmath>
 
+#include "base/json.hpp"
+#include "base/linear_algebra.hpp"
 #include "inverse/map.hpp"
 #include "tests/unit/inverse/lines.hpp"
 
@@ -27,7 +28,7 @@ struct Case {
   std::vector<double> history = model.evaluate(std::vector<double>{1}).mean;
   Eigen::MatrixXd fitted = Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size()));
   Eigen::MatrixXd jacobian = likelihood.errors().whiten(likelihood.grid().apply(fitted));
-  Eigen::MatrixXd factor = likelihood.covariance().llt().matrixL();
+  Eigen::MatrixXd factor = Cholesky(likelihood.covariance()).lower();
 
   /// Two shapes in time that the model knows nothing of.
   [[nodiscard]] LeftOut other() const {
@@ -140,7 +141,7 @@ TEST(Screening, WhatTheParametersCanDoIsNotHeldAgainstTheModel) {
 TEST(Screening, NearlyParallelColumnsLeaveWhatLeastSquaresLeave) {
   const Case c;
   const Eigen::VectorXd r = c.residual(1, {3, 1.5}, 1), white = c.likelihood.errors().whiten(r);
-  const auto left = [&](const Eigen::MatrixXd& columns) { return (white - columns * Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(columns).solve(white)).squaredNorm(); };
+  const auto left = [&](const Eigen::MatrixXd& columns) { return (white - columns * least_squares(columns, white)).squaredNorm(); };
   const Eigen::MatrixXd other = c.likelihood.errors().whiten(c.likelihood.grid().apply(c.other().directions));
   for (const double apart : {1.0, 1e-2, 1e-3}) {
     // Of the second column only what is `apart` is new: so much of the other's first shape. The third says nothing new.

@@ -6,8 +6,10 @@
 #include <numbers>
 #include <set>
 
+#include "base/artefact.hpp"
 #include "base/case_file.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "inverse/spe/adaptive_space.hpp"
 #include "meshed.hpp"

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "base/json.hpp"
+#include "base/provenance.hpp"
 #include "inverse/spe.hpp"
 #include "meshed.hpp"
 

@@ -1,5 +1,7 @@
 #pragma once
 /// A column along x that can only move along x, and how fast its standing waves die away.
+#include <map>
+
 #include "forward/mechanism/mechanism.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -1,5 +1,6 @@
 #include "forward/mechanism/sensor_response.hpp"
 
+#include "base/linear_algebra.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/sensor/channel.hpp"
@@ -33,13 +34,13 @@ TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
   const double cutoff = 50e3;
   for (const double f : {10e3, 50e3, 150e3}) {
     const auto y = respond({{"low_pass", cutoff}}, sine(f, 6000));
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(2, 2);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(2);
     for (std::size_t k = 4000; k < y.size(); ++k) {
       const Eigen::Vector2d a(std::sin(2 * M_PI * f * double(k) * interval), std::cos(2 * M_PI * f * double(k) * interval));
       normal += a * a.transpose(), right += y[k] * a;
     }
-    const Eigen::Vector2d got = normal.ldlt().solve(right);
+    const Eigen::Vector2d got = solve_symmetric(normal, right);
     const double x = f / cutoff, re = 1 - x * x, im = std::sqrt(2) * x, size = re * re + im * im;
     EXPECT_NEAR(got[0], re / size, 2e-3) << f;
     EXPECT_NEAR(got[1], -im / size, 2e-3) << f;

@@ -1,6 +1,8 @@
 // Sub-cycling: which elements are slow, that nothing is lost between them and the others, and where it stops being stable.
 #include "forward/solver/subcycles.hpp"
 
+#include <fmt/format.h>
+
 #include "base/random.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/solver/layout.hpp"

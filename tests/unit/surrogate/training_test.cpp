@@ -6,6 +6,8 @@
 #include <limits>
 #include <set>
 
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 #include "wave_family.hpp"
 
