@@ -19,6 +19,17 @@ Eigen::MatrixXf ForwardModel::means(const Eigen::MatrixXd& thetas, int threads) 
   return out;
 }
 
+HistoryBasis HistoryBasis::with(const Eigen::MatrixXd& more) const {
+  HistoryBasis b{offset, Eigen::MatrixXf(directions.rows(), directions.cols() + more.cols())};
+  b.directions << directions, more.cast<float>();
+  return b;
+}
+
+Eigen::MatrixXf ForwardModel::coefficients(const Eigen::MatrixXd&) const {
+  expect(false, "coefficients are only asked of a model with a basis");
+  return {};
+}
+
 Eigen::VectorXd ForwardModel::pull_back(std::span<const double>, std::span<const double>) const {
   expect(false, "pull_back is only called where has_gradient() is true");
   return {};

@@ -36,6 +36,15 @@ struct Prediction {
   std::vector<double> energies;      ///< relative energy of each pulse [-]
 };
 
+/// Histories as an offset plus fixed directions times coefficients that depend on the parameters.
+struct HistoryBasis {
+  Eigen::VectorXf offset;      ///< (values)
+  Eigen::MatrixXf directions;  ///< (values, n_directions)
+  [[nodiscard]] bool empty() const { return offset.size() == 0; }
+  /// The same with further directions.
+  [[nodiscard]] HistoryBasis with(const Eigen::MatrixXd& more) const;
+};
+
 class ForwardModel {
  public:
   virtual ~ForwardModel() = default;
@@ -53,6 +62,12 @@ class ForwardModel {
   [[nodiscard]] virtual bool has_gradient() const { return false; }
   /// Gradient of sum_i weights_i mean_i(theta) with respect to theta, shape (n_parameters).
   [[nodiscard]] virtual Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const;
+
+  /// Offset and directions of a model whose means are offset + directions * coefficients(theta), so that many points can be scored without writing their
+  /// histories; empty (the default) for one that is not of this form.
+  [[nodiscard]] virtual HistoryBasis basis() const { return {}; }
+  /// thetas: (n_parameters, n); result: (n_directions, n), NaN columns where a run failed. Of a model with a basis.
+  [[nodiscard]] virtual Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const;
 };
 
 /// Nominal values of the parameters, in declared order.

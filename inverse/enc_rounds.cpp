@@ -48,6 +48,7 @@ class Visited {
 Rounds search_rounds(const Problem& problem, const ForwardModel& surrogate, const Objective& objective, const RoundPlan& plan, std::uint64_t seed, int threads,
                      const std::function<void(std::size_t done)>& done) {
   const Bounds bounds = bounds_of(problem.shape);
+  const BatchCost cost(problem, surrogate, objective);
   Rounds out;
   out.rounds.resize(plan.rounds);
   std::vector<std::vector<Proposal>> pools(plan.rounds);
@@ -59,11 +60,11 @@ Rounds search_rounds(const Problem& problem, const ForwardModel& surrogate, cons
     const std::string& name = plan.optimizers[draw.below(plan.optimizers.size())];
     EncRound& r = out.rounds[round];
     if (name == gradient_search) {
-      r = gradient_round(problem, surrogate, objective, bounds, plan.population, draw(), stream);
+      r = gradient_round(problem, surrogate, objective, cost, bounds, plan.population, draw(), stream);
     } else {
       Visited visited(bounds, plan.cell);
       const BatchFunction function = [&](const Eigen::MatrixXd& points, std::span<double> values) {
-        const auto costs = objective.costs(problem, surrogate.means(points, 1), points);
+        const auto costs = cost(points);
         std::copy(costs.begin(), costs.end(), values.begin());
         if (plan.pool > 0) visited.add(points, values);
       };

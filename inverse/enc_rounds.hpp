@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "inverse/batch_scorer.hpp"
 #include "inverse/calibration.hpp"
 
 namespace calomel {
@@ -41,8 +42,8 @@ Rounds search_rounds(const Problem& problem, const ForwardModel& surrogate, cons
 
 /// A round of the gradient search: from the best of `population` random points L-BFGS on the smoothed objective, whose steps are sharpened
 /// three times; bounds are kept by x = low + (high - low) (1 + sin u) / 2. The round ends at the best point by the objective itself.
-/// `surrogate` has a gradient.
-EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, const Objective& objective, const Bounds& bounds, int population,
-                        std::uint64_t seed, std::uint64_t stream);
+/// `surrogate` has a gradient; `cost` is that of the objective on it.
+EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, const Objective& objective, const BatchCost& cost, const Bounds& bounds,
+                        int population, std::uint64_t seed, std::uint64_t stream);
 
 }  // namespace calomel

@@ -97,12 +97,15 @@ Prediction GuardedModel::evaluate(std::span<const double> theta) const {
   return model_.evaluate(theta);
 }
 
-Eigen::MatrixXf GuardedModel::means(const Eigen::MatrixXd& thetas, int threads) const {
-  Eigen::MatrixXf y = model_.means(thetas, threads);
+Eigen::MatrixXf GuardedModel::guarded(const Eigen::MatrixXd& thetas, Eigen::MatrixXf y) const {
   if (feasibility_.any_failed())
     for (Eigen::Index i = 0; i < y.cols(); ++i)
       if (!feasibility_.feasible({thetas.col(i).data(), std::size_t(thetas.rows())})) y.col(i).setConstant(std::numeric_limits<float>::quiet_NaN());
   return y;
 }
+
+Eigen::MatrixXf GuardedModel::means(const Eigen::MatrixXd& thetas, int threads) const { return guarded(thetas, model_.means(thetas, threads)); }
+
+Eigen::MatrixXf GuardedModel::coefficients(const Eigen::MatrixXd& thetas) const { return guarded(thetas, model_.coefficients(thetas)); }
 
 }  // namespace calomel

@@ -50,10 +50,14 @@ class GuardedModel final : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
   [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] HistoryBasis basis() const override { return model_.basis(); }
+  [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return model_.has_gradient(); }
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override { return model_.pull_back(theta, weights); }
 
  private:
+  /// Columns of `y` at points where the true model is likely to fail become NaN.
+  [[nodiscard]] Eigen::MatrixXf guarded(const Eigen::MatrixXd& thetas, Eigen::MatrixXf y) const;
   const ForwardModel& model_;
   const Feasibility& feasibility_;
 };

@@ -51,15 +51,15 @@ class SmoothedCost final : public ceres::FirstOrderFunction {
 
 }  // namespace
 
-EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, const Objective& objective, const Bounds& bounds, int population,
-                        std::uint64_t seed, std::uint64_t stream) {
+EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, const Objective& objective, const BatchCost& batch_cost, const Bounds& bounds,
+                        int population, std::uint64_t seed, std::uint64_t stream) {
   constexpr int most_iterations = 60;
   expect(surrogate.has_gradient(), "a gradient search needs a surrogate with a gradient");
   EncRound round{gradient_search, {}, std::numeric_limits<double>::quiet_NaN(), {}, 0};
   double best = std::numeric_limits<double>::infinity();
   const auto consider = [&](const std::vector<double>& theta) {
     const Eigen::MatrixXd point = Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size()));
-    const double cost = objective.costs(problem, surrogate.means(point, 1), point)[0];
+    const double cost = batch_cost(point)[0];
     if (round.theta.empty() || cost < best) best = cost, round.theta = theta;
     ++round.evaluations;
   };
@@ -68,7 +68,7 @@ EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, c
   Eigen::MatrixXd points(bounds.low.size(), population);
   for (Eigen::Index i = 0; i < points.cols(); ++i)
     for (Eigen::Index k = 0; k < points.rows(); ++k) points(k, i) = random.uniform(bounds.low[k], bounds.high[k]);
-  const auto costs = objective.costs(problem, surrogate.means(points, 1), points);
+  const auto costs = batch_cost(points);
   round.evaluations += costs.size();
   const auto start = Eigen::Index(std::min_element(costs.begin(), costs.end()) - costs.begin());
   best = costs[std::size_t(start)], round.theta.assign(points.col(start).begin(), points.col(start).end());

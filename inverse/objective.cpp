@@ -28,7 +28,10 @@ std::vector<double> Objective::costs(const Problem& problem, const Eigen::Matrix
     }
     return out;
   }
-  const BatchScore s = score_batch(problem, values);
+  return costs(score_batch(problem, values));
+}
+
+std::vector<double> Objective::costs(const BatchScore& s) const {
   std::vector<double> out(s.mae.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = cost(formula(s.accuracy[i], s.mae[i], s.nrmse[i], s.delta1[i], s.delta2[i]));
   return out;

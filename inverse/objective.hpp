@@ -33,6 +33,8 @@ struct Objective {
   [[nodiscard]] double value(const Score& score) const;
   /// The published number -> what an optimiser minimises; a failed run (NaN) is +infinity. Its own inverse on finite numbers.
   [[nodiscard]] double cost(double value) const;
+  /// Costs of scores; of an objective with a formula. Result: (n).
+  [[nodiscard]] std::vector<double> costs(const BatchScore& scores) const;
   /// Costs of many histories at once. values: (shape.values(), n); thetas: (n_parameters, n), needed only where there is no formula; result: (n).
   [[nodiscard]] std::vector<double> costs(const Problem& problem, const Eigen::MatrixXf& values, const Eigen::MatrixXd& thetas = {}) const;
 };

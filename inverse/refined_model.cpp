@@ -39,6 +39,18 @@ Eigen::MatrixXf RefinedModel::means(const Eigen::MatrixXd& thetas, int threads) 
   return y;
 }
 
+HistoryBasis RefinedModel::basis() const {
+  HistoryBasis own = base_.basis();
+  return own.empty() ? own : own.with(errors_);
+}
+
+Eigen::MatrixXf RefinedModel::coefficients(const Eigen::MatrixXd& thetas) const {
+  const Eigen::MatrixXf own = base_.coefficients(thetas);
+  Eigen::MatrixXf all(own.rows() + kriging_.size(), own.cols());
+  all << own, kriging_.weights_at(thetas).cast<float>();
+  return all;
+}
+
 Eigen::VectorXd RefinedModel::pull_back(std::span<const double> theta, std::span<const double> weights) const {
   return base_.pull_back(theta, weights) + kriging_.slope(theta, errors_.transpose() * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
 }

@@ -16,6 +16,8 @@ class RefinedModel final : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return base_.shape(); }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
   [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] HistoryBasis basis() const override;
+  [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return base_.has_gradient(); }
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
 

@@ -15,6 +15,19 @@ Eigen::MatrixXf ShiftedModel::means(const Eigen::MatrixXd& thetas, int threads) 
   return y;
 }
 
+HistoryBasis ShiftedModel::basis() const {
+  HistoryBasis own = model_.basis();
+  return own.empty() || mesh_.empty() ? own : own.with(mesh_.shift_directions());
+}
+
+Eigen::MatrixXf ShiftedModel::coefficients(const Eigen::MatrixXd& thetas) const {
+  const Eigen::MatrixXf own = model_.coefficients(thetas);
+  if (mesh_.empty()) return own;
+  Eigen::MatrixXf all(own.rows() + mesh_.pairs(), own.cols());
+  all << own, mesh_.kriging().weights_at(thetas).cast<float>();
+  return all;
+}
+
 Eigen::VectorXd ShiftedModel::pull_back(std::span<const double> theta, std::span<const double> weights) const {
   const Eigen::VectorXd own = model_.pull_back(theta, weights);
   return mesh_.empty() ? own : Eigen::VectorXd(own + mesh_.pull_back(theta, weights));

@@ -17,6 +17,8 @@ class ShiftedModel final : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
   [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] HistoryBasis basis() const override;
+  [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return model_.has_gradient(); }
   /// The slope of the shift included.
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;

@@ -1,9 +1,6 @@
 #include "forward/solver/kernel.hpp"
 
-#include <cstdlib>
-#include <string>
-
-#include "base/errors.hpp"
+#include "base/instruction_set.hpp"
 
 namespace calomel {
 
@@ -23,15 +20,10 @@ CALOMEL_DECLARE(isa_avx512)
 
 template <class R>
 const KernelTable<R>& kernels() {
-  const char* wish = std::getenv("CALOMEL_ISA");
-  const std::string isa = wish ? wish : "";
-  if (!isa.empty() && isa != "baseline" && isa != "avx2" && isa != "avx512")
-    throw InputError({.problem = "not an instruction set", .key = "CALOMEL_ISA", .value = '"' + isa + '"', .range = "baseline, avx2, avx512"});
+  [[maybe_unused]] const InstructionSet isa = instruction_set();
 #if defined(__x86_64__)
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
-  if (avx512 && (isa.empty() || isa == "avx512")) return isa_avx512::table<R>();
-  if (avx2 && isa != "baseline") return isa_avx2::table<R>();
+  if (isa == InstructionSet::avx512) return isa_avx512::table<R>();
+  if (isa == InstructionSet::avx2) return isa_avx2::table<R>();
 #endif
   return isa_baseline::table<R>();
 }

@@ -9,6 +9,7 @@
 
 #include "base/netcdf_file.hpp"
 #include "base/registry.hpp"
+#include "forward/model.hpp"
 #include "forward/parameter.hpp"
 #include "forward/surrogate/options.hpp"
 
@@ -19,6 +20,10 @@ class Emulator {
   virtual ~Emulator() = default;
   /// thetas: (n_parameters, n), natural units; result: (values, n). The same for any number of threads.
   [[nodiscard]] virtual Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const = 0;
+  /// Offset and directions of a kind whose histories are offset + directions * coefficients(theta); empty for one that is not of this form.
+  [[nodiscard]] virtual HistoryBasis basis() const { return {}; }
+  /// thetas: (n_parameters, n); result: (n_directions, n). Of a kind with a basis.
+  [[nodiscard]] virtual Eigen::MatrixXf coefficients(const Eigen::MatrixXd&) const { return {}; }
   /// Gradient of weights . history(theta) by theta (n_parameters); weights: (values).
   [[nodiscard]] virtual Eigen::VectorXd pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const = 0;
   /// Predictive variance of the values where the kind has one of its own, else empty.

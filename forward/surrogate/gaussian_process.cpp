@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/errors.hpp"
+#include "forward/surrogate/matern_kernel.hpp"
 
 namespace calomel {
 namespace {
@@ -151,6 +152,10 @@ GaussianProcess::GaussianProcess(const Eigen::MatrixXd& x, const Eigen::VectorXd
     throw NumericsError("surrogate: the covariance matrix of a Gaussian process is not positive definite; are two runs at the same point?");
   weights_ = factor_.solve(z);
   variance_ = z.dot(weights_) / double(z.size());
+  const Eigen::Index n = x.cols(), padded = (n + matern_padding - 1) / matern_padding * matern_padding;
+  padded_points_ = Eigen::MatrixXd::Zero(padded, x.rows()), padded_weights_ = Eigen::VectorXd::Zero(padded);
+  padded_points_.topRows(n) = sqrt5 * points_.transpose(), padded_weights_.head(n) = weights_;
+  stretch_ = sqrt5 * (-hyperparameters_.log_length.array()).exp();
 }
 
 Eigen::MatrixXd GaussianProcess::scaled(const Eigen::MatrixXd& x) const {
@@ -162,7 +167,14 @@ Eigen::MatrixXd GaussianProcess::scaled(const Eigen::MatrixXd& x) const {
   return w;
 }
 
-Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& x) const { return matern(squared_distances(points_, scaled(x))).matrix().transpose() * weights_; }
+Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& x, InstructionSet isa) const {
+  Eigen::VectorXd out(x.cols());
+  std::vector<double> scratch(std::size_t(padded_weights_.size() + x.rows() * matern_padding));
+  matern_means(isa)({.points = padded_weights_.size(), .features = x.rows(), .at = padded_points_.data(), .weights = padded_weights_.data(),
+                     .kappa = hyperparameters_.kappa.data(), .stretch = stretch_.data()},
+                    x.data(), x.cols(), out.data(), scratch.data());
+  return out;
+}
 
 Eigen::VectorXd GaussianProcess::gradient(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd at = scaled(x);

@@ -3,6 +3,7 @@
 /// one length scale a feature and a learned warp of every feature.
 #include <Eigen/Core>
 
+#include "base/instruction_set.hpp"
 #include "base/linear_algebra.hpp"
 
 namespace calomel {
@@ -44,8 +45,8 @@ class GaussianProcess {
 
   [[nodiscard]] const GaussianProcessHyperparameters& hyperparameters() const { return hyperparameters_; }
   [[nodiscard]] double variance_scale() const { return variance_; }
-  /// Means at x: (features, m); result (m).
-  [[nodiscard]] Eigen::VectorXd means(const Eigen::MatrixXd& x) const;
+  /// Means at x: (features, m); result (m). The same to rounding by any instruction set.
+  [[nodiscard]] Eigen::VectorXd means(const Eigen::MatrixXd& x, InstructionSet isa = instruction_set()) const;
   /// Gradient of the mean by x (features).
   [[nodiscard]] Eigen::VectorXd gradient(const Eigen::VectorXd& x) const;
   /// Predictive variance of a new run at x, its roughness (the nugget) included.
@@ -58,6 +59,9 @@ class GaussianProcess {
   Eigen::MatrixXd points_;  ///< scaled training features, (features, n)
   Cholesky factor_;
   Eigen::VectorXd weights_;  ///< R^-1 z
+  // For the inner loop of means (see MaternProcess): sqrt5 times the points, transposed, and the weights, padded by zeros.
+  Eigen::MatrixXd padded_points_;
+  Eigen::VectorXd padded_weights_, stretch_;
   double variance_ = 0;
 };
 

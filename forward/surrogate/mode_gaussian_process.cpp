@@ -36,12 +36,18 @@ std::unique_ptr<Emulator> ModeGaussianProcess::train(const TrainingSet& set, con
   return std::unique_ptr<Emulator>(new ModeGaussianProcess(std::move(inputs), std::move(basis), x, z, std::move(processes)));
 }
 
-Eigen::MatrixXf ModeGaussianProcess::histories(const Eigen::MatrixXd& thetas, int threads) const {
+Eigen::MatrixXd ModeGaussianProcess::whitened(const Eigen::MatrixXd& thetas, int threads) const {
   const Eigen::MatrixXd x = inputs_.features(thetas);
   Eigen::MatrixXd z(basis_.modes(), x.cols());
   parallel_for(processes_.size(), threads, [&](std::size_t k) { z.row(Eigen::Index(k)) = processes_[k].means(x).transpose(); });
-  return basis_.histories(z, threads);
+  return z;
 }
+
+Eigen::MatrixXf ModeGaussianProcess::histories(const Eigen::MatrixXd& thetas, int threads) const { return basis_.histories(whitened(thetas, threads), threads); }
+
+HistoryBasis ModeGaussianProcess::basis() const { return {basis_.mean(), basis_.map()}; }
+
+Eigen::MatrixXf ModeGaussianProcess::coefficients(const Eigen::MatrixXd& thetas) const { return whitened(thetas, 1).cast<float>(); }
 
 Eigen::VectorXd ModeGaussianProcess::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   const Eigen::VectorXd x = inputs_.features(theta).col(0), dz = basis_.pull_back(weights);

@@ -15,6 +15,8 @@ class ModeGaussianProcess final : public Emulator {
   static std::unique_ptr<Emulator> load(const NetcdfReader& file, const std::string& prefix);
 
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] HistoryBasis basis() const override;
+  [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] Eigen::VectorXd pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const override;
   [[nodiscard]] Eigen::VectorXd variance(const Eigen::VectorXd& theta) const override;
   void save(NetcdfWriter& file, const std::string& prefix) const override;
@@ -22,6 +24,8 @@ class ModeGaussianProcess final : public Emulator {
  private:
   ModeGaussianProcess(InputScaling inputs, ModeBasis basis, Eigen::MatrixXd x, Eigen::MatrixXd z, std::vector<GaussianProcess> processes)
       : inputs_(std::move(inputs)), basis_(std::move(basis)), x_(std::move(x)), z_(std::move(z)), processes_(std::move(processes)) {}
+  /// Means of the whitened coefficients, (modes, n).
+  [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& thetas, int threads) const;
   InputScaling inputs_;
   ModeBasis basis_;
   Eigen::MatrixXd x_;  ///< training features, (features, n_train)

@@ -76,13 +76,17 @@ std::unique_ptr<Emulator> ModeNetwork::train(const TrainingSet& set, const Surro
   return std::unique_ptr<Emulator>(new ModeNetwork(std::move(inputs), std::move(basis), std::move(weight), std::move(members)));
 }
 
-Eigen::MatrixXf ModeNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const {
+HistoryBasis ModeNetwork::basis() const { return {basis_.mean(), basis_.map()}; }
+
+Eigen::MatrixXf ModeNetwork::coefficients(const Eigen::MatrixXd& thetas) const {
   const Eigen::MatrixXf x = inputs_.features(thetas).cast<float>();
   Eigen::MatrixXf sum = members_[0].forward(x);
   for (std::size_t i = 1; i < members_.size(); ++i) sum += members_[i].forward(x);
   const Eigen::VectorXf share = (weight_ * float(members_.size())).cwiseInverse();
-  return basis_.histories((share.asDiagonal() * sum).cast<double>(), threads);
+  return share.asDiagonal() * sum;
 }
+
+Eigen::MatrixXf ModeNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const { return basis_.histories(coefficients(thetas).cast<double>(), threads); }
 
 Eigen::VectorXd ModeNetwork::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   const Eigen::MatrixXf x = inputs_.features(theta).cast<float>();

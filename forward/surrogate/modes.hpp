@@ -30,6 +30,9 @@ class ModeBasis {
 
   [[nodiscard]] Eigen::Index values() const { return mean_.size(); }
   [[nodiscard]] Eigen::Index modes() const { return deviation_.size(); }
+  /// Mean history (values), and scale * vectors * deviation (values, modes): a history is the mean plus the map times whitened coefficients.
+  [[nodiscard]] const Eigen::VectorXf& mean() const { return mean_; }
+  [[nodiscard]] const auto& map() const { return map_; }
   /// Orthonormal columns, (values, modes).
   [[nodiscard]] const Eigen::MatrixXf& vectors() const { return vectors_; }
   /// Standard deviation of each mode's coefficient over the training runs, decreasing, (modes).

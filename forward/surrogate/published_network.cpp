@@ -68,6 +68,16 @@ Eigen::MatrixXf PublishedNetwork::histories(const Eigen::MatrixXd& thetas, int t
   return y;
 }
 
+HistoryBasis PublishedNetwork::basis() const {
+  const auto& last = network_.layers().back();
+  return {mean_ + scale_ * last.b, scale_ * last.W};
+}
+
+Eigen::MatrixXf PublishedNetwork::coefficients(const Eigen::MatrixXd& thetas) const {
+  Network<float>::Tape tape;
+  return network_.hidden(inputs_.features(thetas).cast<float>(), tape);
+}
+
 Eigen::VectorXd PublishedNetwork::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   Network<float>::Tape tape;
   network_.hidden(inputs_.features(theta).cast<float>(), tape);

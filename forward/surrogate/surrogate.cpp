@@ -1,5 +1,6 @@
 #include "forward/surrogate/surrogate.hpp"
 
+#include <functional>
 #include <limits>
 
 #include "base/json.hpp"
@@ -74,17 +75,24 @@ Prediction Surrogate::evaluate(std::span<const double> theta) const {
   return p;
 }
 
-Eigen::MatrixXf Surrogate::means(const Eigen::MatrixXd& thetas, int threads) const {
+Eigen::MatrixXf Surrogate::at_inside(const Eigen::MatrixXd& thetas, const std::function<Eigen::MatrixXf(const Eigen::MatrixXd&)>& of) const {
   expect(std::size_t(thetas.rows()) == parts_.shape.parameters.size(), "a point has as many numbers as the surrogate has parameters");
   std::vector<Eigen::Index> good;
   for (Eigen::Index i = 0; i < thetas.cols(); ++i)
     if (inside(thetas.col(i).data(), nullptr)) good.push_back(i);
-  if (std::ssize(good) == thetas.cols()) return parts_.mean->histories(thetas, threads);
-  Eigen::MatrixXf y = Eigen::MatrixXf::Constant(Eigen::Index(parts_.shape.values()), thetas.cols(), std::numeric_limits<float>::quiet_NaN());
-  if (good.empty()) return y;
-  const Eigen::MatrixXd kept = thetas(Eigen::all, good);
-  y(Eigen::all, good) = parts_.mean->histories(kept, threads);
+  if (std::ssize(good) == thetas.cols()) return of(thetas);
+  const Eigen::MatrixXf kept = of(thetas(Eigen::all, good));
+  Eigen::MatrixXf y = Eigen::MatrixXf::Constant(kept.rows(), thetas.cols(), std::numeric_limits<float>::quiet_NaN());
+  y(Eigen::all, good) = kept;
   return y;
+}
+
+Eigen::MatrixXf Surrogate::means(const Eigen::MatrixXd& thetas, int threads) const {
+  return at_inside(thetas, [&](const Eigen::MatrixXd& x) { return parts_.mean->histories(x, threads); });
+}
+
+Eigen::MatrixXf Surrogate::coefficients(const Eigen::MatrixXd& thetas) const {
+  return at_inside(thetas, [&](const Eigen::MatrixXd& x) { return parts_.mean->coefficients(x); });
 }
 
 Eigen::VectorXd Surrogate::pull_back(std::span<const double> theta, std::span<const double> weights) const {

@@ -2,6 +2,7 @@
 /// A trained surrogate as a ForwardModel: the emulated mean and, where the archive has them, the energy slope and the
 /// scatter of single pulses.
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -29,6 +30,8 @@ class Surrogate final : public ForwardModel {
   /// A point outside the bounds of the campaign is a failed run: the surrogate knows nothing there.
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
   [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
+  [[nodiscard]] HistoryBasis basis() const override { return parts_.mean->basis(); }
+  [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return true; }
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
 
@@ -43,6 +46,8 @@ class Surrogate final : public ForwardModel {
 
  private:
   [[nodiscard]] bool inside(const double* theta, std::string* why) const;
+  /// A function of many points, with columns of NaN where a point lies outside the campaign's bounds.
+  [[nodiscard]] Eigen::MatrixXf at_inside(const Eigen::MatrixXd& thetas, const std::function<Eigen::MatrixXf(const Eigen::MatrixXd&)>& of) const;
   Parts parts_;
 };
 

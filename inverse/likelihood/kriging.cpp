@@ -86,6 +86,18 @@ Eigen::VectorXd Kriging::weights(std::span<const double> theta) const {
   return w + (1 - w.sum()) / ones_.sum() * ones_;
 }
 
+Eigen::MatrixXd Kriging::weights_at(const Eigen::MatrixXd& thetas) const {
+  Eigen::MatrixXd k(size(), thetas.cols());
+  const Eigen::VectorXd inverse = lengths_.cwiseInverse();
+  for (Eigen::Index j = 0; j < k.cols(); ++j) {
+    const Eigen::VectorXd u = scaled({thetas.col(j).data(), std::size_t(thetas.rows())});
+    for (Eigen::Index i = 0; i < size(); ++i) k(i, j) = -0.5 * (u - points_.col(i)).cwiseProduct(inverse).squaredNorm();
+  }
+  Eigen::MatrixXd w = factor_.solve(k.array().exp().matrix());
+  w += ones_ / ones_.sum() * (1 - w.colwise().sum().array()).matrix();
+  return w;
+}
+
 Eigen::VectorXd Kriging::slope(std::span<const double> theta, const Eigen::VectorXd& seen) const {
   Eigen::VectorXd g(Eigen::Index(theta.size()));
   std::vector<double> at(theta.begin(), theta.end());

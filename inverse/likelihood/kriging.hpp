@@ -25,6 +25,8 @@ class Kriging {
   [[nodiscard]] Eigen::Index size() const { return points_.cols(); }
   /// Best linear unbiased weights of the seen outputs, (n); they sum to 1.
   [[nodiscard]] Eigen::VectorXd weights(std::span<const double> theta) const;
+  /// The same at many points. thetas: (n_parameters, m); result: (n, m).
+  [[nodiscard]] Eigen::MatrixXd weights_at(const Eigen::MatrixXd& thetas) const;
   /// Gradient of weights(theta) . seen by theta, (n_parameters); seen: (n).
   [[nodiscard]] Eigen::VectorXd slope(std::span<const double> theta, const Eigen::VectorXd& seen) const;
   /// Variance of one more seen output about the prediction, scatter included, over the process's variance.

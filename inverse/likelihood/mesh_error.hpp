@@ -28,6 +28,8 @@ class MeshError {
   [[nodiscard]] Eigen::VectorXd difference(std::span<const double> theta) const { return differences_ * kriging_.weights(theta); }
   /// To be added to the working mesh's history, (values): (1 + beyond.mean) difference.
   [[nodiscard]] Eigen::VectorXd shift(std::span<const double> theta) const { return (1 + beyond_.mean) * difference(theta); }
+  /// (values, pairs) such that the shift is these times kriging().weights(theta).
+  [[nodiscard]] Eigen::MatrixXd shift_directions() const { return (1 + beyond_.mean) * differences_; }
   /// Gradient of sum_i weights_i shift_i(theta) by theta, (n_parameters); weights: (values).
   [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const;
   /// Covariance of the shift at theta: the outer products of the columns of `known`, how the pairs' own scatter is correlated, and of the unknown

@@ -62,6 +62,13 @@ TEST(Kriging, WeightsSumToOneAndReproduceSmoothOutputs) {
   EXPECT_LT(k.variance_factor(first), 0.01 + 2.5 * k.nugget());
 }
 
+TEST(Kriging, WeightsOfManyPointsAreThoseOfEach) {
+  const Seen seen(14, 0.1, 9);
+  const Kriging k(square, seen.theta, seen.outputs);
+  const Eigen::MatrixXd at = Seen(5, 0, 3).theta, w = k.weights_at(at);
+  for (Eigen::Index i = 0; i < 5; ++i) EXPECT_LT((w.col(i) - k.weights({at.col(i).data(), 2})).cwiseAbs().maxCoeff(), 1e-10) << i;
+}
+
 TEST(Kriging, ScatterIsAveragedAndFarAwayItIsUnsure) {
   Seen seen(16, 0, 3);
   RandomStream random(5, 0);

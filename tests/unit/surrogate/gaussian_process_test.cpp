@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.hpp"
+#include "forward/surrogate/matern_kernel.hpp"
 
 using namespace calomel;
 
@@ -46,6 +47,38 @@ TEST(Warp, GivesTheParameterAndItsInverseOnALogarithmicFeature) {
     EXPECT_NEAR(warp(u, -L).value, (c - low) / (high - low), 1e-13);
     EXPECT_NEAR(warp(u, L).value, (1 / low - 1 / c) / (1 / low - 1 / high), 1e-13);
   }
+}
+
+// The loop against its formula; it takes exp(-r) no smaller than exp(-700) = 1e-304. Features from the first to the last point of the box and warps on both sides of the series.
+TEST(MaternMeans, AgreeWithTheFormulaByEveryInstructionSet) {
+  constexpr std::ptrdiff_t points = 3 * matern_padding;
+  RandomStream random(6, 0);
+  for (const double kappa : {-30.0, -2.0, -2e-4, -9e-5, 0.0, 5e-5, 2e-4, 0.7, 30.0})
+    for (const std::ptrdiff_t features : {1, 2, 5})
+      for (const std::ptrdiff_t n : {1, 8, 19}) {
+        Eigen::MatrixXd at(points, features), x(features, n);
+        Eigen::VectorXd weights(points), kappas(features), stretch(features);
+        for (auto& v : at.reshaped()) v = 4 * random.uniform();
+        for (auto& v : x.reshaped()) v = random.uniform();
+        for (auto& v : weights) v = random.normal();
+        for (std::ptrdiff_t f = 0; f < features; ++f) kappas[f] = kappa / double(f + 1), stretch[f] = f == 4 ? 2000 : 3 + double(f);
+        x.col(0).setZero(), x.col(n - 1).setOnes(), at.row(3).setZero();
+        Eigen::VectorXd expected = Eigen::VectorXd::Zero(n), scale = expected;
+        for (std::ptrdiff_t j = 0; j < n; ++j)
+          for (std::ptrdiff_t i = 0; i < points; ++i) {
+            double r2 = 0;
+            for (std::ptrdiff_t f = 0; f < features; ++f) r2 += std::pow(at(i, f) - stretch[f] * warp(x(f, j), kappas[f]).value, 2);
+            const double k = (1 + std::sqrt(r2) + r2 / 3) * std::exp(-std::sqrt(r2));
+            expected[j] += weights[i] * k, scale[j] += std::abs(weights[i]) * k;
+          }
+        for (const auto isa : instruction_sets()) {
+          Eigen::VectorXd out(n);
+          std::vector<double> scratch(std::size_t(points + features * matern_padding));
+          matern_means(isa)({.points = points, .features = features, .at = at.data(), .weights = weights.data(), .kappa = kappas.data(), .stretch = stretch.data()}, x.data(),
+                            n, out.data(), scratch.data());
+          for (std::ptrdiff_t j = 0; j < n; ++j) EXPECT_NEAR(out[j], expected[j], 1e-9 * scale[j] + 1e-290) << name_of(isa) << ' ' << kappa << ' ' << features << ' ' << j;
+        }
+      }
 }
 
 TEST(GaussianProcess, GradientOfTheMarginalLikelihoodAgreesWithDifferences) {

@@ -150,6 +150,23 @@ TEST_P(EveryKind, OutsideTheBoundsIsAFailedRun) {
   EXPECT_TRUE(y.col(1).allFinite());
 }
 
+TEST_P(EveryKind, HistoriesAreAnOffsetAndDirectionsTimesCoefficients) {
+  const Archive archive = damped_oscillations(25, 2, 40, 3);
+  SurrogateSummary summary;
+  const auto surrogate = train_surrogate(quick(GetParam()), archive, 4, 1, summary);
+  const HistoryBasis basis = surrogate->basis();
+  ASSERT_FALSE(basis.empty());
+  Eigen::MatrixXd points = archive.theta.leftCols(7);
+  points(0, 4) = 2.5;  // outside the bounds
+  const Eigen::MatrixXf y = surrogate->means(points, 1), by_basis = (basis.directions * surrogate->coefficients(points)).colwise() + basis.offset;
+  for (Eigen::Index i = 0; i < 7; ++i)
+    if (i == 4) {
+      EXPECT_TRUE(by_basis.col(i).array().isNaN().all());
+    } else {
+      EXPECT_LT((by_basis.col(i) - y.col(i)).norm(), 1e-5 * y.col(i).norm()) << i;
+    }
+}
+
 // Held out: 30 of 150 runs. The control deals the histories to the wrong runs, so that there is nothing to learn.
 TEST(ModeNetworkSurrogate, LearnsDampedOscillationsAndNothingFromShuffledOnes) {
   SurrogateOptions options;
