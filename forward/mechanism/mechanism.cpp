@@ -13,6 +13,14 @@ double* MechanismValues::find(const std::string& path) {
   return key == common_.end() ? nullptr : &by_sensor_.try_emplace(path, key->second).first->second;
 }
 
+const double* MechanismValues::find(const std::string& path) const {
+  const auto own = by_sensor_.find(path);
+  if (own != by_sensor_.end()) return &own->second;
+  const auto dot = path.rfind('.');
+  const auto common = common_.find(dot == std::string::npos ? path : path.substr(dot + 1));
+  return common == common_.end() ? nullptr : &common->second;
+}
+
 bool EnabledMechanism::off() const {
   return std::all_of(entry->keys.begin(), entry->keys.end(), [&](const MechanismKey& k) {
     if (!k.decides) return true;

@@ -43,8 +43,10 @@ class MechanismValues {
     const auto own = by_sensor_.find(sensor + '.' + key);
     return own == by_sensor_.end() ? common_.at(key) : own->second;
   }
-  /// The number at "key" or "SENSOR.key"; null when there is no such key. A gauge's own is made when first named.
+  /// The number at "key" or "SENSOR.key", to be set; null when there is no such key. A gauge's own is made when first named.
   [[nodiscard]] double* find(const std::string& path);
+  /// The same to be read: nothing is made, the common one answers for a gauge that has none of its own.
+  [[nodiscard]] const double* find(const std::string& path) const;
   /// Takes a gauge's own number back: the common one answers again.
   void forget(const std::string& path) { by_sensor_.erase(path); }
   [[nodiscard]] const std::map<std::string, double>& common() const { return common_; }
