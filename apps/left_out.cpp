@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
 
 #include "apps/unknowns.hpp"
@@ -15,22 +14,21 @@ namespace {
 
 constexpr double part_of_range = 0.25;
 constexpr double rounding = 1e-5;  ///< of the histories: less is what single precision leaves
-/// A coarse mesh damps and delays waves as these do.
-const std::string done_by_meshes[] = {"liquid_viscosity", "structural_damping", "sensor_response"};
-constexpr const char* too_dear = "bubbly_liquid";
+constexpr double greatest_cost = 4;  ///< over the base model
 
 /// One secant: the model with a mechanism's key at either value.
 struct Secant {
   std::size_t mechanism = 0;
   const MechanismKey* key = nullptr;
+  double off = 0;            ///< of the key in this case
   double low = 0, high = 0;  ///< of the key; low is its off value where that has one side
 };
 
-Secant secant_of(std::size_t mechanism, const MechanismKey& key) {
-  Secant s{.mechanism = mechanism, .key = &key, .low = key.off, .high = key.low + part_of_range * (key.high - key.low)};
-  if (std::isfinite(key.off)) {
-    if (key.off >= key.low) s.high = key.off + part_of_range * (key.high - key.off);
-    if (key.off > key.low) s.low = key.off - part_of_range * (key.off - key.low);
+Secant secant_of(std::size_t mechanism, const MechanismKey& key, double off) {
+  Secant s{.mechanism = mechanism, .key = &key, .off = off, .low = off, .high = key.low + part_of_range * (key.high - key.low)};
+  if (std::isfinite(off)) {
+    if (off >= key.low) s.high = off + part_of_range * (key.high - off);
+    if (off > key.low) s.low = off - part_of_range * (off - key.low);
   }
   return s;
 }
@@ -44,14 +42,13 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
   const auto& own = model.forward_case();
   std::vector<const Registry<MechanismEntry>::Row*> rows;
   for (const auto& row : mechanisms().rows()) {
-    bool enabled = row.name == too_dear || !row.entry.built();
-    for (const auto& m : own.mechanisms) enabled = enabled || m.name == row.name;
-    if (!enabled) rows.push_back(&row);
+    const bool enabled = std::any_of(own.mechanisms.begin(), own.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
+    if (!enabled && row.entry.built() && row.entry.cost <= greatest_cost) rows.push_back(&row);
   }
   std::vector<Secant> secants;
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const auto& key : rows[i]->entry.keys)
-      if (key.decides) secants.push_back(secant_of(i, key));
+      if (key.decides) secants.push_back(secant_of(i, key, own.off_value(key)));
 
   std::vector<std::vector<double>> means(2 * secants.size());
   parallel_for(means.size(), threads, [&](std::size_t i) {
@@ -66,16 +63,15 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
 
   std::vector<LeftOut> out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    LeftOut l{.name = rows[i]->name};
-    l.like_the_mesh = std::find(std::begin(done_by_meshes), std::end(done_by_meshes), l.name) != std::end(done_by_meshes);
+    LeftOut l{.name = rows[i]->name, .like_the_mesh = rows[i]->entry.like_the_mesh};
     for (std::size_t k = 0; k < secants.size(); ++k) {
       if (secants[k].mechanism != i || means[2 * k].empty() || means[2 * k + 1].empty()) continue;
       const auto vector = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
       const auto& key = *secants[k].key;
       const Eigen::VectorXd change = vector(means[2 * k + 1]) - vector(means[2 * k]);
       if (!(change.norm() > rounding * vector(means[2 * k]).norm())) continue;  // it cannot show here
-      const bool finite = std::isfinite(key.off);
-      l.keys.push_back(finite ? key.name : "1/" + key.name), l.off.push_back(finite ? key.off : 0);
+      const bool finite = std::isfinite(secants[k].off);
+      l.keys.push_back(finite ? key.name : "1/" + key.name), l.off.push_back(finite ? secants[k].off : 0);
       l.directions.conservativeResize(change.size(), Eigen::Index(l.keys.size()));
       l.directions.rightCols(1) = change / (coordinate(key, secants[k].high) - coordinate(key, secants[k].low));
     }

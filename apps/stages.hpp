@@ -52,8 +52,8 @@ class Stages {
   ExitStatus calibrate(const std::vector<std::string>& methods);
   ExitStatus report();
 
-  /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.
-  void say_physics();
+  /// The load's policy, the deposited energy and the viscosity, in words, a line each: every run tells them.
+  [[nodiscard]] std::vector<std::string> physics();
 
   /// One line to stderr, unless --quiet.
   void say(const std::string& text) const;
@@ -64,10 +64,17 @@ class Stages {
   void compare();
   /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).
   std::vector<double> simulate_mean(Json& json);
+  /// simulate takes the numbers of the tables: a nominal value that says otherwise is told. Errors: InputError when it was asked for by --set, since it
+  /// would have no effect.
+  void tell_nominals_left_out() const;
   /// One run, gone on with where an earlier one was cut off.
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   /// Measures the floor, run by run kept in floor.journal, and writes floor.json.
   void measure_floor();
+  /// What `check` tells people, a line each: what will be run and what it costs.
+  [[nodiscard]] std::vector<std::string> plan();
+  /// The same of the recordings, the cost and the stages.
+  [[nodiscard]] std::vector<std::string> cost(const ModelDescription& d);
   void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -57,16 +58,24 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
   return all;
 }
 
-/// The table whose path starts `key`, visited for its number; the known keys collect in `known`.
+/// A number of a case: one that is always there, or an optional one. Of a case that may not be changed, one that may not.
 template <class Self>
-NumberVisitor find_number(Self& self, const std::string& key) {
+struct FoundNumber {
+  std::conditional_t<std::is_const_v<Self>, const double, double>* number = nullptr;
+  std::conditional_t<std::is_const_v<Self>, const std::optional<double>, std::optional<double>>* optional = nullptr;
+};
+
+/// The number at a dotted path. To be read it is only looked for; to be set, a gauge's own value of a mechanism is made.
+/// Errors: InputError naming the nearest of the known keys.
+template <class Self>
+FoundNumber<Self> find_number(Self& self, const std::string& key) {
   std::vector<std::string> known;
-  NumberVisitor found{""};
+  FoundNumber<Self> found;
   const auto look = [&](const std::string& path, auto& options) {
     NumberVisitor v(key.rfind(path + '.', 0) == 0 ? key.substr(path.size() + 1) : "");
-    const_cast<std::remove_const_t<std::remove_reference_t<decltype(options)>>&>(options).visit(v);
+    const_cast<std::remove_const_t<std::remove_reference_t<decltype(options)>>&>(options).visit(v);  // a visit that only reads
     for (const auto& k : v.known) known.push_back(path + '.' + k);
-    if (v.number || v.optional) found = v;
+    if (v.number || v.optional) found = {v.number, v.optional};
   };
   ForwardCase::visit_tables(self, look);
   for (auto& s : self.sensors) look("sensor." + s.name, s);
@@ -74,12 +83,11 @@ NumberVisitor find_number(Self& self, const std::string& key) {
     const std::string path = "mechanism." + m.name + '.';
     for (const auto& k : m.entry->keys) known.push_back(path + k.name);
     if (key.rfind(path, 0) != 0) continue;
-    // A gauge's own value is made when it is first set; asked for only, the common one answers.
     const std::string rest = key.substr(path.size());
     const auto dot = rest.rfind('.');
     const bool own = dot != std::string::npos;
     if (own && (!m.entry->per_sensor || std::none_of(self.sensors.begin(), self.sensors.end(), [&](const auto& s) { return s.name == rest.substr(0, dot); }))) continue;
-    found.number = const_cast<MechanismValues&>(m.values).find(rest);
+    found.number = m.values.find(rest);
   }
   if (!found.number && !found.optional)
     throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = "did you mean \"" + nearest_name(key, known) + "\"?"});
@@ -186,7 +194,11 @@ ForwardCase ForwardCase::read(CaseFile& file) {
 }
 
 double ForwardCase::number(const std::string& key) const {
-  const NumberVisitor v = find_number(*this, key);
+  const auto v = find_number(*this, key);
+  if (v.number && std::isnan(*v.number))  // a mechanism's key that follows another number
+    for (const auto& m : mechanisms)
+      for (const auto& k : m.entry->keys)
+        if (!k.off_at.empty() && key.starts_with("mechanism." + m.name + '.') && key.ends_with('.' + k.name)) return number(k.off_at);
   if (v.number) return *v.number;
   if (!*v.optional)
     throw InputError({.problem = "has no value in the case, so there is no nominal",
@@ -196,7 +208,7 @@ double ForwardCase::number(const std::string& key) const {
 }
 
 void ForwardCase::set_number(const std::string& key, double value) {
-  const NumberVisitor v = find_number(*this, key);
+  const auto v = find_number(*this, key);
   if (v.number)
     *v.number = value;
   else
@@ -208,6 +220,16 @@ ForwardCase ForwardCase::at(std::span<const double> theta) const {
   ForwardCase c = *this;
   for (std::size_t i = 0; i < theta.size(); ++i) c.set_number(parameters[i].key, theta[i]);
   return c;
+}
+
+std::vector<EnabledMechanism> ForwardCase::active_mechanisms() const {
+  std::vector<EnabledMechanism> active;
+  for (EnabledMechanism m : mechanisms) {
+    for (const auto& k : m.entry->keys)
+      if (std::isnan(m.values[k.name])) *m.values.find(k.name) = off_value(k);
+    if (!m.off([this](const MechanismKey& k) { return off_value(k); })) active.push_back(std::move(m));
+  }
+  return active;
 }
 
 Json ForwardCase::echo() const {
@@ -222,7 +244,10 @@ Json ForwardCase::echo() const {
   for (const auto& p : parameters) j["parameter"][p.name] = calomel::echo(p);
   for (const auto& m : mechanisms)
     for (const auto* values : {&m.values.common(), &m.values.by_sensor()})
-      for (const auto& [name, value] : *values) j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
+      for (const auto& [name, own] : *values) {
+        const double value = std::isnan(own) ? number("mechanism." + m.name + '.' + name) : own;
+        j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
+      }
   return j;
 }
 

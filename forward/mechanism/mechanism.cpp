@@ -15,11 +15,20 @@ double* MechanismValues::find(const std::string& path) {
   return key == common_.end() ? nullptr : &by_sensor_.try_emplace(path, key->second).first->second;
 }
 
-bool EnabledMechanism::off() const {
+const double* MechanismValues::find(const std::string& path) const {
+  const auto own = by_sensor_.find(path);
+  if (own != by_sensor_.end()) return &own->second;
+  const auto dot = path.rfind('.');
+  const auto common = common_.find(dot == std::string::npos ? path : path.substr(dot + 1));
+  return common == common_.end() ? nullptr : &common->second;
+}
+
+bool EnabledMechanism::off(const std::function<double(const MechanismKey&)>& off_value) const {
   return std::all_of(entry->keys.begin(), entry->keys.end(), [&](const MechanismKey& k) {
     if (!k.decides) return true;
-    if (values[k.name] != k.off) return false;
-    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == k.off; });
+    const double off = off_value(k);
+    if (values[k.name] != off) return false;
+    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == off; });
   });
 }
 
@@ -92,7 +101,6 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
                                      .suggestion = "remove the line; a listed mechanism without it is accepted"}));
     if (!entry.built()) tables.notes.push_back("mechanism." + name + ": not built yet, not offered");
     else if (enabled) tables.enabled.push_back(std::move(mechanism));
-    else tables.offered.push_back(name);
   }
   return tables;
 }

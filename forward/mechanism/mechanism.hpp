@@ -2,8 +2,9 @@
 /// Physics that may have been left out: named blocks of parameters whose `off` values give the base model exactly.
 ///
 /// A mechanism is one pair of files that makes its MechanismEntry: the law in words, its keys, and the functions through which it
-/// changes a run. Where physics can be missing there is one such place each: the load, the numbers and the liquid law of the
-/// run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
+/// changes a run. Where physics can be missing there is one such place each: the mesh, the load, the numbers, the fields and the
+/// liquid law of the run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -29,22 +30,26 @@ struct MechanismKey {
   bool decides = true;      ///< the mechanism is off when every deciding key has its off value
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
+  std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
 };
 
-/// The values of an enabled mechanism's keys; a gauge's own where it has any.
+/// The values of an enabled mechanism's keys; a gauge's own where it has any. Not a number where a key follows a number of the case and has none of its
+/// own: ForwardCase::active_mechanisms fills it in.
 class MechanismValues {
  public:
   MechanismValues() = default;
   explicit MechanismValues(const std::vector<MechanismKey>& keys) {
-    for (const auto& k : keys) common_[k.name] = k.off;
+    for (const auto& k : keys) common_[k.name] = k.off_at.empty() ? k.off : std::numeric_limits<double>::quiet_NaN();
   }
   [[nodiscard]] double operator[](const std::string& key) const { return common_.at(key); }
   [[nodiscard]] double of(const std::string& sensor, const std::string& key) const {
     const auto own = by_sensor_.find(sensor + '.' + key);
     return own == by_sensor_.end() ? common_.at(key) : own->second;
   }
-  /// The number at "key" or "SENSOR.key"; null when there is no such key. A gauge's own is made when first named.
+  /// The number at "key" or "SENSOR.key", to be set; null when there is no such key. A gauge's own is made when first named.
   [[nodiscard]] double* find(const std::string& path);
+  /// The same to be read: nothing is made, the common one answers for a gauge that has none of its own.
+  [[nodiscard]] const double* find(const std::string& path) const;
   /// Takes a gauge's own number back: the common one answers again.
   void forget(const std::string& path) { by_sensor_.erase(path); }
   [[nodiscard]] const std::map<std::string, double>& common() const { return common_; }
@@ -59,19 +64,27 @@ struct MechanismEntry {
   std::string law;  ///< one line
   std::vector<MechanismKey> keys;
   bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
+  bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a screening cannot tell the two apart
+  double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
+  /// Node places, before anything is built on the mesh (displace_nodes, thin_wall); elements, faces and slip pairs stay. Gauges are placed on what comes out.
+  /// Errors: InputError on a key of its own ("fraction"), NumericsError where an element would be inverted.
+  void (*mesh)(const MechanismValues&, Mesh&) = nullptr;
   /// The source. Errors: InputError when the modelled part cannot show it.
   void (*load)(const MechanismValues&, const Mesh&, LoadOptions&) = nullptr;
   /// Numbers of the run: viscosity, damping, boundary.
   void (*setup)(const MechanismValues&, RunSetup&) = nullptr;
-  /// A liquid law of its own, after `setup`.
+  /// Fields of the run, by element, node or slip pair, once its numbers and its heat are known: thermal_strain, initial_displacement, initial_velocity,
+  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run.
+  void (*fields)(const MechanismValues&, const Mesh&, const LoadOptions&, RunSetup&) = nullptr;
+  /// A liquid law of its own, after all of these.
   std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
   /// What a gauge reads of the displacements.
   void (*gauge)(const MechanismValues&, const LocatedGauge&, ObservationRow&) = nullptr;
   /// A gauge's history on the output times, in strain, before its gain and delay.
   void (*channel)(const MechanismValues&, const std::string& sensor, double interval, std::span<double> history) = nullptr;
 
-  [[nodiscard]] bool built() const { return load || setup || liquid || gauge || channel; }
+  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || channel; }
 };
 
 /// All thirteen names of physics.md section 3.
@@ -82,15 +95,14 @@ struct EnabledMechanism {
   std::string name;
   const MechanismEntry* entry;
   MechanismValues values;
-  /// Every deciding key has its off value.
-  [[nodiscard]] bool off() const;
+  /// Every deciding key has its off value, which `off_value(key)` tells.
+  [[nodiscard]] bool off(const std::function<double(const MechanismKey&)>& off_value) const;
 };
 
 /// What `[mechanism.*]` says.
 struct MechanismTables {
   std::vector<EnabledMechanism> enabled;
-  std::vector<std::string> offered;  ///< listed, for the diagnosis
-  std::vector<std::string> notes;    ///< e.g. that a listed one is not built
+  std::vector<std::string> notes;  ///< e.g. that a listed one is not built
 };
 
 /// Reads `[mechanism.*]`: unknown names, keys and gauges are errors, so is enabling one that is not built.

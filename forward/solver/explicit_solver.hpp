@@ -1,6 +1,7 @@
 #pragma once
 /// The explicit solver: central differences with a lumped mass on hexahedra of elastic steel and of a liquid that gives
 /// way in tension (physics.md section 1).
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -57,7 +58,7 @@ struct RunSetup {
   double steel_density = 0, liquid_density = 0;       ///< [kg/m^3]
   LinearElastic steel{};
   Riemer liquid{};
-  double hourglass = 0.02;                            ///< liquid hourglass coefficient [-]
+  double hourglass = MercuryOptions{}.hourglass;      ///< liquid hourglass coefficient [-]
   double quadratic_viscosity = 0;                     ///< b2 [-]
   std::shared_ptr<const LiquidLaw> liquid_law;        ///< in place of Riemer's; null: Riemer's with the numbers of `liquid`
   double steel_mass_damping = 0;                      ///< a of a M v in the steel [1/s]
@@ -69,8 +70,20 @@ struct RunSetup {
   History end_stress;                                 ///< [Pa], tension positive; empty: none
   std::vector<Vec3> initial_displacement;             ///< per mesh node [m]; empty: none
   std::vector<Vec3> initial_velocity;                 ///< per mesh node at t = 0 [m/s]; empty: rest
+  /// Stress before the run, which is there without any displacement: per mesh element xx yy zz xy yz zx, tension positive [Pa]; of the mercury only the
+  /// pressure, -trace/3, counts, and it is that of the mercury behind a non-reflecting rear face, too. Empty: none.
+  std::vector<std::array<double, 6>> initial_stress;
+  /// Free strain of heated steel, alpha dT of sigma = C : (epsilon - alpha dT 1), constant in an element: per mesh element at full pulse and energy 1, 0 in
+  /// the mercury [-]; it rises as p0 does. Empty: none.
+  std::vector<double> thermal_strain;
+  /// Traction, tension positive, at which steel and mercury of a slip pair come apart: per row of Mesh::slip, infinite: never [Pa]. Apart they carry no normal
+  /// traction; they meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together. Empty: none comes apart.
+  std::vector<double> slip_strength;
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
+
+  /// Stiffness of the liquid from which the time step follows: the bulk modulus, or what a law of its own may come to where that is more [Pa].
+  [[nodiscard]] double liquid_stiffness() const { return std::max(liquid.bulk_modulus, liquid_law ? liquid_law->greatest_stiffness() : 0.0); }
 };
 
 /// A picture of the whole target at one instant.
