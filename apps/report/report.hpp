@@ -51,7 +51,7 @@ struct ReportInput {
   std::vector<std::string> warnings;
 };
 
-/// Writes out_dir/report.html from the artefacts that stand in `out_dir` (campaign, train, simulate, enc, spe, map);
+/// Writes out_dir/report.html from the artefacts that stand in `out_dir` (campaign, train, simulate, enc, spe, map, posterior);
 /// a section whose artefact is missing says so and names the command that makes it. The page loads nothing from
 /// outside and stays below 10 MB: traces and surface are thinned as far as that needs.
 /// Errors: InputError when an artefact cannot be read or the page cannot be written.
