@@ -10,6 +10,7 @@
 #include "forward/surrogate/emulator.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
+#include "uq/sampler/sampler.hpp"
 
 namespace calomel {
 
@@ -33,6 +34,7 @@ ExitStatus run_list(const CommandLine&) {
   print("surrogates ([surrogate] kind)", surrogate_kinds());
   print("objectives ([enc], [spe] objective)", objectives());
   print("optimisers ([enc] optimizers)", optimizers());
+  print("samplers ([sampler] kind)", samplers());
   return ExitStatus::done;
 }
 

@@ -7,6 +7,7 @@
 
 #include "apps/report/comparison_tables.hpp"
 #include "apps/report/floor_tables.hpp"
+#include "apps/report/posterior.hpp"
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
@@ -106,7 +107,9 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
   if (study.campaign) add(*study.campaign, "campaign");
   if (study.train) add(*study.train, "training");
   for (const auto& c : study.calibrations) add(c.summary, c.label);
+  if (study.sample) add(*study.sample, "sampling");
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
+  if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");
     if (runs && failed && *failed > 0.2 * *runs)
@@ -132,6 +135,7 @@ std::string what_was_run(const Study& study) {
     const auto rounds = list_at(c.summary, "rounds").size();
     methods.push_back(c.label + (rounds > 0 ? " (" + std::to_string(rounds) + " optimiser rounds)" : ""));
   }
+  if (study.sample) done.push_back("sampling of the posterior" + (study.posterior ? fmt::format(" ({} chains of {} draws)", study.posterior->chains, study.posterior->draws) : std::string()));
   if (!methods.empty()) done.push_back("calibration by " + enumeration(methods));
   return done.empty() ? "" : "<p>What was run: " + enumeration(done) + ".</p>\n";
 }
@@ -248,6 +252,28 @@ std::string polynomial_section(const Study& study, const ReportInput& input) {
   return s;
 }
 
+std::string posterior_section(const Study& study, const ReportInput& input) {
+  if (!study.sample && !study.posterior) return missing("No posterior has been sampled (posterior.nc, posterior.json).", "Sample it with " + command(input, "sample") + ".");
+  std::string s;
+  if (study.sample) {
+    const bool converged = part_at(*study.sample, "converged") == Json(true);
+    const std::string message = escape_html(text_at(*study.sample, "message"));
+    s += converged ? "<p>The chains have " + message + ".</p>\n" : "<p class=\"outcome\"><strong>Not converged, not to be trusted:</strong> " + message + ".</p>\n";
+    if (const Table t = posterior_table(study, input); !t.empty()) s += t.html();
+  } else {
+    s += missing("posterior.json is missing, so nothing is said of convergence.", "");
+  }
+  if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.", "");
+  const std::size_t of = study.posterior->names.size();
+  s += figure("corner-plot",
+              std::string("Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it every pair, with the lines within which 50 and 90 % of the "
+                          "draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an open disc on the frame lies outside of it.") +
+                  (impedance(input).ridge() ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "") +
+                  (of > 6 ? fmt::format(" The first 6 of {} quantities, the case\u2019s parameters before the others.", of) : ""),
+              "Corner plot of the posterior");
+  return s;
+}
+
 std::string surrogate_section(const Study& study, const ReportInput& input) {
   const std::string polynomials = polynomial_section(study, input);
   if (!study.train) return polynomials + missing("No surrogate has been trained (train.json).", "Train one with " + command(input, "train") + ".");
@@ -304,6 +330,7 @@ std::string provenance_section(const Study& study, const ReportInput& input) {
   add("campaign", study.campaign);
   add("train", study.train);
   for (const auto& c : study.calibrations) add(c.method, c.summary);
+  add("sample", study.sample);
   return fmt::format("<p>Written by calomel {}; seed {}. Equal options, seed and inputs give equal artefacts.</p>\n", escape_html(version), input.seed) +
          (t.empty() ? missing("No stage has written an artefact yet.", "Run them all with " + command(input, "study") + ".") : t.html()) +
          "<details><summary>Resolved options of the case</summary><pre>" + escape_html(input.options.dump(2)) + "</pre></details>\n" + details;
@@ -346,6 +373,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
          section("scores", "Accuracy and error by sensor", score_section(study, input)) +
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +
          section("candidates", "Candidates and the \u03c1\u2013c ridge", candidate_section(study, input)) +
+         section("posterior", "Posterior", posterior_section(study, input)) +
          section("surrogate", "Surrogate quality", surrogate_section(study, input)) + section("campaign", "Campaign", campaign_section(study, input)) +
          section("floor", "Repeatability floor", floor_section(study, input, "Measure it with " + command(input, "check", "--floor") + ".")) +
          section("provenance", "Provenance", provenance_section(study, input));

@@ -16,6 +16,7 @@
   attempt('loss-plot', () => draw_lines(document.getElementById('loss-plot'), data.loss, true));
   (data.decay || []).forEach((figure, i) => attempt(`decay-plot-${i}`, () => draw_lines(document.getElementById(`decay-plot-${i}`), figure, false)));
   attempt('ridge-plot', () => draw_ridge(document.getElementById('ridge-plot'), data.ridge));
+  attempt('corner-plot', () => draw_corner(document.getElementById('corner-plot'), data.corner));
   attempt('design-plot', () => draw_design(document.getElementById('design-plot'), data.design));
   attempt('target-view', () => draw_target(document.getElementById('target-view'), document.getElementById('target-note'), data.target));
   document.documentElement.setAttribute('data-drawn', 'yes');

@@ -5,6 +5,7 @@
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
+#include "uq/posterior_file.hpp"
 
 namespace calomel {
 
@@ -131,6 +132,8 @@ Study read_study(const std::filesystem::path& out_dir) {
   if (study.floor.is_null()) study.floor = json_if_there(out_dir / "floor.json").value_or(Json());
   study.optimizer_comparison = json_if_there(out_dir / "optimizer_comparison.json");
   study.runs = campaign_runs(out_dir / "campaign.nc");
+  study.sample = json_if_there(out_dir / "posterior.json");
+  if (const auto path = out_dir / "posterior.nc"; std::filesystem::exists(path)) study.posterior = draws_of(read_posterior(path, {"posterior"}).at(0));
   study.simulation = simulation_histories(out_dir / "simulate.nc");
   return study;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/json.hpp"
+#include "uq/draws.hpp"
 
 namespace calomel {
 
@@ -42,6 +43,8 @@ struct Study {
   Json floor;  ///< repeatability floor of campaign.json, else of floor.json; null where there is none
   std::optional<Json> optimizer_comparison;  ///< of bench_optimizers
   std::optional<CampaignRuns> runs;
+  std::optional<Json> sample;       ///< posterior.json
+  std::optional<Draws> posterior;   ///< posterior.nc, its group of that name
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
 
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;

@@ -10,6 +10,8 @@
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
 #include "tests/scratch.hpp"
+#include "uq/convergence/assess.hpp"
+#include "uq/posterior_file.hpp"
 
 namespace calomel::testing_report {
 
@@ -224,6 +226,27 @@ inline void write_calibration(const std::filesystem::path& dir, const ReportInpu
   w.variable("band_low", {"condition", "sensor", "record_time"}, low, {{"units", "1"}});
   w.variable("band_high", {"condition", "sensor", "record_time"}, high, {{"units", "1"}});
   w.commit();
+}
+
+/// Draws along the ridge rho c = const: 4 chains of 2000; chain 4 lies apart when `apart`.
+inline Draws ridge_draws(bool apart = false) {
+  Draws draws{.names = {"tensile_cutoff", "density", "sound_speed", "gain_B"}, .chains = 4, .draws = 2000};
+  for (std::size_t c = 0; c < 4; ++c) {
+    RandomStream random(11, c);
+    for (std::size_t i = 0; i < draws.draws; ++i) {
+      const double rho = 12900 * std::exp(0.05 * random.normal()) * (apart && c == 3 ? 1.4 : 1), speed = 19.4e6 / rho * std::exp(0.006 * random.normal());
+      draws.values.insert(draws.values.end(), {1.1e5 * std::exp(0.35 * random.normal()), rho, speed, 1 + 0.01 * random.normal()});
+    }
+  }
+  return draws;
+}
+
+/// posterior.nc and posterior.json of these draws.
+inline void write_sample(const std::filesystem::path& dir, const Draws& draws) {
+  write_posterior(dir / "posterior.nc", {group_of("posterior", draws)}, provenance("sample"));
+  Json summary = convergence_json(assess(draws));
+  summary["provenance"] = provenance("sample").json();
+  write_json(dir / "posterior.json", summary);
 }
 
 inline void write_study(const std::filesystem::path& dir, const ReportInput& in) {

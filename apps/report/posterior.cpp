@@ -1,0 +1,216 @@
+#include "apps/report/posterior.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "apps/report/tables.hpp"
+#include "apps/report/traces.hpp"
+#include "uq/convergence/diagnostics.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t most_axes = 6, curve_points = 120, cells = 32;
+
+/// One quantity of the plot.
+struct Axis {
+  std::string name, label;
+  std::vector<double> values;  ///< (chain, draw)
+  double low = 0, high = 0;    ///< what is shown
+  std::optional<double> least, greatest;  ///< the parameter's bounds
+};
+
+std::string label_of(const std::string& name, const ReportInput& input) {
+  const auto unit = input.units.find(name);
+  return unit == input.units.end() || unit->second.empty() ? name : name + " [" + unit->second + "]";
+}
+
+/// Density of `x` on a grid by Gaussian kernels on finely binned draws.
+std::vector<double> density_of(const Axis& axis) {
+  std::vector<double> sorted = axis.values;
+  std::sort(sorted.begin(), sorted.end());
+  const double n = double(sorted.size());
+  double mean = 0, square = 0;
+  for (const double v : sorted) mean += v / n;
+  for (const double v : sorted) square += (v - mean) * (v - mean) / n;
+  const double quartiles = (quantile(sorted, 0.75) - quantile(sorted, 0.25)) / 1.34;
+  const double spread = quartiles > 0 ? std::min(std::sqrt(square), quartiles) : std::sqrt(square);
+  const double width = std::max(0.9 * spread * std::pow(n, -0.2), 1e-3 * (axis.high - axis.low));
+  constexpr std::size_t bins = 600;
+  std::vector<double> weight(bins, 0.0);
+  const double bin = (axis.high - axis.low) / double(bins);
+  for (const double v : sorted)
+    if (v >= axis.low && v < axis.high) weight[std::min(bins - 1, std::size_t((v - axis.low) / bin))] += 1 / n;
+  const auto kernel = [&](double r) { return std::exp(-0.5 * r * r / (width * width)) / (width * 2.5066282746310002); };
+  std::vector<double> curve;
+  for (std::size_t k = 0; k < curve_points; ++k) {
+    const double at = axis.low + (axis.high - axis.low) * double(k) / double(curve_points - 1);
+    double sum = 0;
+    const bool outside = (axis.least && at < *axis.least) || (axis.greatest && at > *axis.greatest);
+    for (std::size_t b = 0; b < bins && !outside; ++b) {
+      if (weight[b] == 0) continue;
+      const double centre = axis.low + (double(b) + 0.5) * bin;
+      sum += weight[b] * kernel(at - centre);
+      if (axis.least) sum += weight[b] * kernel(at - (2 * *axis.least - centre));
+      if (axis.greatest) sum += weight[b] * kernel(at - (2 * *axis.greatest - centre));
+    }
+    curve.push_back(sum);
+  }
+  return curve;
+}
+
+Json pair_json(const Axis& x, const Axis& y) {
+  const auto place = [](const Axis& a, double v) { return std::floor((v - a.low) / (a.high - a.low) * double(cells)); };
+  std::vector<double> count(cells * cells, 0.0), smooth(cells * cells, 0.0), across(cells * cells, 0.0);  // (row of y, column of x)
+  for (std::size_t k = 0; k < x.values.size(); ++k) {
+    const double i = place(x, x.values[k]), j = place(y, y.values[k]);
+    if (i >= 0 && j >= 0 && i < double(cells) && j < double(cells)) count[std::size_t(j) * cells + std::size_t(i)] += 1 / double(x.values.size());
+  }
+  const auto blur = [](const std::vector<double>& from, std::vector<double>& to, std::size_t step_row, std::size_t step_column) {
+    constexpr double weights[] = {0.3992, 0.2421, 0.0540, 0.0044};  // of a Gaussian of one cell
+    for (std::size_t r = 0; r < cells; ++r)
+      for (std::size_t c = 0; c < cells; ++c)
+        for (int o = -3; o <= 3; ++o) {
+          const int at = int(c) + o;
+          if (at >= 0 && at < int(cells)) to[r * step_row + c * step_column] += weights[std::abs(o)] * from[r * step_row + std::size_t(at) * step_column];
+        }
+  };
+  blur(count, across, cells, 1);
+  blur(across, smooth, 1, cells);
+  // The levels are such that the draws themselves, not their blurred density, lie above them: across a narrow ridge the two differ much.
+  std::vector<std::size_t> order(smooth.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return smooth[a] > smooth[b]; });
+  const double all = std::accumulate(count.begin(), count.end(), 0.0);
+  double sum = 0, level50 = 0, level90 = 0;
+  for (const std::size_t k : order) {
+    if (sum < 0.5 * all) level50 = smooth[k];
+    if (sum < 0.9 * all) level90 = smooth[k];
+    sum += count[k];
+  }
+  const double highest = std::max(smooth[order[0]], 1e-300);
+  Json density = Json::array();
+  for (const double v : smooth) density.push_back(int(std::lround(1000 * v / highest)));
+  return {{"density", std::move(density)}, {"level50", rounded(1000 * level50 / highest, 4)}, {"level90", rounded(1000 * level90 / highest, 4)}};
+}
+
+/// The answers of the calibrations and the nominal values.
+struct Mark {
+  std::string label;
+  const Json* theta;
+};
+std::vector<Mark> marks_of(const Study& study) {
+  std::vector<Mark> marks;
+  for (const auto& c : study.calibrations) marks.push_back({c.label, &part_at(c.summary, "theta")});
+  if (!study.calibrations.empty()) marks.push_back({"nominal", &part_at(study.calibrations.front().summary, "nominal")});
+  return marks;
+}
+
+std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
+  const Draws& draws = *study.posterior;
+  std::vector<Axis> axes;
+  const auto add = [&](std::size_t k) {
+    if (axes.size() == most_axes || std::any_of(axes.begin(), axes.end(), [&](const auto& a) { return a.name == draws.names[k]; })) return;
+    Axis a{.name = draws.names[k], .label = label_of(draws.names[k], input), .values = draws.of(k)};
+    if (!std::all_of(a.values.begin(), a.values.end(), [](double v) { return std::isfinite(v); })) return;
+    for (const auto& p : input.parameters)
+      if (p.name == a.name) a.least = p.min, a.greatest = p.max;
+    axes.push_back(std::move(a));
+  };
+  for (const auto& p : input.parameters)
+    if (const auto at = std::find(draws.names.begin(), draws.names.end(), p.name); at != draws.names.end()) add(std::size_t(at - draws.names.begin()));
+  for (std::size_t k = 0; k < draws.names.size(); ++k) add(k);
+  // The central 99.8 % and a little room; an answer nearby is taken in, one far off is drawn on the frame.
+  for (Axis& a : axes) {
+    const double low = quantile(a.values, 0.001), high = quantile(a.values, 0.999);
+    const double room = high > low ? high - low : std::max(std::abs(low) * 0.01, 1e-12);
+    a.low = low - 0.05 * room, a.high = high + 0.05 * room;
+    for (const auto& m : marks_of(study))
+      if (const auto v = number_at(*m.theta, a.name); v && *v > low - 0.6 * room && *v < high + 0.6 * room) a.low = std::min(a.low, *v - 0.05 * room), a.high = std::max(a.high, *v + 0.05 * room);
+  }
+  return axes;
+}
+
+}  // namespace
+
+Table posterior_table(const Study& study, const ReportInput& input) {
+  Table t{.id = "posterior", .caption = "Marginal posterior of every parameter, and how well the draws know it."};
+  if (!study.sample) return t;
+  t.columns = {{"parameter", "Parameter", 4, true}, {"mean", "Mean", 5}, {"sd", "Sd", 3}, {"q05", "5 %", 5}, {"q50", "Median", 5}, {"q95", "95 %", 5},
+               {"r_hat", "R-hat", -3}, {"ess_bulk", "ESS, bulk", 6}, {"ess_tail", "ESS, tails", 6}, {"mcse_mean", "MCSE of the mean", 2}};
+  for (const auto& p : list_at(*study.sample, "parameters")) {
+    std::vector<Cell> row{label_of(text_at(p, "name"), input)};
+    for (const char* key : {"mean", "sd", "q05", "q50", "q95", "r_hat"}) row.emplace_back(number_at(p, key));
+    for (const char* key : {"ess_bulk", "ess_tail"}) {
+      const auto x = number_at(p, key);
+      row.emplace_back(x ? std::optional(std::round(*x)) : std::nullopt);
+    }
+    row.emplace_back(number_at(p, "mcse_mean"));
+    t.rows.push_back(std::move(row));
+  }
+  return t;
+}
+
+std::string posterior_draws_csv(const Study& study) {
+  if (!study.posterior) return "";
+  const Draws& draws = *study.posterior;
+  std::string csv = "chain,draw";
+  for (const auto& name : draws.names) csv += ',' + csv_field(name);
+  csv += '\n';
+  for (std::size_t c = 0; c < draws.chains; ++c)
+    for (std::size_t i = 0; i < draws.draws; ++i) {
+      csv += fmt::format("{},{}", c, i);
+      for (std::size_t k = 0; k < draws.names.size(); ++k) csv += ',' + number_text(draws.at(c, i, k));
+      csv += '\n';
+    }
+  return csv;
+}
+
+Json corner_json(const Study& study, const ReportInput& input, std::size_t points) {
+  if (!study.posterior || study.posterior->values.empty()) return nullptr;
+  const auto axes = axes_of(study, input);
+  if (axes.empty()) return nullptr;
+  Json list = Json::array(), pairs = Json::array(), dots = Json::array(), marks = Json::array(), ridge;
+  for (const Axis& a : axes) {
+    Json density = Json::array();
+    for (const double v : density_of(a)) density.push_back(rounded(v, 4));
+    list.push_back({{"name", a.name}, {"label", a.label}, {"span", {a.low, a.high}}, {"density", std::move(density)}, {"q05", rounded(quantile(a.values, 0.05), 6)},
+                    {"q50", rounded(quantile(a.values, 0.5), 6)}, {"q95", rounded(quantile(a.values, 0.95), 6)}});
+  }
+  for (std::size_t j = 1; j < axes.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      Json pair = pair_json(axes[i], axes[j]);
+      pair["i"] = i, pair["j"] = j, pair["cells"] = cells;
+      pairs.push_back(std::move(pair));
+    }
+  const std::size_t n = axes[0].values.size(), step = std::max<std::size_t>(1, (n + points - 1) / std::max<std::size_t>(points, 1));
+  for (std::size_t k = 0; k < n; k += step) {
+    Json row = Json::array();
+    for (const Axis& a : axes) row.push_back(rounded(a.values[k], 5));
+    dots.push_back(std::move(row));
+  }
+  for (const auto& m : marks_of(study)) {
+    Json values = Json::array();
+    bool any = false;
+    for (const Axis& a : axes) {
+      const auto v = number_at(*m.theta, a.name);
+      any = any || v;
+      values.push_back(v ? rounded(*v, 6) : Json());
+    }
+    if (any) marks.push_back({{"label", m.label}, {"values", std::move(values)}});
+  }
+  const Impedance z = impedance(input);
+  const auto index = [&](const std::string& name) { return std::size_t(std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.name == name; }) - axes.begin()); };
+  if (const auto a = index(z.density), b = index(z.sound_speed); z.ridge() && a < axes.size() && b < axes.size()) {
+    std::vector<double> products;
+    for (std::size_t k = 0; k < n; ++k) products.push_back(axes[a].values[k] * axes[b].values[k]);
+    ridge = {{"i", std::min(a, b)}, {"j", std::max(a, b)}, {"product", rounded(quantile(products, 0.5), 7)}};
+  }
+  return {{"axes", std::move(list)}, {"pairs", std::move(pairs)}, {"points", std::move(dots)}, {"marks", std::move(marks)}, {"ridge", std::move(ridge)}, {"of", study.posterior->names.size()}};
+}
+
+}  // namespace calomel
