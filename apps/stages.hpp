@@ -49,6 +49,8 @@ class Stages {
   ExitStatus train();
   /// Each method once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
   ExitStatus calibrate(const std::vector<std::string>& methods);
+  /// The posterior of the parameters; writes posterior.json.
+  ExitStatus sample();
   ExitStatus report();
 
   /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.

@@ -7,7 +7,7 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor"};
+                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor", "emulator", "errors"};
   return tables;
 }
 
@@ -29,6 +29,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("enc", study.enc);
   study.file.read("spe", study.spe);
   study.file.read("map", study.map);
+  study.file.read("emulator", study.emulator);
+  study.file.read("errors", study.errors);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -44,6 +46,8 @@ Json StudyCase::echo() const {
   all["enc"] = calomel::echo(enc);
   all["spe"] = calomel::echo(spe);
   all["map"] = calomel::echo(map);
+  all["emulator"] = calomel::echo(emulator);
+  all["errors"] = calomel::echo(errors);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

@@ -13,6 +13,7 @@
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/map.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/recordings.hpp"
 #include "inverse/spe/options.hpp"
 
@@ -49,6 +50,8 @@ struct StudyCase {
   EncOptions enc;
   SpeOptions spe;
   MapOptions map;
+  EmulatorOptions emulator;
+  ErrorOptions errors;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;
