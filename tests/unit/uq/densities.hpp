@@ -1,0 +1,49 @@
+#pragma once
+/// Densities whose moments are known.
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "uq/log_density.hpp"
+
+namespace calomel::testing {
+
+inline std::vector<std::string> numbered(std::size_t d) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < d; ++k) names.push_back("x" + std::to_string(k + 1));
+  return names;
+}
+
+class Gaussian : public LogDensity {
+ public:
+  Gaussian(Eigen::VectorXd mean, const Eigen::MatrixXd& covariance) : mean_(std::move(mean)), cholesky_(covariance), names_(numbered(std::size_t(mean_.size()))) {}
+  [[nodiscard]] const std::vector<std::string>& coordinates() const override { return names_; }
+  [[nodiscard]] double log_density(std::span<const double> x) const override {
+    ++calls;
+    const Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(x.data(), mean_.size()) - mean_;
+    return -0.5 * r.dot(cholesky_.solve(r));
+  }
+  mutable std::atomic<std::size_t> calls{0};
+
+ private:
+  Eigen::VectorXd mean_;
+  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  std::vector<std::string> names_;
+};
+
+/// Given by a function of x; the quantities are those of another one, or the coordinates.
+template <class F>
+class Written : public LogDensity {
+ public:
+  Written(std::size_t d, F f) : f_(std::move(f)), names_(numbered(d)) {}
+  [[nodiscard]] const std::vector<std::string>& coordinates() const override { return names_; }
+  [[nodiscard]] double log_density(std::span<const double> x) const override { return f_(x); }
+
+ private:
+  F f_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace calomel::testing

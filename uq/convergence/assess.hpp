@@ -1,0 +1,47 @@
+#pragma once
+/// Whether a posterior's draws are to be trusted, and if not, what is wrong in one sentence.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "uq/draws.hpp"
+
+namespace calomel {
+
+/// Converged is: R-hat < r_hat and bulk and tail effective sample size >= ess for every parameter (Vehtari et al. 2021, section 4: 1.01, and 100 a chain of
+/// four chains).
+struct ConvergenceLimits {
+  double r_hat = 1.01;
+  double ess = 400;
+};
+
+struct ParameterSummary {
+  std::string name;
+  double mean = 0, sd = 0, q05 = 0, q50 = 0, q95 = 0;  ///< over all draws [unit of the parameter]
+  double r_hat = 0, ess_bulk = 0, ess_tail = 0;        ///< NaN where the draws give no answer
+  double mcse_mean = 0, mcse_sd = 0;
+};
+
+/// What the run knows beside its draws; it sharpens the cause that is named.
+struct SamplingFacts {
+  std::optional<double> acceptance;  ///< mean acceptance of the kept transitions, [0, 1]
+  int thin = 1;                      ///< transitions a kept draw
+};
+
+struct Convergence {
+  bool converged = false;
+  std::string message = "not assessed";     ///< one sentence
+  std::string parameter;                    ///< the worst one
+  std::vector<ParameterSummary> parameters;  ///< in the order of the draws
+};
+
+/// Summaries of all parameters and the verdict. Not converged: the message names the worst parameter, the likely cause, in this order of suspicion:
+/// draws that are not finite or do not move; chains in different modes; chains that still drift; hardly any proposal accepted; a narrow ridge between two
+/// parameters; rare visits to the tails; too few draws; and what to do about it.
+Convergence assess(const Draws& draws, const SamplingFacts& facts = {}, const ConvergenceLimits& limits = {});
+
+/// {parameters: [{name, mean, sd, q05, q50, q95, r_hat, ess_bulk, ess_tail, mcse_mean, mcse_sd}], converged, message}; null for what is NaN or infinite.
+Json convergence_json(const Convergence& convergence);
+
+}  // namespace calomel

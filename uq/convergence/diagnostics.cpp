@@ -1,0 +1,199 @@
+#include "uq/convergence/diagnostics.hpp"
+
+#include <gsl/gsl_fft_halfcomplex.h>
+#include <gsl/gsl_fft_real.h>
+
+#include <algorithm>
+#include <boost/math/distributions/beta.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "base/errors.hpp"
+#include "base/nan.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// Halves of chains: (2 chains, draws / 2); the middle draw of an odd number is left out.
+struct Halves {
+  std::vector<double> values;
+  std::size_t chains = 0, draws = 0;
+  [[nodiscard]] std::span<const double> chain(std::size_t c) const { return {values.data() + c * draws, draws}; }
+};
+
+Halves halves(std::span<const double> x, std::size_t chains) {
+  const std::size_t n = x.size() / chains, half = n / 2;
+  Halves h{.chains = 2 * chains, .draws = half};
+  for (std::size_t c = 0; c < chains; ++c)
+    for (const std::size_t first : {c * n, c * n + n - half}) h.values.insert(h.values.end(), x.begin() + std::ptrdiff_t(first), x.begin() + std::ptrdiff_t(first + half));
+  return h;
+}
+
+/// Whether these draws have an answer at all.
+bool answerable(ChainDraws x) {
+  expect(x.chains > 0 && x.values.size() % x.chains == 0, "chains are of equal length");
+  if (x.draws() < 4) return false;
+  bool varies = false;
+  for (const double v : x.values) {
+    if (!std::isfinite(v)) return false;
+    varies = varies || v != x.values[0];
+  }
+  return varies;
+}
+
+double mean(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
+
+double variance(std::span<const double> x) {
+  const double m = mean(x);
+  double s = 0;
+  for (const double v : x) s += (v - m) * (v - m);
+  return s / double(x.size() - 1);
+}
+
+/// Normal scores of the ranks, ties sharing their mean rank.
+std::vector<double> normal_scores(std::span<const double> x) {
+  std::vector<std::size_t> order(x.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
+  const boost::math::normal_distribution<double> normal;
+  std::vector<double> z(x.size());
+  for (std::size_t first = 0, last; first < order.size(); first = last) {
+    for (last = first + 1; last < order.size() && x[order[last]] == x[order[first]];) ++last;
+    const double rank = 0.5 * double(first + 1 + last);  // ranks count from 1
+    const double score = boost::math::quantile(normal, (rank - 0.375) / (double(x.size()) + 0.25));
+    for (std::size_t i = first; i < last; ++i) z[order[i]] = score;
+  }
+  return z;
+}
+
+double r_hat_of(const Halves& h) {
+  std::vector<double> means, variances;
+  for (std::size_t c = 0; c < h.chains; ++c) means.push_back(mean(h.chain(c))), variances.push_back(variance(h.chain(c)));
+  const double n = double(h.draws), between = variance(means), within = mean(variances);  // between: B / N
+  return std::sqrt(between / within + (n - 1) / n);
+}
+
+/// Biased autocovariances of one chain at lags 0 to n - 1, through the Fourier transform of the chain with as many zeros behind it.
+std::vector<double> autocovariance(std::span<const double> x) {
+  std::size_t size = 1;
+  while (size < 2 * x.size()) size *= 2;
+  std::vector<double> f(size, 0.0);
+  const double m = mean(x);
+  for (std::size_t i = 0; i < x.size(); ++i) f[i] = x[i] - m;
+  gsl_fft_real_radix2_transform(f.data(), 1, size);
+  f[0] *= f[0], f[size / 2] *= f[size / 2];
+  for (std::size_t k = 1; k < size / 2; ++k) f[k] = f[k] * f[k] + f[size - k] * f[size - k], f[size - k] = 0;
+  gsl_fft_halfcomplex_radix2_inverse(f.data(), 1, size);
+  f.resize(x.size());
+  for (double& v : f) v /= double(x.size());
+  return f;
+}
+
+double ess_of(const Halves& h) {
+  const std::size_t n = h.draws;
+  if (n < 3) return nan;
+  std::vector<double> covariance(n, 0.0), means;  // mean over chains of the autocovariance at each lag
+  for (std::size_t c = 0; c < h.chains; ++c) {
+    const auto a = autocovariance(h.chain(c));
+    for (std::size_t t = 0; t < n; ++t) covariance[t] += a[t] / double(h.chains);
+    means.push_back(mean(h.chain(c)));
+  }
+  const double within = covariance[0] * double(n) / double(n - 1);
+  const double all = covariance[0] + (h.chains > 1 ? variance(means) : 0.0);
+  if (!(all > 0)) return nan;
+  const auto rho = [&](std::size_t t) { return t == 0 ? 1.0 : 1 - (within - covariance[t]) / all; };
+
+  // Sums of neighbours rho(2k) + rho(2k + 1) are positive for a reversible chain: the sum ends where noise makes them negative.
+  std::vector<double> r(n, 0.0);
+  std::size_t t = 0;
+  double even = 1, odd = rho(1);
+  r[0] = even, r[1] = odd;
+  while (t + 5 < n && even + odd > 0) {
+    t += 2;
+    even = rho(t), odd = rho(t + 1);
+    if (even + odd >= 0) r[t] = even, r[t + 1] = odd;
+  }
+  const std::size_t last = t;
+  if (even > 0) r[last] = even;
+  for (std::size_t k = 2; k + 2 <= last; k += 2)
+    if (r[k] + r[k + 1] > r[k - 2] + r[k - 1]) r[k] = r[k + 1] = 0.5 * (r[k - 2] + r[k - 1]);
+
+  const double total = double(h.chains * n);
+  const double tau = -1 + 2 * std::accumulate(r.begin(), r.begin() + std::ptrdiff_t(last), 0.0) + r[last];
+  return total / std::max(tau, 1 / std::log10(total));
+}
+
+}  // namespace
+
+double split_r_hat(ChainDraws x) {
+  if (!answerable(x)) return nan;
+  const double middle = quantile(x.values, 0.5);
+  std::vector<double> folded(x.values.begin(), x.values.end());
+  for (double& v : folded) v = std::abs(v - middle);
+  const double bulk = r_hat_of(halves(normal_scores(x.values), x.chains));
+  if (!answerable({folded, x.chains})) return bulk;  // two values, equally far from the middle
+  return std::max(bulk, r_hat_of(halves(normal_scores(folded), x.chains)));
+}
+
+double ess_mean(ChainDraws x) { return answerable(x) ? ess_of(halves(x.values, x.chains)) : nan; }
+
+double ess_bulk(ChainDraws x) { return answerable(x) ? ess_of(halves(normal_scores(x.values), x.chains)) : nan; }
+
+double ess_indicator(ChainDraws x, double bound) {
+  if (!answerable(x)) return nan;
+  std::vector<double> below(x.values.size());
+  for (std::size_t i = 0; i < below.size(); ++i) below[i] = x.values[i] <= bound ? 1 : 0;
+  return ess_mean({below, x.chains});
+}
+
+double ess_quantile(ChainDraws x, double p) { return answerable(x) ? ess_indicator(x, quantile(x.values, p)) : nan; }
+
+double ess_tail(ChainDraws x) {
+  const double low = ess_quantile(x, 0.05), high = ess_quantile(x, 0.95);
+  return std::isnan(low) || std::isnan(high) ? nan : std::min(low, high);
+}
+
+double mcse_mean(ChainDraws x) { return answerable(x) ? std::sqrt(variance(x.values) / ess_mean(x)) : nan; }
+
+double mcse_sd(ChainDraws x) {
+  if (!answerable(x)) return nan;
+  const double m = mean(x.values);
+  std::vector<double> square(x.values.begin(), x.values.end());
+  for (double& v : square) v = (v - m) * (v - m);
+  const double m2 = mean(square);
+  double m4 = 0;
+  for (const double v : square) m4 += v * v / double(square.size());
+  const double ess = ess_mean({square, x.chains});
+  return std::sqrt((m4 - m2 * m2) / ess / m2) / 2;
+}
+
+double mcse_quantile(ChainDraws x, double p) {
+  const double ess = ess_quantile(x, p);
+  if (std::isnan(ess)) return nan;
+  const boost::math::beta_distribution<double> beta(ess * p + 1, ess * (1 - p) + 1);
+  std::vector<double> sorted(x.values.begin(), x.values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double total = double(sorted.size());
+  const boost::math::normal_distribution<double> normal;
+  const auto at = [&](double rank) { return sorted[std::size_t(std::clamp(rank, 1.0, total)) - 1]; };
+  const double low = at(std::floor(total * boost::math::quantile(beta, boost::math::cdf(normal, -1))));
+  const double high = at(std::ceil(total * boost::math::quantile(beta, boost::math::cdf(normal, 1))));
+  return 0.5 * (high - low);
+}
+
+double quantile(std::span<const double> values, double p) {
+  expect(!values.empty(), "a quantile is of at least one value");
+  std::vector<double> sorted(values.begin(), values.end());
+  const double place = p * double(sorted.size() - 1);
+  const auto low = std::size_t(place);
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(low), sorted.end());
+  const double a = sorted[low];
+  if (low + 1 >= sorted.size() || place == double(low)) return a;
+  const double b = *std::min_element(sorted.begin() + std::ptrdiff_t(low) + 1, sorted.end());
+  return a + (place - double(low)) * (b - a);
+}
+
+}  // namespace calomel
