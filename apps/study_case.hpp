@@ -16,6 +16,7 @@
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/recordings.hpp"
 #include "inverse/spe/options.hpp"
+#include "uq/sampler/sampler.hpp"
 
 namespace calomel {
 
@@ -52,6 +53,7 @@ struct StudyCase {
   MapOptions map;
   EmulatorOptions emulator;
   ErrorOptions errors;
+  SamplerOptions sampler;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

@@ -10,9 +10,9 @@ namespace calomel {
 
 namespace {
 
-constexpr double ridge = 1e-8;       ///< of the greatest diagonal: keeps a coefficient regular that no run tells
+constexpr double ridge = 1e-12;      ///< of the greatest diagonal: keeps a coefficient regular that no run tells
 constexpr int noise_passes = 30;     ///< of weights and noise in turn; they settle within ten
-constexpr double shared_squares = 2; ///< by how many squares a level's noise leans on that of all: few runs on the finest mesh leave few of their own
+constexpr double shared_squares = 0.25;  ///< by how many runs a level's noise leans on that of all, where few runs on the finest mesh leave few squares of their own
 
 }  // namespace
 
@@ -92,7 +92,7 @@ Eigen::VectorXd MultilevelRegression::level_features(const Eigen::VectorXd& u, i
 }
 
 MultilevelRegression::MultilevelRegression(const EmulatorRuns& runs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& weights)
-    : levels_(runs.levels), level_(runs.level), noise_ratio_(std::size_t(runs.levels), 1.0) {
+    : levels_(runs.levels), parameters_(runs.u.rows()), level_(runs.level), noise_ratio_(std::size_t(runs.levels), 1.0) {
   const Eigen::Index n = runs.u.cols(), p = coefficients(runs.u.rows(), levels_);
   expect(std::size_t(n) == level_.size() && outputs.cols() == n && weights.size() == outputs.rows(), "every run has a place, a level and outputs");
   expect(n > p, "an emulator is taught by more runs than it has coefficients");
@@ -141,6 +141,13 @@ Eigen::MatrixXd MultilevelRegression::left_out(const Eigen::MatrixXd& outputs) c
   Eigen::MatrixXd rest = outputs - fit(outputs) * features_;
   for (Eigen::Index i = 0; i < rest.cols(); ++i) rest.col(i) /= 1 - leverage_[i];
   return rest;
+}
+
+Eigen::MatrixXd MultilevelRegression::points(int level) const {
+  std::vector<Eigen::Index> of_level;
+  for (Eigen::Index i = 0; i < size(); ++i)
+    if (level_[std::size_t(i)] == level) of_level.push_back(i);
+  return features_(Eigen::seqN(1, parameters_), of_level);
 }
 
 MultilevelRegression MultilevelRegression::with_run(const Eigen::VectorXd& u, int level) const {

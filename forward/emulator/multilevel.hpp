@@ -80,11 +80,14 @@ class MultilevelRegression {
   [[nodiscard]] Eigen::MatrixXd left_out(const Eigen::MatrixXd& outputs) const;
   /// Squares left in the residuals: runs less coefficients.
   [[nodiscard]] double freedom() const { return double(features_.cols() - features_.rows()); }
+  /// Where the runs of a level stand, (n_parameters, runs of the level).
+  [[nodiscard]] Eigen::MatrixXd points(int level) const;
   /// The same and a further run at `u` of `level`: what variance() will be, whatever the run gives.
   [[nodiscard]] MultilevelRegression with_run(const Eigen::VectorXd& u, int level) const;
 
  private:
   int levels_ = 1;
+  Eigen::Index parameters_ = 0;
   std::vector<int> level_;
   Eigen::MatrixXd features_;  ///< (coefficients, runs)
   Eigen::MatrixXd inverse_, gain_;

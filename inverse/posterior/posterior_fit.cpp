@@ -119,7 +119,7 @@ void Fit::add_infill(int round) {
     if (posterior.emulator().variance(posterior.emulator().features(all.col(i), 0)) <= hard_variance) allowed.push_back(i);
   const Eigen::MatrixXd draws = allowed.empty() ? all : Eigen::MatrixXd(all(Eigen::all, allowed));
   const auto points = infill(posterior.emulator(), draws, in_.emulator.round_coarse, in_.emulator.round_fine);
-  make(points.u, points.level);
+  if (!points.level.empty()) make(points.u, points.level);
 }
 
 /// About the mode, wide enough for it, no narrower than before.

@@ -23,6 +23,9 @@ struct EmulatorOptions {
   int rounds = 6;
   double enough = 0.3;
   double stable = 0.25;
+  std::string start = "auto";
+  int check_coarse = 2;
+  int check_fine = 2;
 
   template <class V>
   void visit(V& v) {
@@ -37,6 +40,10 @@ struct EmulatorOptions {
     v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
     v("enough", enough, {.range = above(0), .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
     v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
+    v("start", start,
+      {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the other where not (auto)", .choices = {"auto", "nominal", "surrogate"}});
+    v("check_coarse", check_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model at the end"});
+    v("check_fine", check_fine, {.range = between(0, 1000), .doc = "those of the finest mesh"});
   }
   /// Errors: InputError for sizes that do not fall.
   void validate() const;
