@@ -21,6 +21,10 @@ class NetcdfWriter {
   NetcdfWriter(const NetcdfWriter&) = delete;
   NetcdfWriter& operator=(const NetcdfWriter&) = delete;
 
+  /// What is declared and written from here on stands in this group, which is made when it is new; "" is the root. A group has dimensions of its own
+  /// beside those of the root.
+  void group(const std::string& name);
+  /// Of the file, or of the group that is being written.
   void attribute(const std::string& name, const std::string& text);
   void dimension(const std::string& name, std::size_t size);
   /// values: row-major over `dims`; an empty `dims` is a scalar. NaN is stored as NaN with `_FillValue` NaN.
@@ -36,10 +40,11 @@ class NetcdfWriter {
   int define(const std::string& name, const std::vector<std::string>& dims, int type, std::size_t given, const Attributes& attributes);
   std::filesystem::path path_, part_;
   int id_ = -1;
-  std::map<std::string, std::pair<int, std::size_t>> dimensions_;
+  int at_ = -1;  ///< the group that is being written; id_ at the root
+  std::map<int, std::map<std::string, std::pair<int, std::size_t>>> dimensions_;  ///< of each group: id and size
 };
 
-/// Errors: InputError when the file is absent, no netCDF, or lacks the variable.
+/// A variable of a group is called "group/variable". Errors: InputError when the file is absent, no netCDF, or lacks the variable.
 class NetcdfReader {
  public:
   explicit NetcdfReader(std::filesystem::path path);
@@ -48,16 +53,26 @@ class NetcdfReader {
   NetcdfReader& operator=(const NetcdfReader&) = delete;
 
   [[nodiscard]] bool has(const std::string& variable) const;
+  /// Names of the groups below the root, in the order of the file.
+  [[nodiscard]] std::vector<std::string> groups() const;
+  /// Names of the variables of a group, without the group's name, in the order of the file; "" is the root.
+  [[nodiscard]] std::vector<std::string> variables(const std::string& group = "") const;
   [[nodiscard]] std::vector<std::size_t> shape(const std::string& variable) const;
   [[nodiscard]] std::vector<std::string> dimensions(const std::string& variable) const;
   [[nodiscard]] std::vector<double> doubles(const std::string& variable) const;
   [[nodiscard]] std::vector<int> integers(const std::string& variable) const;
   [[nodiscard]] std::vector<std::string> strings(const std::string& variable) const;
-  /// Global attribute, or empty; with `variable`, the attribute of that variable.
+  /// Whether a variable holds text.
+  [[nodiscard]] bool holds_text(const std::string& variable) const;
+  /// Global attribute, or empty; with `variable`, the attribute of that variable; with "group/", that of the group.
   [[nodiscard]] std::string attribute(const std::string& name, const std::string& variable = "") const;
 
  private:
-  [[nodiscard]] int variable_id(const std::string& variable) const;
+  struct Place {
+    int group, variable;
+  };
+  [[nodiscard]] int group_id(const std::string& group) const;
+  [[nodiscard]] Place place(const std::string& variable) const;
   std::filesystem::path path_;
   int id_ = -1;
 };
