@@ -240,6 +240,11 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
     in.centre.push_back(k < centre.size() ? centre[k] : *parameters[k].nominal);
     in.half_width.push_back(parameters[k].key == viscosity_key && k >= centre.size() ? box_of_viscosity * e.viscosity_sd : first_half_width(parameters[k]));
   }
+  in.round_done = [this, &parameters = in.parameters](const PosteriorRound& r) {
+    std::string at;
+    for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
+    say(fmt::format("sample: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
+  };
   out->fit = fit_posterior(in);
   return out;
 }

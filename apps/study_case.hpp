@@ -28,7 +28,7 @@ struct StudyOptions {
   template <class V>
   void visit(V& v) {
     v("stages", stages,
-      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
+      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "sample", "report"}, .least_size = 1});
     v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
   }
 };

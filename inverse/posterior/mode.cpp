@@ -69,7 +69,7 @@ Eigen::MatrixXd laplace(const LogPosterior& posterior, const LogPosterior::Point
 
 }  // namespace
 
-std::vector<PosteriorMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts) {
+std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // a failed line search is an answer here, not news
   ceres::GradientProblemSolver::Options options;
   options.logging_type = ceres::SILENT;
@@ -77,21 +77,21 @@ std::vector<PosteriorMode> find_modes(const LogPosterior& posterior, const std::
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-12;  // |change of density| / |density|
   options.gradient_tolerance = 1e-8;   // max |gradient|
-  std::vector<PosteriorMode> modes;
+  std::vector<LocalMode> modes;
   for (const auto& start : starts) {
     Eigen::VectorXd q = start;
     const ceres::GradientProblem problem(new Cost(posterior));
     ceres::GradientProblemSolver::Summary summary;
     ceres::Solve(options, problem, q.data(), &summary);
     if (!q.allFinite() || !std::isfinite(posterior.mode_density(q))) continue;
-    PosteriorMode m{.q = q, .at = posterior.point(q), .iterations = int(summary.iterations.size())};
+    LocalMode m{.q = q, .at = posterior.point(q), .iterations = int(summary.iterations.size())};
     m.mode_density = posterior.mode_density(q);
     m.log_posterior = posterior.density(m.at).log_posterior();
     m.covariance = laplace(posterior, m.at);
     const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
     for (Eigen::Index k = 0; k < posterior.box().size(); ++k) m.at_edge = m.at_edge || 1 - std::abs(m.at.u[k]) < sd[k];
     m.gradient = slope_at(posterior, m.at).cwiseProduct(sd).cwiseAbs().maxCoeff();
-    const bool known = std::any_of(modes.begin(), modes.end(), [&](const PosteriorMode& other) {
+    const bool known = std::any_of(modes.begin(), modes.end(), [&](const LocalMode& other) {
       Eigen::VectorXd d = Eigen::VectorXd::Zero(sd.size());
       d.head(m.at.u.size()) = other.at.u - m.at.u, d.tail(sd.size() - m.at.u.size()).array() += other.at.beyond - m.at.beyond;
       return d.cwiseQuotient(sd).cwiseAbs().maxCoeff() < same_mode;
@@ -102,19 +102,19 @@ std::vector<PosteriorMode> find_modes(const LogPosterior& posterior, const std::
   return modes;
 }
 
-double log_evidence(const LogPosterior& posterior, const PosteriorMode& m) {
+double log_evidence(const LogPosterior& posterior, const LocalMode& m) {
   const auto n = double(posterior.dimension());
   const double log_det = m.covariance.llt().matrixLLT().diagonal().array().log().sum();
   return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + log_det + posterior.box().slope(m.at.u).array().abs().log().sum();
 }
 
-Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const PosteriorMode& m) {
+Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& m) {
   const Eigen::Index d = posterior.box().size();
   const Eigen::VectorXd by_u = posterior.box().slope(m.at.u);
   return by_u.asDiagonal() * m.covariance.topLeftCorner(d, d) * by_u.asDiagonal();
 }
 
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const PosteriorMode& m, std::size_t n, std::uint64_t seed) {
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed) {
   const Eigen::Index size = posterior.dimension(), d = posterior.box().size();
   const Eigen::MatrixXd root = m.covariance.llt().matrixL();
   RandomStream random(seed, 0);

@@ -9,7 +9,7 @@
 namespace calomel {
 
 /// A mode of LogPosterior::mode_density.
-struct PosteriorMode {
+struct LocalMode {
   Eigen::VectorXd q;
   LogPosterior::Point at;
   double log_posterior = 0;    ///< log likelihood + log prior there
@@ -21,15 +21,15 @@ struct PosteriorMode {
 };
 
 /// Distinct local modes from the starts given, best first; starts: q. Ceres, BFGS with a strong Wolfe line search on the exact gradient.
-std::vector<PosteriorMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts);
+std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts);
 
 /// Logarithm of the evidence by Laplace: log L + log prior of theta at the mode + log of the Gaussian's volume in theta (and k).
-double log_evidence(const LogPosterior& posterior, const PosteriorMode& mode);
+double log_evidence(const LogPosterior& posterior, const LocalMode& mode);
 
 /// Covariance of theta (natural units), the parameters' block.
-Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const PosteriorMode& mode);
+Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& mode);
 
 /// Draws from the Gaussian about a mode that lie in the box: (dimension, n) of (u, k). Fewer where hardly any do.
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const PosteriorMode& mode, std::size_t n, std::uint64_t seed);
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed);
 
 }  // namespace calomel

@@ -51,7 +51,7 @@ class Fit {
   void choose_runs();
   void fit();
   [[nodiscard]] bool near_edge() const { return out_.modes[0].at_edge && !at_bounds(out_.modes[0]); }
-  [[nodiscard]] bool at_bounds(const PosteriorMode& m) const;
+  [[nodiscard]] bool at_bounds(const LocalMode& m) const;
   [[nodiscard]] bool settled() const;
   [[nodiscard]] double coordinate(std::size_t k, double t) const { return in_.parameters[k].min > 0 ? std::log(t) : t; }
   [[nodiscard]] double natural(std::size_t k, double x) const { return in_.parameters[k].min > 0 ? std::exp(x) : x; }
@@ -124,7 +124,7 @@ void Fit::add_infill(int round) {
 
 /// About the mode, wide enough for it, no narrower than before.
 void Fit::move_box() {
-  const PosteriorMode& m = out_.modes[0];
+  const LocalMode& m = out_.modes[0];
   std::vector<double> half_width;
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
@@ -136,7 +136,7 @@ void Fit::move_box() {
 }
 
 /// A mode at the edge of what the case allows stays there.
-bool Fit::at_bounds(const PosteriorMode& m) const {
+bool Fit::at_bounds(const LocalMode& m) const {
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const auto i = Eigen::Index(k);
@@ -201,7 +201,7 @@ void Fit::fit() {
   const auto before = out_.modes;
   out_.modes = find_modes(*out_.posterior, starts);
   if (out_.modes.empty()) throw NumericsError("no mode of the posterior was found on the emulator");
-  const PosteriorMode& best = out_.modes[0];
+  const LocalMode& best = out_.modes[0];
 
   PosteriorRound round{.theta = best.at.theta, .sd = best.covariance.diagonal().cwiseSqrt()};
   for (const auto& r : out_.runs) ++(r.level == 0 ? round.fine : round.coarse), round.failed += !r.record.done;
@@ -211,7 +211,10 @@ void Fit::fit() {
   for (Eigen::Index i = 0; i < draws.cols(); ++i) variances.push_back(regression.variance(regression.features(draws.col(i).head(d), 0)));
   std::sort(variances.begin(), variances.end());
   round.variance = variances.empty() ? best.covariance.trace() : variances[std::size_t(0.95 * double(variances.size() - 1))];
+  const Eigen::VectorXd theta_sd = parameter_covariance(*out_.posterior, best).diagonal().cwiseSqrt();
+  round.theta_sd.assign(theta_sd.begin(), theta_sd.end());
   out_.rounds.push_back(std::move(round));
+  if (in_.round_done) in_.round_done(out_.rounds.back());
 
   const Eigen::MatrixXd left_out = regression.left_out(outputs), rest = regression.residuals(outputs);
   out_.levels.assign(std::size_t(in_.levels), {});

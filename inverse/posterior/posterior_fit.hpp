@@ -66,7 +66,7 @@ struct PosteriorInputs {
   std::vector<double> centre;      ///< (n_parameters) of the first box
   std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
   std::uint64_t seed = 1;
-  std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;
+  std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
 };
 
 /// A run that the emulator may learn from.
@@ -81,6 +81,7 @@ struct PosteriorRound {
   int coarse = 0, fine = 0, failed = 0;  ///< runs so far
   std::vector<double> theta;             ///< the mode
   Eigen::VectorXd sd;                    ///< of u
+  std::vector<double> theta_sd;          ///< of theta
   double moved = 0;                      ///< of the mode since the round before, largest over the parameters in sds
   double variance = 0;                   ///< the emulator's over draws from the posterior, 95 % quantile
   bool moved_box = false;
@@ -96,7 +97,7 @@ struct LevelError {
 struct PosteriorFit {
   std::optional<LogPosterior> posterior;
   std::optional<ErrorModel> errors;
-  std::vector<PosteriorMode> modes;  ///< best first
+  std::vector<LocalMode> modes;  ///< best first
   std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   std::vector<PosteriorRound> rounds;
