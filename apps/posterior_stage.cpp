@@ -39,8 +39,6 @@ double first_half_width(const Parameter& p) {
   return 0.1 * (p.min > 0 ? std::log(p.max / p.min) : p.max - p.min);
 }
 
-Eigen::VectorXd as_vector(const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); }
-
 /// "density sits 2.4 prior standard deviations below its handbook value: something else is missing"; empty where none does.
 std::vector<std::string> absorption(const std::vector<Parameter>& parameters, const Convergence& convergence) {
   std::vector<std::string> out;

@@ -11,7 +11,7 @@ namespace calomel {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double noise_smoothing = 25e-6;  ///< [s] over which the variance of numerical noise changes
+constexpr double local_time = 25e-6;  ///< [s] over which local variances change
 constexpr double least_noise = 1e-3;       ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
 
 auto block(Eigen::MatrixXd& m, const Decimation& grid, std::size_t i) {
@@ -68,7 +68,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
-    add("beyond the finest mesh", discrepancy_shape(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel));
+    add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel));
   }
   if (o.discrepancy > 0)
     add("discrepancy", o.discrepancy * o.discrepancy * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, matern32(o.discrepancy_time)));
@@ -114,6 +114,33 @@ std::vector<std::pair<std::string, double>> ErrorModel::shares() const {
   return out;
 }
 
+Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
+                              const std::function<double(double seconds)>& kernel) {
+  const Eigen::VectorXd t = grid.times();
+  Eigen::VectorXd sd(t.size());
+  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    for (Eigen::Index a = at; a < at + n; ++a) {
+      sensor[std::size_t(a)] = Eigen::Index(problem.observations[i].sensor);
+      double squares = 0, weight = 0;
+      for (Eigen::Index b = at; b < at + n; ++b) {
+        const double w = std::exp(-0.5 * std::pow((t[b] - t[a]) / local_time, 2));
+        squares += w * amplitude[b] * amplitude[b], weight += w;
+      }
+      sd[a] = std::sqrt(squares / weight);
+    }
+  }
+  const auto share = [&](Eigen::Index a, Eigen::Index b) {
+    if (a == b) return 1.0;
+    return positions.rows() ? std::exp(-(positions.row(a) - positions.row(b)).norm() / distance) : 0.0;
+  };
+  Eigen::MatrixXd c(t.size(), t.size());
+  for (Eigen::Index a = 0; a < t.size(); ++a)
+    for (Eigen::Index b = 0; b < t.size(); ++b) c(a, b) = sd[a] * sd[b] * share(sensor[std::size_t(a)], sensor[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
+  return c;
+}
+
 Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom) {
   expect(std::size_t(residuals.rows()) == grid.size() && freedom > 0, "residuals on the grid, and squares left in them");
   Eigen::MatrixXd c = 0.5 / freedom * residuals * residuals.transpose();
@@ -126,7 +153,7 @@ Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& r
     for (Eigen::Index a = 0; a < n; ++a) {
       double sum = 0, weight = 0;
       for (Eigen::Index b = 0; b < n; ++b) {
-        const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / noise_smoothing, 2));
+        const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / local_time, 2));
         sum += w * square[b], weight += w;
       }
       sd[a] = std::sqrt(sum / weight + least_noise * square.mean());

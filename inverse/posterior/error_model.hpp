@@ -1,6 +1,7 @@
 #pragma once
 /// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term stands once.
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,6 +28,7 @@ struct ErrorOptions {
   double beyond = 0.25;
   double beyond_sd = 0.25;
   double beyond_rest = 0.5;
+  double record_noise = 2;
   double discrepancy = 0;
   double discrepancy_time = 15e-6;
   double discrepancy_distance = 0.03;
@@ -44,6 +46,7 @@ struct ErrorOptions {
     v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
     v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
+    v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator"});
     v("discrepancy", discrepancy, {.range = between(0, 1), .doc = "sd of what the model leaves out over the local amplitude of the mean record"});
     v("discrepancy_time", discrepancy_time, {.unit = "s", .range = above(0), .doc = "its correlation time (Matern 3/2)"});
     v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
@@ -93,6 +96,11 @@ class ErrorModel {
   Eigen::VectorXd data_;
   std::vector<ErrorTerm> terms_;
 };
+
+/// Covariance of a process along each record with the local root mean square of `amplitude` (size) over 25 us as its sd and `kernel` as its correlation in
+/// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing.
+Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
+                              const std::function<double(double seconds)>& kernel);
 
 /// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
 /// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes slowly. Full rank, (size, size).

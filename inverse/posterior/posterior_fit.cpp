@@ -190,8 +190,9 @@ void Fit::fit() {
   if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.unknowns) directions.unknowns = in_.unknowns(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
-  out_.errors.emplace(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions);
   const Eigen::MatrixXd noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
+  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
+                          .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * noise}));
   out_.posterior.emplace(box_, regression, regression.fit(outputs), *out_.errors, noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
   std::vector<Eigen::VectorXd> starts;

@@ -184,7 +184,7 @@ struct Meshes {
   int runs = 0;
   PosteriorInputs inputs() {
     PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = recording_options};
-    in.errors = {.values = 200, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .beyond = 1, .beyond_sd = 0.1, .beyond_rest = 0.1};
+    in.errors = {.values = 200, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .beyond = 1, .beyond_sd = 0.1, .beyond_rest = 0.1, .record_noise = 1};
     in.parameters = problem.shape.parameters, in.levels = 2;
     in.centre = {13500, 1450, 1e4}, in.half_width = {0.06, 0.03, 5e3};
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
