@@ -69,7 +69,7 @@ std::string catalogue(const std::string& heading, const Registry<Entry>& registr
 /// Tables whose names are kept for stages to come: nothing reads their keys yet.
 std::string reserved_tables() {
   std::vector<std::string> reserved;
-  for (const char* name : {"model", "output", "sampler", "sensitivity", "diagnosis", "report"})
+  for (const char* name : {"model", "output", "sensitivity", "diagnosis", "report"})
     if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
   return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
 }
@@ -109,6 +109,9 @@ std::string case_reference() {
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
   s += table<MapOptions>("[map]", "map", "Maximum a posteriori by least squares.");
+  s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
+  s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md). MAP, ENC and SPE still read `[map.likelihood]`.");
+  s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");
   s += mechanism_page();

@@ -12,6 +12,7 @@ std::vector<Verb> verbs() {
           {"campaign", "run the model over a design of experiments; resumes after any interruption", Takes::case_file, run_campaign_verb},
           {"train", "train surrogates on the campaign", Takes::case_file, run_train},
           {"calibrate", "fit the parameters to the recordings", Takes::case_file, run_calibrate},
+          {"sample", "the posterior of the parameters by Markov chains on the multilevel emulator", Takes::case_file, run_sample},
           {"report", "one self-contained page of what was found", Takes::case_file, run_report},
           {"study", "the stages of [study], reusing finished ones", Takes::case_file, run_study},
           {"import", "recordings in CSV or text to recordings.nc", Takes::files, run_import},

@@ -61,6 +61,11 @@ const Problem& Stages::problem() {
   return *problem_;
 }
 
+CalibrationProgress Stages::stage_progress(const std::string& stage) const {
+  const auto display = std::make_shared<CalibrationDisplay>(stage, command_.quiet);
+  return [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
+}
+
 void Stages::say(const std::string& text) const {
   if (!command_.quiet) std::cerr << text << '\n';
 }
@@ -191,8 +196,7 @@ ExitStatus Stages::calibrate(const std::string& method) {
 }
 
 Calibration Stages::calibrated_by(const std::string& method, const Provenance& provenance) {
-  const auto display = std::make_shared<CalibrationDisplay>(method, command_.quiet);
-  const auto progress = [display](const std::string& what, std::size_t done, std::size_t total) { (*display)(what, done, total); };
+  const auto progress = stage_progress(method);
   return study_.file.locating([&]() -> Calibration {
     if (method == "spe") return calibrate_spe(provenance, progress);
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");

@@ -50,6 +50,8 @@ class Stages {
   ExitStatus train();
   /// Each method once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
   ExitStatus calibrate(const std::vector<std::string>& methods);
+  /// The posterior of the parameters on the multilevel emulator, by Markov chains; writes posterior.nc and posterior.json.
+  ExitStatus sample();
   ExitStatus report();
 
   /// The load's policy, the deposited energy and the viscosity, in words, a line each: every run tells them.
@@ -60,6 +62,14 @@ class Stages {
 
  private:
   ExitStatus calibrate(const std::string& method);
+  /// What is done of a stage, told on the display; stops the work when the user asked to.
+  [[nodiscard]] CalibrationProgress stage_progress(const std::string& stage) const;
+  /// Where the emulator's first box stands, (n_parameters of the case); trains the surrogate first where that tells it.
+  std::vector<double> basin(const CalibrationProgress& progress);
+  /// The emulator and its posterior, the runs taken from and kept in runs.journal.
+  std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress);
+  [[nodiscard]] Provenance runs_provenance() const;
+  [[nodiscard]] Provenance posterior_provenance() const;
   /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
   void compare();
   /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).

@@ -11,6 +11,7 @@ ExitStatus run_study(const CommandLine& command) {
     if (stage == "campaign") status = worse(status, stages.campaign());
     if (stage == "train") status = worse(status, stages.train());
     if (stage == "calibrate") status = worse(status, stages.calibrate(stages.study().study.methods));
+    if (stage == "sample") status = worse(status, stages.sample());
     if (stage == "report") status = worse(status, stages.report());
   }
   return status;

@@ -10,7 +10,7 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor"};
+                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor", "emulator", "errors"};
   return tables;
 }
 
@@ -24,7 +24,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
       throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
                                            .key = later,
                                            .suggestion = "leave the table out to run the built-in model"}));
-  for (const char* later : {"sampler", "sensitivity", "diagnosis"})
+  for (const char* later : {"sensitivity", "diagnosis"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
   study.file.read("floor", study.floor);
@@ -32,6 +32,9 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("enc", study.enc);
   study.file.read("spe", study.spe);
   study.file.read("map", study.map);
+  study.file.read("emulator", study.emulator);
+  study.file.read("errors", study.errors);
+  study.file.read("sampler", study.sampler);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -47,6 +50,9 @@ Json StudyCase::echo() const {
   all["enc"] = calomel::echo(enc);
   all["spe"] = calomel::echo(spe);
   all["map"] = calomel::echo(map);
+  all["emulator"] = calomel::echo(emulator);
+  all["errors"] = calomel::echo(errors);
+  all["sampler"] = calomel::echo(sampler);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

@@ -12,8 +12,10 @@
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/map.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/recordings.hpp"
 #include "inverse/spe/options.hpp"
+#include "uq/sampler/sampler.hpp"
 
 namespace calomel {
 
@@ -25,7 +27,7 @@ struct StudyOptions {
   template <class V>
   void visit(V& v) {
     v("stages", stages,
-      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "report"}, .least_size = 1});
+      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "sample", "report"}, .least_size = 1});
     v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
   }
 };
@@ -48,6 +50,9 @@ struct StudyCase {
   EncOptions enc;
   SpeOptions spe;
   MapOptions map;
+  EmulatorOptions emulator;
+  ErrorOptions errors;
+  SamplerOptions sampler;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

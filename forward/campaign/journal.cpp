@@ -171,6 +171,13 @@ bool Journal::contains(std::size_t run) const {
   return places_.contains(run);
 }
 
+std::vector<std::size_t> Journal::runs() const {
+  const std::lock_guard guard(lock_);
+  std::vector<std::size_t> numbers;
+  for (const auto& [run, place] : places_) numbers.push_back(run);
+  return numbers;
+}
+
 std::size_t Journal::size() const {
   const std::lock_guard guard(lock_);
   return places_.size();
@@ -186,6 +193,7 @@ void Journal::append(std::size_t run, const RunRecord& record) {
   put(payload, record.scatter);
   put(payload, record.pulses);
   put(payload, record.energies);
+  if (!record.point.empty()) put(payload, std::vector<char>(record.point.begin(), record.point.end()));
   const std::string bytes = frame(payload);
 
   const std::lock_guard guard(lock_);
@@ -220,6 +228,10 @@ RunRecord Journal::read(std::size_t run) const {
   record.scatter = taker.values<float>();
   record.pulses = taker.values<float>();
   record.energies = taker.values<double>();
+  if (!taker.rest.empty()) {
+    const auto point = taker.values<char>();
+    record.point.assign(point.begin(), point.end());
+  }
   return record;
 }
 

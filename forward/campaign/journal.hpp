@@ -26,6 +26,7 @@ struct RunRecord {
   std::vector<float> scatter;       ///< the same shape, or empty
   std::vector<float> pulses;        ///< (pulse, condition, sensor, time), or empty
   std::vector<double> energies;     ///< (pulse)
+  std::string point;                ///< what was run, in a journal of runs that no design numbers; empty otherwise
   bool operator==(const RunRecord&) const = default;
 };
 
@@ -44,6 +45,8 @@ class Journal {
   Journal& operator=(const Journal&) = delete;
 
   [[nodiscard]] bool contains(std::size_t run) const;
+  /// Numbers of the runs held, ascending.
+  [[nodiscard]] std::vector<std::size_t> runs() const;
   /// Number of runs held.
   [[nodiscard]] std::size_t size() const;
   /// Adds a run; safe from several threads. The system is asked to reach the disk at least every half second, so a kill

@@ -1,0 +1,116 @@
+#include "forward/level_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "forward/campaign/campaign.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double young_difference = 0.02;
+const std::string young_key = "material.steel.young", element_key = "geometry.element_size";
+
+/// The case on a mesh of this element size: walls of a given number of elements keep their elements' size where the mesh is finer.
+ForwardCase on_mesh(ForwardCase c, double element_size) {
+  const auto own = c.geometry.resolved().element_size;
+  if (!own)
+    throw InputError({.problem = "the mesh comes from a file, so that there is none of another element size",
+                      .key = "emulator.element_sizes",
+                      .suggestion = "leave it out: the emulator then works on the mesh of the file alone"});
+  const double finer = std::max(1.0, *own / element_size);
+  c.geometry.element_size = element_size;
+  c.geometry.wall_elements = int(std::lround(c.geometry.wall_elements * finer));
+  c.geometry.max_elements = std::llround(double(c.geometry.max_elements) * finer * finer * finer);
+  return c;
+}
+
+}  // namespace
+
+LevelRuns::LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, std::vector<Parameter> parameters, std::vector<double> element_sizes,
+                     double viscosity, RunStore& store)
+    : case_(forward_case), ensemble_(ensemble), parameters_(std::move(parameters)), sizes_(element_sizes.rbegin(), element_sizes.rend()), viscosity_(viscosity),
+      store_(store) {
+  for (const double size : sizes_) {
+    ForwardCase c = on_mesh(case_, size);
+    c.parameters = parameters_;
+    c.mercury.least_mesh_viscosity = 0, c.mercury.regularising_viscosity = viscosity_;
+    models_.push_back(std::make_unique<BuiltInModel>(std::move(c), ensemble_, 1));
+  }
+}
+
+RunPoint LevelRuns::point(std::span<const double> theta, int level) const {
+  RunPoint p{{element_key, sizes_[std::size_t(level)]}, {viscosity_key, viscosity_}};
+  for (std::size_t k = 0; k < theta.size(); ++k) p[parameters_[k].key] = theta[k];
+  return p;
+}
+
+/// A run of the store: of a level's own model where nothing but parameters differs, of a changed case otherwise.
+RunRecord LevelRuns::evaluate(const RunPoint& point) const {
+  const double size = point.at(element_key);
+  const auto level = std::size_t(std::find(sizes_.begin(), sizes_.end(), size) - sizes_.begin());
+  expect(level < sizes_.size(), "a run is on one of the meshes");
+  std::vector<double> theta;
+  RunPoint rest = point;
+  rest.erase(element_key), rest.erase(viscosity_key);
+  for (const auto& p : parameters_) theta.push_back(point.at(p.key)), rest.erase(p.key);
+  if (rest.empty()) return evaluate_run(*models_[level], theta, false);
+  ForwardCase changed = models_[level]->forward_case();
+  try {
+    for (const auto& [key, value] : rest) changed.set_number(key, value);
+    return evaluate_run(BuiltInModel(std::move(changed), ensemble_, 1), theta, false);
+  } catch (const InputError& e) {  // a gauge off the target
+    return {.message = e.what()};
+  }
+}
+
+std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, int threads, const RunStore::Progress& progress,
+                                      const std::atomic<bool>* stop) {
+  std::vector<RunPoint> points;
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    const auto theta = thetas.col(Eigen::Index(i));
+    points.push_back(point({theta.data(), std::size_t(theta.size())}, level[i]));
+  }
+  const auto cost = [](const RunPoint& p) { return 1 / p.at(element_key); };
+  std::vector<RunRecord> records;
+  for (auto& r : store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop)) records.push_back(std::move(r.record));
+  return records;
+}
+
+Eigen::MatrixXd LevelRuns::unknowns(std::span<const double> theta, double young_sd, double gauge_place_sd, int threads, const RunStore::Progress& progress,
+                                    const std::atomic<bool>* stop) {
+  const int level = std::min(1, levels() - 1);
+  const double young = case_.number(young_key), shift = std::max(gauge_place_sd, 0.5 * element_size(level));
+  const ModelShape& shape = model(level).shape();
+  const bool sought = std::any_of(parameters_.begin(), parameters_.end(), [](const Parameter& p) { return p.key == young_key; });
+  std::vector<RunPoint> points(4, point(theta, level));
+  for (const std::size_t i : {0, 1}) {
+    const double sign = i == 0 ? 1 : -1;
+    if (!sought) points[i][young_key] = (1 + sign * young_difference) * young;
+    for (const auto& s : case_.sensors) {
+      const double length = std::hypot(s.direction[0], s.direction[1], s.direction[2]);
+      for (std::size_t x = 0; x < 3; ++x)
+        if (s.direction[x] != 0) points[2 + i]["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + sign * shift * s.direction[x] / length;
+    }
+  }
+  const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
+  const auto difference = [&](std::size_t i) -> Eigen::VectorXd {
+    const auto &up = runs[i].record, &down = runs[i + 1].record;
+    const auto values = Eigen::Index(shape.values());
+    if (!up.done || !down.done) return Eigen::VectorXd::Zero(values);
+    return (Eigen::Map<const Eigen::VectorXf>(up.mean.data(), values) - Eigen::Map<const Eigen::VectorXf>(down.mean.data(), values)).cast<double>();
+  };
+  const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), 1 + sensors);
+  if (!sought) directions.col(0) = young_sd / (2 * young_difference) * difference(0);
+  const Eigen::VectorXd by_place = gauge_place_sd / (2 * shift) * difference(2);
+  for (std::size_t c = 0; c < shape.conditions.size(); ++c)
+    for (Eigen::Index s = 0; s < sensors; ++s) {
+      const auto at = Eigen::Index(shape.at(c, std::size_t(s), 0));
+      directions.col(1 + s).segment(at, times) = by_place.segment(at, times);
+    }
+  return directions;
+}
+
+}  // namespace calomel

@@ -1,0 +1,47 @@
+#pragma once
+/// The case's model on several meshes at one viscosity for all, its runs kept in the run store.
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "forward/built_in_model.hpp"
+#include "forward/emulator/run_store.hpp"
+
+namespace calomel {
+
+/// Dotted key of the regularising viscosity.
+inline constexpr const char* viscosity_key = "material.mercury.regularising_viscosity";
+
+class LevelRuns {
+ public:
+  /// `parameters`: what a theta holds, by key; where the viscosity is none of them it is `viscosity` [Pa s] in every run. element_sizes: finest last [m].
+  /// All outlive the object. Errors: InputError for a mesh that cannot be made, naming `emulator.element_sizes`, e.g. for one from a file.
+  LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, std::vector<Parameter> parameters, std::vector<double> element_sizes, double viscosity,
+            RunStore& store);
+
+  /// Meshes; level 0 is the finest.
+  [[nodiscard]] int levels() const { return int(models_.size()); }
+  [[nodiscard]] double element_size(int level) const { return sizes_[std::size_t(level)]; }
+  [[nodiscard]] const BuiltInModel& model(int level) const { return *models_[std::size_t(level)]; }
+  /// Records of the columns of thetas (n_parameters, n), each on its level's mesh.
+  std::vector<RunRecord> run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, int threads, const RunStore::Progress& progress = {},
+                             const std::atomic<bool>* stop = nullptr);
+  /// Changes of the ensemble mean at theta by one sd of each unknown, (values, 1 + gauges): the steel's Young modulus, common to all gauges, by a central
+  /// difference of 2 %; the place of each gauge along its direction, by one of half an element or the sd, whichever is more. A column of 0 where its runs failed
+  /// or it is itself a parameter. Four runs of the next to finest mesh.
+  Eigen::MatrixXd unknowns(std::span<const double> theta, double young_sd, double gauge_place_sd, int threads, const RunStore::Progress& progress = {},
+                           const std::atomic<bool>* stop = nullptr);
+
+ private:
+  [[nodiscard]] RunPoint point(std::span<const double> theta, int level) const;
+  [[nodiscard]] RunRecord evaluate(const RunPoint& point) const;
+  const ForwardCase& case_;
+  EnsembleOptions ensemble_;
+  std::vector<Parameter> parameters_;
+  std::vector<double> sizes_;  ///< by level
+  double viscosity_;
+  RunStore& store_;
+  std::vector<std::unique_ptr<BuiltInModel>> models_;
+};
+
+}  // namespace calomel

@@ -1,0 +1,174 @@
+#include "inverse/posterior/error_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "inverse/likelihood/likelihood.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double local_time = 25e-6;  ///< [s] over which local variances change
+constexpr double least_noise = 1e-3;       ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
+
+auto block(Eigen::MatrixXd& m, const Decimation& grid, std::size_t i) {
+  const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+  return m.block(at, at, n, n);
+}
+
+auto part(const Eigen::VectorXd& v, const Decimation& grid, std::size_t i) {
+  return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
+}
+
+}  // namespace
+
+ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& o,
+                       const ErrorDirections& directions, const Eigen::MatrixXd& positions)
+    : grid_(problem, std::size_t(o.values), o.band) {
+  const Eigen::VectorXd slope = directions.energy_slope.size() ? Eigen::VectorXd(grid_.apply(directions.energy_slope)) : Eigen::VectorXd();
+  noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
+  const auto p = Eigen::Index(grid_.size());
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(p, p);
+  data_.resize(p);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i)
+    data_.segment(Eigen::Index(grid_.offset(i)), Eigen::Index(grid_.windows(i).size())) =
+        grid_.apply_record(i, problem.observations[i].mean) / noise_.series[i].mean_energy;  // strain about proportional to energy: of the order of 0.1 %
+
+  Eigen::MatrixXd of_mean = zero, baseline = zero, gain = zero;
+  Eigen::VectorXd energy = Eigen::VectorXd::Zero(p);
+  Eigen::MatrixXd own_energy = Eigen::MatrixXd::Zero(p, Eigen::Index(problem.shape.conditions.size()));
+  const Eigen::VectorXd& by_energy = slope.size() ? slope : data_;
+  const double drift = std::max(1.0, noise_.split_half);
+  for (std::size_t i = 0; i < noise_.series.size(); ++i) {
+    const SeriesNoise& s = noise_.series[i];
+    const Eigen::VectorXd y = part(data_, grid_, i), g = part(by_energy, grid_, i);
+    const auto at = Eigen::Index(grid_.offset(i));
+    if (s.given) {  // one number is all that is known of such a gauge: independent errors, and the pulse's own energy where that is given
+      block(of_mean, grid_, i) = s.pulse / double(s.pulses);
+      if (recording_options.energy_sd)
+        own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = *recording_options.energy_sd / std::sqrt(double(s.pulses)) * g;
+      continue;
+    }
+    block(of_mean, grid_, i) = s.pulse * (drift / double(s.pulses) + o.coherent_noise * o.coherent_noise);
+    block(baseline, grid_, i).array() += std::pow(o.baseline * s.sd(), 2);
+    block(gain, grid_, i) = o.gain_sd * o.gain_sd * y * y.transpose();
+    energy.segment(at, y.size()) = o.energy_scale_sd * g;
+  }
+  add("noise", std::move(of_mean));
+  add("baseline", std::move(baseline));
+  add("gain", std::move(gain));
+  add("energy scale", energy * energy.transpose());
+  add("pulse energy", own_energy * own_energy.transpose());
+  if (directions.unknowns.size()) {
+    const Eigen::MatrixXd moved = grid_.apply(directions.unknowns);
+    add("steel and gauge places", moved * moved.transpose());
+  }
+  if (directions.last_difference.size() && o.beyond_rest > 0) {
+    const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
+    add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel));
+  }
+  if (o.discrepancy > 0)
+    add("discrepancy", o.discrepancy * o.discrepancy * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, matern32(o.discrepancy_time)));
+}
+
+void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
+  if (covariance.diagonal().maxCoeff() > 0) terms_.push_back({std::move(name), std::move(covariance)});
+}
+
+Eigen::MatrixXd ErrorModel::covariance() const {
+  const auto p = Eigen::Index(grid_.size());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(p, p);
+  for (const auto& t : terms_) sum += t.covariance;
+  return sum;
+}
+
+double ErrorModel::freedom() const {
+  double of_noise = 0, trace = 0, noise = 0;
+  for (const auto& s : noise_.series) of_noise += s.freedom;
+  for (const auto& t : terms_) trace += t.covariance.trace(), noise += t.name == "noise" ? t.covariance.trace() : 0;
+  if (std::isinf(of_noise) || !(noise > 0)) return infinity;
+  const double freedom = of_noise / std::pow(noise / trace, 2);
+  return freedom > 1e8 ? infinity : freedom;
+}
+
+ErrorModel ErrorModel::without(const std::string& name) const {
+  ErrorModel out = *this;
+  std::erase_if(out.terms_, [&](const ErrorTerm& t) { return t.name == name; });
+  return out;
+}
+
+ErrorModel ErrorModel::with(ErrorTerm term) const {
+  ErrorModel out = *this;
+  out.add(std::move(term.name), std::move(term.covariance));
+  return out;
+}
+
+std::vector<std::pair<std::string, double>> ErrorModel::shares() const {
+  std::vector<std::pair<std::string, double>> out;
+  double sum = 0;
+  for (const auto& t : terms_) out.emplace_back(t.name, t.covariance.trace()), sum += out.back().second;
+  for (auto& [name, share] : out) share /= sum;
+  return out;
+}
+
+Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
+                              const std::function<double(double seconds)>& kernel) {
+  const Eigen::VectorXd t = grid.times();
+  Eigen::VectorXd sd(t.size());
+  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    for (Eigen::Index a = at; a < at + n; ++a) {
+      sensor[std::size_t(a)] = Eigen::Index(problem.observations[i].sensor);
+      double squares = 0, weight = 0;
+      for (Eigen::Index b = at; b < at + n; ++b) {
+        const double w = std::exp(-0.5 * std::pow((t[b] - t[a]) / local_time, 2));
+        squares += w * amplitude[b] * amplitude[b], weight += w;
+      }
+      sd[a] = std::sqrt(squares / weight);
+    }
+  }
+  const auto share = [&](Eigen::Index a, Eigen::Index b) {
+    if (a == b) return 1.0;
+    return positions.rows() ? std::exp(-(positions.row(a) - positions.row(b)).norm() / distance) : 0.0;
+  };
+  Eigen::MatrixXd c(t.size(), t.size());
+  for (Eigen::Index a = 0; a < t.size(); ++a)
+    for (Eigen::Index b = 0; b < t.size(); ++b) c(a, b) = sd[a] * sd[b] * share(sensor[std::size_t(a)], sensor[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
+  return c;
+}
+
+Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom) {
+  expect(std::size_t(residuals.rows()) == grid.size() && freedom > 0, "residuals on the grid, and squares left in them");
+  Eigen::MatrixXd c = 0.5 / freedom * residuals * residuals.transpose();
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto windows = grid.windows(i);
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(windows.size());
+    const Eigen::MatrixXd own = residuals.middleRows(at, n);
+    const Eigen::VectorXd square = own.rowwise().squaredNorm() / freedom;
+    Eigen::VectorXd sd(n);
+    for (Eigen::Index a = 0; a < n; ++a) {
+      double sum = 0, weight = 0;
+      for (Eigen::Index b = 0; b < n; ++b) {
+        const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / local_time, 2));
+        sum += w * square[b], weight += w;
+      }
+      sd[a] = std::sqrt(sum / weight + least_noise * square.mean());
+    }
+    if (!(sd.minCoeff() > 0)) continue;
+    // Autocorrelation over runs and times with the biased divisor, which keeps it positive definite.
+    const Eigen::MatrixXd unit = sd.cwiseInverse().asDiagonal() * own;
+    Eigen::VectorXd correlation(n);
+    for (Eigen::Index lag = 0; lag < n; ++lag) correlation[lag] = unit.topRows(n - lag).cwiseProduct(unit.bottomRows(n - lag)).sum();
+    correlation /= correlation[0];
+    auto own_block = c.block(at, at, n, n);
+    for (Eigen::Index a = 0; a < n; ++a)
+      for (Eigen::Index b = 0; b < n; ++b) own_block(a, b) += 0.5 * sd[a] * sd[b] * correlation[std::abs(a - b)];
+  }
+  return c;
+}
+
+}  // namespace calomel

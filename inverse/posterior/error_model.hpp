@@ -1,0 +1,109 @@
+#pragma once
+/// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term stands once.
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/options.hpp"
+#include "inverse/likelihood/decimation.hpp"
+#include "inverse/likelihood/replicate_noise.hpp"
+#include "inverse/problem.hpp"
+#include "inverse/recordings.hpp"
+
+namespace calomel {
+
+/// `[errors]`: what is known of the records' and the model's errors, for all methods alike.
+struct ErrorOptions {
+  int values = 800;
+  double band = 20e3;
+  double energy_scale_sd = 0.015;
+  double gain_sd = 0.01;
+  double baseline = 1;
+  double coherent_noise = 0.1;
+  double young_sd = 0.015;
+  double gauge_place_sd = 0.0004;
+  double beyond = 0.25;
+  double beyond_sd = 0.25;
+  double beyond_rest = 0.5;
+  double record_noise = 2;
+  double discrepancy = 0;
+  double discrepancy_time = 15e-6;
+  double discrepancy_distance = 0.03;
+
+  template <class V>
+  void visit(V& v) {
+    v("values", values, {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
+    v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
+    v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised"});
+    v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
+    v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
+    v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's; marginalised to first order"});
+    v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
+    v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
+    v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
+    v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
+    v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator"});
+    v("discrepancy", discrepancy, {.range = between(0, 1), .doc = "sd of what the model leaves out over the local amplitude of the mean record"});
+    v("discrepancy_time", discrepancy_time, {.unit = "s", .range = above(0), .doc = "its correlation time (Matern 3/2)"});
+    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
+  }
+};
+
+/// A Gaussian error, (size, size) on the coarse grid.
+struct ErrorTerm {
+  std::string name;
+  Eigen::MatrixXd covariance;
+};
+
+/// What moves the model's values to first order, on its own output times.
+struct ErrorDirections {
+  Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
+  Eigen::MatrixXd unknowns;         ///< (values, k): by one sd of each nuisance of target and gauges
+  Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
+};
+
+/// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
+class ErrorModel {
+ public:
+  /// positions: (sensors, 3) [m] of the gauges, or empty. Errors: InputError for a single pulse without noise.
+  ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
+             const ErrorDirections& directions, const Eigen::MatrixXd& positions);
+
+  [[nodiscard]] const Decimation& grid() const { return grid_; }
+  [[nodiscard]] const ReplicateNoise& noise() const { return noise_; }
+  /// Mean records, (size), carried to mean energy 1 where a gauge lacks pulses.
+  [[nodiscard]] const Eigen::VectorXd& data() const { return data_; }
+  [[nodiscard]] const std::vector<ErrorTerm>& terms() const { return terms_; }
+  /// Sum of the terms.
+  [[nodiscard]] Eigen::MatrixXd covariance() const;
+  /// Degrees of freedom of the covariance's scale: the noise's, diluted by what is known otherwise (Satterthwaite 1946); infinity for a Gaussian.
+  [[nodiscard]] double freedom() const;
+  /// The same without the terms named.
+  [[nodiscard]] ErrorModel without(const std::string& name) const;
+  /// The same and one more term.
+  [[nodiscard]] ErrorModel with(ErrorTerm term) const;
+  /// Shares of the covariance's trace, by name.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> shares() const;
+
+ private:
+  void add(std::string name, Eigen::MatrixXd covariance);
+  Decimation grid_;
+  ReplicateNoise noise_;
+  Eigen::VectorXd data_;
+  std::vector<ErrorTerm> terms_;
+};
+
+/// Covariance of a process along each record with the local root mean square of `amplitude` (size) over 25 us as its sd and `kernel` as its correlation in
+/// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing.
+Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
+                              const std::function<double(double seconds)>& kernel);
+
+/// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
+/// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes slowly. Full rank, (size, size).
+Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom);
+
+}  // namespace calomel

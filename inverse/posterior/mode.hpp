@@ -1,0 +1,35 @@
+#pragma once
+/// The modes of a posterior, each with the Gaussian of Laplace about it.
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "inverse/posterior/log_posterior.hpp"
+
+namespace calomel {
+
+/// A mode of LogPosterior::mode_density.
+struct LocalMode {
+  Eigen::VectorXd q;
+  LogPosterior::Point at;
+  double log_posterior = 0;    ///< log likelihood + log prior there
+  double mode_density = 0;
+  Eigen::MatrixXd covariance;  ///< of (u, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
+  double gradient = 0;         ///< largest slope of the density along a coordinate, times its standard deviation
+  bool at_edge = false;        ///< a coordinate lies within a standard deviation of the box's edge
+  int iterations = 0;
+};
+
+/// Distinct local modes from the starts given, best first; starts: q. Ceres, BFGS with a strong Wolfe line search on the exact gradient.
+std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts);
+
+/// Logarithm of the evidence by Laplace: log L + log prior of theta at the mode + log of the Gaussian's volume in theta (and k).
+double log_evidence(const LogPosterior& posterior, const LocalMode& mode);
+
+/// Covariance of theta (natural units), the parameters' block.
+Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& mode);
+
+/// Draws from the Gaussian about a mode that lie in the box: (dimension, n) of (u, k). Fewer where hardly any do.
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed);
+
+}  // namespace calomel

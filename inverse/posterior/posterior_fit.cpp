@@ -1,0 +1,256 @@
+#include "inverse/posterior/posterior_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "forward/emulator/infill.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t draws_of_a_round = 400;
+constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
+constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
+constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
+
+class Fit {
+ public:
+  explicit Fit(const PosteriorInputs& in) : in_(in) {
+    for (const auto& p : in.parameters) priors_.emplace_back(p);
+    lay_box(in.centre, in.half_width);
+  }
+  PosteriorFit run() {
+    fill_box(0);
+    fit();
+    for (int round = 1; round <= in_.emulator.rounds && !settled(); ++round) {
+      if (near_edge()) {
+        move_box();
+        fill_box(std::uint64_t(round));
+      } else {
+        add_infill(round);
+      }
+      fit();
+    }
+    out_.settled = settled();
+    const auto& last = out_.rounds.back();
+    out_.message = out_.settled ? fmt::format("settled after {} coarse and {} fine runs", last.coarse, last.fine)
+                                : fmt::format("not settled after {} coarse and {} fine runs: the mode moved by {:.2g} standard deviations in the last round, the emulator's variance is {:.2g} of one run's noise",
+                                              last.coarse, last.fine, last.moved, last.variance);
+    return std::move(out_);
+  }
+
+ private:
+  void lay_box(std::span<const double> centre, std::span<const double> half_width);
+  void fill_box(std::uint64_t index);
+  void add_infill(int round);
+  void move_box();
+  void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
+  void choose_runs();
+  void fit();
+  [[nodiscard]] bool near_edge() const { return out_.modes[0].at_edge && !at_bounds(out_.modes[0]); }
+  [[nodiscard]] bool at_bounds(const LocalMode& m) const;
+  [[nodiscard]] bool settled() const;
+  [[nodiscard]] double coordinate(std::size_t k, double t) const { return in_.parameters[k].min > 0 ? std::log(t) : t; }
+  [[nodiscard]] double natural(std::size_t k, double x) const { return in_.parameters[k].min > 0 ? std::exp(x) : x; }
+
+  const PosteriorInputs& in_;
+  std::vector<Prior> priors_;
+  EmulatorBox box_;
+  std::vector<double> low_, high_;
+  PosteriorFit out_;
+};
+
+void Fit::lay_box(std::span<const double> centre, std::span<const double> half_width) {
+  low_.clear(), high_.clear();
+  for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
+    const Parameter& p = in_.parameters[k];
+    const double least = coordinate(k, p.min), most = coordinate(k, p.max), w = std::min(half_width[k], 0.5 * (most - least));
+    // Within the bounds, and of its whole width where they allow it.
+    const double x = std::clamp(coordinate(k, std::clamp(centre[k], p.min, p.max)), least + w, most - w);
+    low_.push_back(std::max(p.min, natural(k, x - w))), high_.push_back(std::min(p.max, natural(k, x + w)));
+  }
+  box_ = EmulatorBox(in_.parameters, low_, high_);
+}
+
+void Fit::make(const Eigen::MatrixXd& u, const std::vector<int>& level) {
+  Eigen::MatrixXd thetas(u.rows(), u.cols());
+  for (Eigen::Index i = 0; i < u.cols(); ++i) {
+    const auto t = box_.theta(u.col(i));
+    thetas.col(i) = Eigen::Map<const Eigen::VectorXd>(t.data(), u.rows());
+  }
+  auto records = in_.run(thetas, level);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto at = thetas.col(Eigen::Index(i));
+    out_.runs.push_back({{at.data(), at.data() + at.size()}, level[i], std::move(records[i])});
+  }
+}
+
+/// Runs within the box that came through.
+void Fit::choose_runs() {
+  out_.used.clear();
+  for (std::size_t i = 0; i < out_.runs.size(); ++i)
+    if (out_.runs[i].record.done && box_.contains(out_.runs[i].theta)) out_.used.push_back(i);
+}
+
+/// Brings every level to the number of runs that it begins with; the fine ones stand at points of the coarse ones.
+void Fit::fill_box(std::uint64_t index) {
+  choose_runs();
+  std::vector<int> there(std::size_t(in_.levels), 0);
+  for (const auto i : out_.used) ++there[std::size_t(out_.runs[i].level)];
+  const auto d = Eigen::Index(in_.parameters.size());
+  const int coarse = in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
+  const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;
+  const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
+  std::vector<int> level;
+  std::vector<Eigen::Index> at;
+  for (int l = 0; l < in_.levels; ++l)
+    for (int i = 0; i < (l == 0 ? fine : coarse) - there[std::size_t(l)]; ++i) at.push_back(i), level.push_back(l);
+  if (!at.empty()) make(design(Eigen::all, at), level);
+}
+
+void Fit::add_infill(int round) {
+  const LogPosterior& posterior = *out_.posterior;
+  const Eigen::MatrixXd all = gaussian_draws(posterior, out_.modes[0], draws_of_a_round, in_.seed + std::uint64_t(round)).topRows(box_.size());
+  std::vector<Eigen::Index> allowed;
+  for (Eigen::Index i = 0; i < all.cols(); ++i)
+    if (posterior.emulator().variance(posterior.emulator().features(all.col(i), 0)) <= hard_variance) allowed.push_back(i);
+  const Eigen::MatrixXd draws = allowed.empty() ? all : Eigen::MatrixXd(all(Eigen::all, allowed));
+  const auto points = infill(posterior.emulator(), draws, in_.emulator.round_coarse, in_.emulator.round_fine);
+  if (!points.level.empty()) make(points.u, points.level);
+}
+
+/// About the mode, wide enough for it, no narrower than before.
+void Fit::move_box() {
+  const LocalMode& m = out_.modes[0];
+  std::vector<double> half_width;
+  const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
+  for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
+    const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
+    half_width.push_back(std::max(in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
+  }
+  lay_box(m.at.theta, half_width);
+  out_.rounds.back().moved_box = true;
+}
+
+/// A mode at the edge of what the case allows stays there.
+bool Fit::at_bounds(const LocalMode& m) const {
+  const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
+  for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
+    const auto i = Eigen::Index(k);
+    if (1 - m.at.u[i] < sd[i] && high_[k] < in_.parameters[k].max * (1 - 1e-9)) return false;
+    if (1 + m.at.u[i] < sd[i] && low_[k] > in_.parameters[k].min + 1e-9 * std::abs(in_.parameters[k].min)) return false;
+  }
+  return true;
+}
+
+bool Fit::settled() const {
+  const auto& rounds = out_.rounds;
+  return rounds.size() > 1 && !near_edge() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
+}
+
+void Fit::fit() {
+  choose_runs();
+  const auto n = Eigen::Index(out_.used.size()), d = Eigen::Index(in_.parameters.size());
+  EmulatorRuns runs{.u = Eigen::MatrixXd(d, n), .level = {}, .levels = in_.levels};
+  int fine = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const TaughtRun& r = out_.runs[out_.used[std::size_t(i)]];
+    runs.u.col(i) = box_.u(r.theta), runs.level.push_back(r.level), fine += r.level == 0;
+  }
+  const Eigen::Index needed = MultilevelRegression::coefficients(d, in_.levels);
+  if (n <= needed || fine <= d + 1) {
+    std::string reason = "none failed";
+    for (const auto& r : out_.runs)
+      if (!r.record.done) reason = r.record.message;
+    throw NumericsError(fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
+  }
+  const auto columns = [&](const std::vector<float> RunRecord::*what) {
+    Eigen::MatrixXd all(Eigen::Index(in_.problem.shape.values()), n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& v = out_.runs[out_.used[std::size_t(i)]].record.*what;
+      all.col(i) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
+    }
+    return all;
+  };
+  const Eigen::MatrixXd histories = columns(&RunRecord::mean);
+  const bool slopes = std::all_of(out_.used.begin(), out_.used.end(), [&](auto i) { return out_.runs[i].record.energy_slope.size() == in_.problem.shape.values(); });
+
+  // The grid is that of the records alone; a first error model gives it, and what numbers weigh in the judgement of the levels' noise.
+  const bool first = out_.modes.empty();
+  ErrorDirections directions;
+  const ErrorModel plain(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions);
+  const Eigen::MatrixXd outputs = plain.grid().apply(histories);
+  const MultilevelRegression regression(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()) / outputs.cwiseAbs2().mean());
+
+  // Errors where the answer stands: at the box's middle first, at the last mode later.
+  const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
+  if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
+  if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
+  if (in_.unknowns) directions.unknowns = in_.unknowns(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
+  const Eigen::MatrixXd noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
+  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
+                          .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * noise}));
+  out_.posterior.emplace(box_, regression, regression.fit(outputs), *out_.errors, noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
+
+  std::vector<Eigen::VectorXd> starts;
+  const Eigen::MatrixXd spread = 0.8 * first_design(d, 8, in_.seed + 77);
+  for (Eigen::Index i = 0; i < spread.cols(); ++i) starts.push_back(out_.posterior->q(box_.theta(spread.col(i)), in_.errors.beyond));
+  for (const auto& m : out_.modes) starts.push_back(out_.posterior->q(box_.nearest(m.at.theta), m.at.beyond));
+  const auto before = out_.modes;
+  out_.modes = find_modes(*out_.posterior, starts);
+  if (out_.modes.empty()) throw NumericsError("no mode of the posterior was found on the emulator");
+  const LocalMode& best = out_.modes[0];
+
+  PosteriorRound round{.theta = best.at.theta, .sd = best.covariance.diagonal().cwiseSqrt()};
+  for (const auto& r : out_.runs) ++(r.level == 0 ? round.fine : round.coarse), round.failed += !r.record.done;
+  round.moved = before.empty() ? std::numeric_limits<double>::infinity() : (box_.u(before[0].at.theta) - best.at.u).cwiseQuotient(round.sd.head(d)).cwiseAbs().maxCoeff();
+  const Eigen::MatrixXd draws = gaussian_draws(*out_.posterior, best, draws_of_a_round, in_.seed);
+  std::vector<double> variances;
+  for (Eigen::Index i = 0; i < draws.cols(); ++i) variances.push_back(regression.variance(regression.features(draws.col(i).head(d), 0)));
+  std::sort(variances.begin(), variances.end());
+  round.variance = variances.empty() ? best.covariance.trace() : variances[std::size_t(0.95 * double(variances.size() - 1))];
+  const Eigen::VectorXd theta_sd = parameter_covariance(*out_.posterior, best).diagonal().cwiseSqrt();
+  round.theta_sd.assign(theta_sd.begin(), theta_sd.end());
+  out_.rounds.push_back(std::move(round));
+  if (in_.round_done) in_.round_done(out_.rounds.back());
+
+  const Eigen::MatrixXd left_out = regression.left_out(outputs), rest = regression.residuals(outputs);
+  out_.levels.assign(std::size_t(in_.levels), {});
+  for (Eigen::Index i = 0; i < n; ++i) {
+    auto& l = out_.levels[std::size_t(runs.level[std::size_t(i)])];
+    ++l.runs, l.left_out += left_out.col(i).squaredNorm() / outputs.col(i).squaredNorm();
+  }
+  const double noise_square = rest.squaredNorm() / regression.freedom(), size = outputs.squaredNorm() / double(n);
+  for (std::size_t l = 0; l < out_.levels.size(); ++l) {
+    auto& level = out_.levels[l];
+    level.left_out = std::sqrt(level.left_out / std::max(1, level.runs));
+    level.noise = std::sqrt(noise_square * regression.noise_ratio()[l] / size);
+  }
+}
+
+}  // namespace
+
+void EmulatorOptions::validate() const {
+  for (std::size_t i = 1; i < element_sizes.size(); ++i)
+    if (!(element_sizes[i] < element_sizes[i - 1]))
+      throw InputError({.problem = "each element size is smaller than the one before it", .key = "element_sizes", .value = number_text(element_sizes[i]),
+                        .suggestion = "e.g. element_sizes = [1e-3, 0.5e-3]"});
+}
+
+Eigen::VectorXd PosteriorFit::history(const Eigen::VectorXd& u, double beyond) const {
+  const MultilevelRegression& e = posterior->emulator();
+  const Eigen::VectorXd weights = e.weights(e.features(u, beyond));
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(Eigen::Index(runs[used[0]].record.mean.size()));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const auto& v = runs[used[i]].record.mean;
+    sum += weights[Eigen::Index(i)] * Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
+  }
+  return sum;
+}
+
+PosteriorFit fit_posterior(const PosteriorInputs& in) { return Fit(in).run(); }
+
+}  // namespace calomel

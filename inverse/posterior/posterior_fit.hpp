@@ -1,0 +1,115 @@
+#pragma once
+/// From runs of the true model to its posterior: lays the emulator's box, has runs made where they tell most, and fits again until the answer stays.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "forward/campaign/journal.hpp"
+#include "inverse/posterior/mode.hpp"
+
+namespace calomel {
+
+/// `[emulator]`: the runs that the posterior is taught by.
+struct EmulatorOptions {
+  std::vector<double> element_sizes;
+  double viscosity = 2000;
+  double viscosity_sd = 0.6;
+  int coarse_runs = 32;
+  int fine_runs = 8;
+  int round_coarse = 8;
+  int round_fine = 3;
+  int rounds = 6;
+  double enough = 0.3;
+  double stable = 0.25;
+  std::string start = "auto";
+  int check_coarse = 2;
+  int check_fine = 2;
+
+  template <class V>
+  void visit(V& v) {
+    v("element_sizes", element_sizes,
+      {.unit = "m", .range = above(0), .doc = "of the meshes that teach the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
+    v("viscosity", viscosity, {.unit = "Pa s", .range = above(0), .doc = "median of the prior of the regularising viscosity, which is a coordinate of the posterior, the same on all meshes"});
+    v("viscosity_sd", viscosity_sd, {.range = between(0, 3), .doc = "prior sd of its logarithm; 0 holds it"});
+    v("coarse_runs", coarse_runs, {.range = between(1, 10000), .doc = "runs of each coarser mesh to begin with"});
+    v("fine_runs", fine_runs, {.range = between(1, 10000), .doc = "runs of the finest mesh to begin with"});
+    v("round_coarse", round_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh in each later round"});
+    v("round_fine", round_fine, {.range = between(0, 1000), .doc = "runs of the finest mesh in each later round"});
+    v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
+    v("enough", enough, {.range = above(0), .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
+    v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
+    v("start", start,
+      {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the other where not (auto)", .choices = {"auto", "nominal", "surrogate"}});
+    v("check_coarse", check_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model at the end"});
+    v("check_fine", check_fine, {.range = between(0, 1000), .doc = "those of the finest mesh"});
+  }
+  /// Errors: InputError for sizes that do not fall.
+  void validate() const;
+};
+
+/// What a fit works on; what is referred to outlives it.
+struct PosteriorInputs {
+  const Problem& problem;
+  const Recordings& recordings;
+  const RecordingOptions& recording_options;
+  ErrorOptions errors;
+  EmulatorOptions emulator;
+  std::vector<Parameter> parameters;  ///< with their final priors, the viscosity among them where it has one
+  int levels = 1;                     ///< meshes
+  Eigen::MatrixXd positions;          ///< (sensors, 3) [m], or empty
+  /// Runs the columns of thetas (n_parameters, n), each on its level's mesh, 0 the finest.
+  std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level)> run;
+  /// Changes of the model's values by one sd of each unknown of target and gauges, (values, k); empty: none.
+  std::function<Eigen::MatrixXd(std::span<const double> theta)> unknowns;
+  std::vector<double> centre;      ///< (n_parameters) of the first box
+  std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
+  std::uint64_t seed = 1;
+  std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
+};
+
+/// A run that the emulator may learn from.
+struct TaughtRun {
+  std::vector<double> theta;
+  int level = 0;
+  RunRecord record;
+};
+
+/// One round: what was run and where the answer stood after it.
+struct PosteriorRound {
+  int coarse = 0, fine = 0, failed = 0;  ///< runs so far
+  std::vector<double> theta;             ///< the mode
+  Eigen::VectorXd sd;                    ///< of u
+  std::vector<double> theta_sd;          ///< of theta
+  double moved = 0;                      ///< of the mode since the round before, largest over the parameters in sds
+  double variance = 0;                   ///< the emulator's over draws from the posterior, 95 % quantile
+  bool moved_box = false;
+};
+
+/// Leave-one-out errors of one level.
+struct LevelError {
+  int runs = 0;
+  double left_out = 0;  ///< |left out - run| / |run|, root mean square over runs, on the posterior's grid
+  double noise = 0;     ///< of the residuals, likewise, their freedom counted
+};
+
+struct PosteriorFit {
+  std::optional<LogPosterior> posterior;
+  std::optional<ErrorModel> errors;
+  std::vector<LocalMode> modes;  ///< best first
+  std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
+  std::vector<std::size_t> used;
+  std::vector<PosteriorRound> rounds;
+  std::vector<LevelError> levels;
+  bool settled = false;
+  std::string message;
+
+  /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
+  [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
+};
+
+/// Errors: NumericsError when too few runs come through; those of `run`.
+[[nodiscard]] PosteriorFit fit_posterior(const PosteriorInputs& in);
+
+}  // namespace calomel

@@ -1,0 +1,83 @@
+#include "inverse/posterior/true_model_check.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace calomel {
+
+namespace {
+
+constexpr std::uint64_t stream = 0x7c0de;
+constexpr double deviations = 3;
+
+}  // namespace
+
+TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, int coarse, int fine) {
+  const LogPosterior& posterior = *fit.posterior;
+  const MultilevelRegression& emulator = posterior.emulator();
+  const Eigen::Index d = posterior.box().size();
+  if (in.levels < 2) fine += coarse, coarse = 0;
+  const Eigen::MatrixXd draws = gaussian_draws(posterior, fit.modes[0], std::size_t(std::max(1, coarse + fine)), in.seed ^ stream);
+  Eigen::MatrixXd thetas(d, coarse + fine);
+  std::vector<int> level;
+  for (int i = 0; i < coarse + fine; ++i) {
+    const Eigen::VectorXd u = i == 0 || draws.cols() == 0 ? fit.modes[0].at.u : Eigen::VectorXd(draws.col(i % draws.cols()).head(d));
+    const auto t = posterior.box().theta(u);
+    thetas.col(i) = Eigen::Map<const Eigen::VectorXd>(t.data(), d);
+    level.push_back(i < fine ? 0 : 1);
+  }
+  const auto records = in.run(thetas, level);
+
+  // What the emulator was taught by, on the grid, and the covariance of one run's numerical noise.
+  const Decimation& grid = fit.errors->grid();
+  Eigen::MatrixXd histories(Eigen::Index(in.problem.shape.values()), Eigen::Index(fit.used.size()));
+  for (std::size_t i = 0; i < fit.used.size(); ++i) {
+    const auto& v = fit.runs[fit.used[i]].record.mean;
+    histories.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
+  }
+  const Eigen::MatrixXd outputs = grid.apply(histories), coefficients = emulator.fit(outputs);
+  const Eigen::MatrixXd noise = numerical_noise(grid, emulator.residuals(outputs), emulator.freedom());
+  const Eigen::VectorXd variance = noise.diagonal();
+  const Eigen::VectorXd sd = variance.cwiseSqrt();
+  const double independent = std::pow(variance.sum(), 2) / noise.squaredNorm();  // Satterthwaite (1946): of the sum of squares
+
+  TrueModelCheck out;
+  double sum = 0, shift = 0;
+  int done = 0, shifts = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto column = thetas.col(Eigen::Index(i));
+    CheckedRun r{.theta = {column.data(), column.data() + d}, .level = level[i], .done = records[i].done};
+    if (r.done) {
+      const Eigen::VectorXd u = posterior.box().u(r.theta), x = emulator.level_features(u, r.level);
+      const Eigen::VectorXd run = grid.apply(Eigen::Map<const Eigen::VectorXf>(records[i].mean.data(), Eigen::Index(records[i].mean.size())).cast<double>());
+      const Eigen::VectorXd difference = run - coefficients * x;
+      const double promised = emulator.variance(x) + emulator.noise_ratio()[std::size_t(r.level)];
+      r.distance = difference.norm() / run.norm();
+      r.score = difference.squaredNorm() / (promised * variance.sum());
+      sum += r.score, ++done;
+      if (r.level == 0) {
+        // What this run in place of the emulator would do to the log likelihood there: the errors' covariance alone whitens.
+        LogPosterior::Point at{.u = u, .beyond = fit.modes[0].at.beyond, .theta = r.theta};
+        const Eigen::VectorXd residual = posterior.whitened_residual(at), moved = residual - posterior.whiten(difference, emulator.variance(emulator.features(u, at.beyond)));
+        shift += std::pow(0.5 * (residual.squaredNorm() - moved.squaredNorm()), 2), ++shifts;
+      }
+    }
+    out.runs.push_back(std::move(r));
+  }
+  if (done == 0) {
+    out.sentence = "no run of the true model came through at the posterior's draws: the emulator was not checked";
+    return out;
+  }
+  out.score = sum / done, out.score_sd = std::sqrt(2 / (independent * done));
+  if (shifts > 0) out.log_posterior_shift = std::sqrt(shift / shifts);
+  out.holds = out.score < 1 + deviations * out.score_sd;
+  out.sentence = fmt::format("{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± {:.2g})", done,
+                             std::sqrt(out.score), out.score, out.score_sd);
+  if (!out.holds) out.sentence += ": its deviations are too small there; give it more runs (emulator.rounds, emulator.round_fine)";
+  return out;
+}
+
+}  // namespace calomel

@@ -1,0 +1,31 @@
+#pragma once
+/// Whether the true model lies where the emulator says, in the emulator's own deviations.
+#include <string>
+#include <vector>
+
+#include "inverse/posterior/posterior_fit.hpp"
+
+namespace calomel {
+
+/// A run that the emulator was not taught by.
+struct CheckedRun {
+  std::vector<double> theta;
+  int level = 0;
+  bool done = false;
+  double distance = 0;  ///< |run - emulator| / |run| on the posterior's grid
+  double score = 0;     ///< mean square of the difference over what the emulator promises of a run's there: noise and its own variance; expectation 1
+};
+
+struct TrueModelCheck {
+  std::vector<CheckedRun> runs;
+  double score = 0;        ///< mean over the runs done
+  double score_sd = 0;     ///< of that mean where the emulator's promise holds, by its effective number of values
+  double log_posterior_shift = 0;  ///< root mean square over fine runs of (log likelihood by the run - log likelihood by the emulator)
+  bool holds = false;      ///< the score is below 1 + 3 of its deviations, or the runs are nearer than promised
+  std::string sentence;
+};
+
+/// Runs the true model at the mode and at draws from the Gaussian about it: `fine` on the finest mesh, `coarse` on the next.
+[[nodiscard]] TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, int coarse, int fine);
+
+}  // namespace calomel

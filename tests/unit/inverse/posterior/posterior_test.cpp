@@ -1,0 +1,250 @@
+// The posterior on the multilevel emulator: its density against the formula written out, its gradient against differences, its mode and evidence against
+// closed forms, and the whole fit on a model whose meshes are known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "forward/campaign/campaign.hpp"
+#include "forward/emulator/infill.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
+#include "tests/unit/inverse/lines.hpp"
+#include "tests/unit/inverse/meshed.hpp"
+
+namespace calomel {
+namespace {
+
+/// Two sensors linear in two parameters; the coarse mesh is off by a constant and a slope.
+struct Lines {
+  std::vector<Parameter> parameters{normal_parameter("a", 2, 0.5), uniform_parameter("b", -4, 4, 0)};
+  AnalyticModel fine{parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5); }, [](auto p, double t) { return p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
+  AnalyticModel coarse{parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5) + 0.1; }, [](auto p, double t) { return 1.05 * p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
+  Recordings recordings = pulses_of(fine, {2.2, 0.7}, {.pulses = 8, .noise = 0.5}, 3);
+  RecordingOptions recording_options;
+  Problem problem = make_problem(fine.shape(), recordings, recording_options);
+  ErrorOptions errors{.values = 40, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
+  EmulatorBox box{parameters, std::vector<double>{0.5, -3}, std::vector<double>{3.5, 3}};
+
+  /// 20 coarse and 8 fine runs with numerical noise.
+  [[nodiscard]] LogPosterior posterior(double noise, ErrorOptions with) const {
+    RandomStream random(7, 0);
+    const Eigen::MatrixXd u = first_design(2, 20, 4);
+    EmulatorRuns runs{.u = Eigen::MatrixXd(2, 28), .level = {}, .levels = 2};
+    Eigen::MatrixXd histories(120, 28);
+    for (Eigen::Index i = 0; i < 28; ++i) {
+      runs.level.push_back(i < 20 ? 1 : 0), runs.u.col(i) = u.col(i % 20);
+      const auto p = (i < 20 ? coarse : fine).evaluate(box.theta(runs.u.col(i)));
+      for (Eigen::Index v = 0; v < 120; ++v) histories(v, i) = p.mean[std::size_t(v)] + noise * random.normal();
+    }
+    const ErrorModel model(problem, recordings, recording_options, with, {}, {});
+    const Eigen::MatrixXd outputs = model.grid().apply(histories);
+    const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
+    return {box, e, e.fit(outputs), model, numerical_noise(model.grid(), e.residuals(outputs), e.freedom()), {Prior(parameters[0]), Prior(parameters[1])},
+            {with.beyond, with.beyond_sd}};
+  }
+};
+
+TEST(LogPosterior, IsTheFormulaWrittenOut) {
+  const Lines lines;
+  const auto with = lines.errors;
+  const LogPosterior posterior = lines.posterior(0.3, with);
+  const auto q = posterior.q(std::vector<double>{2.4, 0.5}, 0);
+  const auto at = posterior.point(q);
+  EXPECT_NEAR(at.theta[0], 2.4, 1e-9);
+  EXPECT_NEAR(at.theta[1], 0.5, 1e-9);
+  // The dense Gaussian with covariance errors + v noise.
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, with, {}, {});
+  RandomStream random(7, 0);
+  Eigen::MatrixXd u = first_design(2, 20, 4), histories(120, 28);
+  EmulatorRuns runs{.u = Eigen::MatrixXd(2, 28), .level = {}, .levels = 2};
+  for (Eigen::Index i = 0; i < 28; ++i) {
+    runs.level.push_back(i < 20 ? 1 : 0), runs.u.col(i) = u.col(i % 20);
+    const auto p = (i < 20 ? lines.coarse : lines.fine).evaluate(lines.box.theta(runs.u.col(i)));
+    for (Eigen::Index v = 0; v < 120; ++v) histories(v, i) = p.mean[std::size_t(v)] + 0.3 * random.normal();
+  }
+  const Eigen::MatrixXd outputs = model.grid().apply(histories);
+  const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
+  const Eigen::VectorXd x = e.features(at.u, 0), r = model.data() - e.fit(outputs) * x;
+  const double v = e.variance(x);
+  EXPECT_GT(v, 0.05);
+  const Eigen::MatrixXd c = model.covariance() + v * numerical_noise(model.grid(), e.residuals(outputs), e.freedom());
+  const Eigen::LLT<Eigen::MatrixXd> factor(c);
+  const double chi2 = r.dot(factor.solve(r)), log_det = 2 * factor.matrixLLT().diagonal().array().log().sum(), p = double(r.size());
+  const auto density = posterior.density(at);
+  EXPECT_NEAR(density.chi2, chi2, 1e-6 * chi2);
+  ASSERT_FALSE(std::isinf(model.freedom()));
+  // With the scale learnt from replicates the Gaussian becomes a t of the same chi-squared.
+  const double f = model.freedom(), t = std::lgamma((f + p) / 2) - std::lgamma(f / 2) - 0.5 * p * std::log(f * M_PI) - 0.5 * log_det - 0.5 * (f + p) * std::log1p(chi2 / f);
+  EXPECT_NEAR(density.log_likelihood, t, 1e-6 * std::abs(t));
+  EXPECT_NEAR(density.log_prior, Prior(lines.parameters[0]).log_density(2.4) - std::log(8.0), 1e-9);
+  EXPECT_NEAR(posterior.whitened_residual(at).squaredNorm(), chi2, 1e-6 * chi2);
+}
+
+TEST(LogPosterior, GradientsAreThoseOfDifferences) {
+  const Lines lines;
+  for (const bool beyond : {false, true}) {
+    auto with = lines.errors;
+    if (beyond) with.beyond = 0.3, with.beyond_sd = 0.2;
+    const LogPosterior posterior = lines.posterior(0.3, with);
+    ASSERT_EQ(posterior.dimension(), beyond ? 3 : 2);
+    const Eigen::VectorXd q = posterior.q(std::vector<double>{2.6, -0.4}, 0.4);
+    Eigen::VectorXd full, mode;
+    const double value = posterior.log_density(q, &full);
+    (void)posterior.mode_density(q, &mode);
+    for (Eigen::Index k = 0; k < q.size(); ++k) {
+      const double h = 1e-5;
+      Eigen::VectorXd up = q, down = q;
+      up[k] += h, down[k] -= h;
+      EXPECT_NEAR(full[k], (posterior.log_density(up) - posterior.log_density(down)) / (2 * h), 1e-5 * std::abs(value));
+      EXPECT_NEAR(mode[k], (posterior.mode_density(up) - posterior.mode_density(down)) / (2 * h), 1e-5 * std::abs(value));
+    }
+  }
+}
+
+TEST(LogPosterior, DensityByTheUnconstrainedCoordinatesHasTheSameMassAsByTheParameters) {
+  const Lines lines;
+  const LogPosterior posterior = lines.posterior(0.3, lines.errors);
+  const double top = posterior.density(posterior.point(posterior.q(std::vector<double>{2.2, 0.7}, 0))).log_posterior();
+  double by_theta = 0, by_q = 0, without_jacobian = 0;
+  constexpr int n = 240;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      // The same rectangle about the mode in either coordinates, each with its own even grid.
+      const Eigen::Vector2d low(1.7, -0.3), high(2.7, 1.7), part((i + 0.5) / n, (j + 0.5) / n);
+      const Eigen::Vector2d at = low + part.cwiseProduct(high - low);
+      by_theta += std::exp(posterior.density(posterior.point(posterior.q(std::vector<double>{at[0], at[1]}, 0))).log_posterior() - top) * (high - low).prod() / (n * n);
+      const Eigen::VectorXd q_low = posterior.q(std::vector<double>{low[0], low[1]}, 0), q_high = posterior.q(std::vector<double>{high[0], high[1]}, 0);
+      const Eigen::VectorXd q = q_low + part.cwiseProduct(q_high - q_low);
+      by_q += std::exp(posterior.log_density(q) - top) * (q_high - q_low).prod() / (n * n);
+      without_jacobian += std::exp(posterior.mode_density(q) - top) * (q_high - q_low).prod() / (n * n);
+    }
+  EXPECT_NEAR(by_q / by_theta, 1, 0.003);
+  EXPECT_GT(std::abs(without_jacobian / by_theta - 1), 0.02);  // the control: a Jacobian left out shows
+}
+
+TEST(LocalMode, IsTheClosedFormOfALinearModelAndSoIsItsEvidence) {
+  Lines lines;
+  lines.errors.values = 120;
+  lines.recordings = pulses_of(lines.fine, {2.2, 0.7}, {.pulses = 400, .noise = 2}, 5);  // so many that the t is Gaussian
+  lines.problem = make_problem(lines.fine.shape(), lines.recordings, lines.recording_options);
+  const LogPosterior posterior = lines.posterior(0, lines.errors);
+  const auto modes = find_modes(posterior, {posterior.q(std::vector<double>{1, -2}, 0), posterior.q(std::vector<double>{3, 2}, 0)});
+  ASSERT_EQ(modes.size(), 1u);
+  EXPECT_LT(modes[0].gradient, 1e-3);
+  // Generalised least squares with the prior of a.
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {}, {});
+  const auto column = [&](double a, double b) {
+    const auto y = lines.fine.evaluate(std::vector<double>{a, b}).mean;
+    return Eigen::VectorXd(model.grid().apply(Eigen::Map<const Eigen::VectorXd>(y.data(), 120)));
+  };
+  Eigen::MatrixXd X(Eigen::Index(model.grid().size()), 2);
+  X << column(1, 0), column(0, 1);
+  const Eigen::MatrixXd inverse = model.covariance().inverse();
+  Eigen::Matrix2d information = X.transpose() * inverse * X;
+  Eigen::Vector2d right = X.transpose() * inverse * model.data();
+  information(0, 0) += 4, right[0] += 4 * 2;
+  const Eigen::Vector2d best = information.inverse() * right;
+  EXPECT_NEAR(modes[0].at.theta[0], best[0], 1e-4);
+  EXPECT_NEAR(modes[0].at.theta[1], best[1], 1e-4);
+  const Eigen::MatrixXd covariance = parameter_covariance(posterior, modes[0]);
+  EXPECT_LT((covariance - information.inverse()).norm(), 0.01 * information.inverse().norm());
+  // Evidence: y ~ N(X m, C + X P X') with a flat prior 1/8 of b, which is far wider than its likelihood.
+  Eigen::Matrix2d P = Eigen::Vector2d(0.25, 1e4).asDiagonal();
+  const Eigen::MatrixXd total = model.covariance() + X * P * X.transpose();
+  const Eigen::LLT<Eigen::MatrixXd> factor(total);
+  const Eigen::VectorXd r = model.data() - 2 * X.col(0);
+  const double flat = std::log(std::sqrt(2 * M_PI * 1e4) / 8);
+  const double log_z = -0.5 * r.dot(factor.solve(r)) - factor.matrixLLT().diagonal().array().log().sum() - 0.5 * double(r.size()) * std::log(2 * M_PI) + flat;
+  EXPECT_NEAR(log_evidence(posterior, modes[0]), log_z, 0.5);  // the t of 399 squares a value differs by a few hundredths
+}
+
+TEST(NumericalNoise, HasTheVarianceOfItsResidualsAndFullRank) {
+  const Lines lines;
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {}, {});
+  RandomStream random(5, 0);
+  const auto n = Eigen::Index(model.grid().size());
+  Eigen::MatrixXd residuals(n, 12);
+  for (auto& r : residuals.reshaped()) r = 0.2 * random.normal();
+  const Eigen::MatrixXd c = numerical_noise(model.grid(), residuals, 12);
+  EXPECT_NEAR(c.diagonal().mean(), 0.04, 0.01);
+  const Eigen::LLT<Eigen::MatrixXd> factor(c);
+  EXPECT_EQ(factor.info(), Eigen::Success);
+}
+
+/// The meshes of meshed.hpp: the records lie at vanishing elements, the fine mesh at 0.25, the coarse at 0.5.
+struct Meshes {
+  Meshed exact{0}, fine{0.25}, coarse{0.5};
+  std::vector<double> truth{13600, 1440, 1.1e4};
+  Recordings recordings = recorded(exact, truth, 12, 2e-6, 3);
+  RecordingOptions recording_options;
+  Problem problem = make_problem(exact.shape(), recordings, recording_options);
+  int runs = 0;
+  PosteriorInputs inputs() {
+    PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = recording_options};
+    in.errors = {.values = 200, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .beyond = 1, .beyond_sd = 0.1, .beyond_rest = 0.1, .record_noise = 1};
+    in.parameters = problem.shape.parameters, in.levels = 2;
+    in.centre = {13500, 1450, 1e4}, in.half_width = {0.06, 0.03, 5e3};
+    in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
+      std::vector<RunRecord> records;
+      for (std::size_t i = 0; i < level.size(); ++i, ++runs)
+        records.push_back(evaluate_run(level[i] == 0 ? fine : coarse, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false));
+      return records;
+    };
+    return in;
+  }
+};
+
+TEST(FitPosterior, FindsTheTruthBeyondTheFinestMeshWithinItsDeviations) {
+  Meshes meshes;
+  const PosteriorFit fit = fit_posterior(meshes.inputs());
+  EXPECT_TRUE(fit.settled) << fit.message;
+  const auto& best = fit.modes[0];
+  const Eigen::VectorXd sd = parameter_covariance(*fit.posterior, best).diagonal().cwiseSqrt();
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(std::abs(best.at.theta[k] - meshes.truth[k]), 3 * sd[Eigen::Index(k)]) << k;
+  EXPECT_LT(sd[1] / 1440, 0.01);
+  EXPECT_LT(fit.levels[0].left_out, 0.03);
+  // The emulator's history at the truth and one mesh step beyond is that of vanishing elements.
+  const auto exact = meshes.exact.evaluate(meshes.truth).mean;
+  const Eigen::VectorXd emulated = fit.history(fit.posterior->box().u(meshes.truth), 1);
+  const Eigen::Map<const Eigen::VectorXd> e(exact.data(), Eigen::Index(exact.size()));
+  EXPECT_LT((emulated - e).norm() / e.norm(), 0.05);
+}
+
+TEST(FitPosterior, TheFinestMeshAloneIsBiasedAndTheControlSaysSo) {
+  Meshes meshes;
+  auto in = meshes.inputs();
+  in.errors.beyond = 0, in.errors.beyond_sd = 0, in.errors.beyond_rest = 0;
+  const PosteriorFit fit = fit_posterior(in);
+  const auto& best = fit.modes[0];
+  const Eigen::VectorXd sd = parameter_covariance(*fit.posterior, best).diagonal().cwiseSqrt();
+  EXPECT_GT(std::abs(best.at.theta[1] - meshes.truth[1]), 3 * sd[1]);
+}
+
+TEST(FitPosterior, MovesItsBoxToAnAnswerOutsideTheFirst) {
+  Meshes meshes;
+  auto in = meshes.inputs();
+  in.centre = {13500, 1580, 1e4};
+  in.half_width = {0.06, 0.05, 5e3};
+  in.emulator.rounds = 8;
+  const PosteriorFit fit = fit_posterior(in);
+  EXPECT_TRUE(std::any_of(fit.rounds.begin(), fit.rounds.end(), [](const auto& r) { return r.moved_box; }));
+  EXPECT_NEAR(fit.modes[0].at.theta[1], 1440, 30);
+}
+
+TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
+  Meshes meshes;
+  auto in = meshes.inputs();
+  in.run = [](const Eigen::MatrixXd&, const std::vector<int>& level) { return std::vector<RunRecord>(level.size(), {.message = "the step collapsed"}); };
+  try {
+    (void)fit_posterior(in);
+    FAIL();
+  } catch (const NumericsError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("the step collapsed"));
+  }
+}
+
+}  // namespace
+}  // namespace calomel
