@@ -10,6 +10,7 @@
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
+#include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
 #include "inverse/feasibility.hpp"

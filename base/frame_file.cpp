@@ -9,6 +9,8 @@
 #include <bit>
 #include <cerrno>
 
+#include "base/provenance.hpp"
+
 namespace calomel {
 
 static_assert(std::endian::native == std::endian::little, "frames are written in the machine's own order of bytes");

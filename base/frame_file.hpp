@@ -19,6 +19,8 @@
 
 namespace calomel {
 
+struct Provenance;
+
 /// Puts numbers and lists of numbers one after another into bytes.
 class ByteWriter {
  public:

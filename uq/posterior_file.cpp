@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "uq/sampler/sampler.hpp"
 

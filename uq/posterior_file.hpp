@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/options.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/draws.hpp"
 #include "uq/log_density.hpp"
 
 namespace calomel {
 
+struct Provenance;
 struct SamplerResult;
 struct SamplerSummary;
 

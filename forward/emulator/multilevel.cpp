@@ -1,10 +1,10 @@
 #include "forward/emulator/multilevel.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -105,7 +105,7 @@ MultilevelRegression::MultilevelRegression(const EmulatorRuns& runs, const Eigen
     for (Eigen::Index i = 0; i < n; ++i) w[i] = 1 / noise[std::size_t(level_[std::size_t(i)])];
     Eigen::MatrixXd normal = features_ * w.asDiagonal() * features_.transpose();
     normal.diagonal().array() += ridge * normal.diagonal().maxCoeff();
-    inverse_ = normal.llt().solve(Eigen::MatrixXd::Identity(p, p));
+    inverse_ = Cholesky(normal).solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(p, p)));
     gain_ = inverse_ * features_ * w.asDiagonal();
     for (Eigen::Index i = 0; i < n; ++i) leverage_[i] = std::min(features_.col(i).dot(gain_.col(i)), 1 - 1e-6);
     // Each level's noise: its squares over what the fit leaves of them.

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "base/options.hpp"
 #include "base/parallel.hpp"
+#include "base/provenance.hpp"
 
 namespace calomel {
 

@@ -1,11 +1,11 @@
 #include "inverse/posterior/log_posterior.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -24,16 +24,15 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
   const auto n = Eigen::Index(errors.grid().size());
   expect(coefficients.rows() == n && noise.rows() == n && noise.cols() == n && priors_.size() == std::size_t(box_.size()),
          "emulator, noise and priors belong to the records and the box");
-  const Eigen::LLT<Eigen::MatrixXd> factor(errors.covariance());
-  if (factor.info() != Eigen::Success) throw NumericsError("the covariance of the records' errors is not positive definite");
-  Eigen::MatrixXd whitened = factor.matrixL().solve(noise);
-  whitened = factor.matrixL().solve(whitened.transpose()).eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (whitened + whitened.transpose()));
-  ratio_ = eigen.eigenvalues().cwiseMax(0.0);
-  whitener_ = eigen.eigenvectors().transpose() * factor.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
+  const Cholesky factor(errors.covariance());
+  if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
+  const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
+  ratio_ = eigen.values.cwiseMax(0.0);
+  whitener_ = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
   data_ = whitener_ * errors.data();
   coefficients_ = whitener_ * coefficients;
-  const double half_log_det = factor.matrixLLT().diagonal().array().log().sum(), p = double(n);
+  const double half_log_det = factor.half_log_determinant(), p = double(n);
   log_norm_ = std::isinf(freedom_) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det
                                    : std::lgamma((freedom_ + p) / 2) - std::lgamma(freedom_ / 2) - 0.5 * p * std::log(freedom_ * std::numbers::pi) - half_log_det;
 }

@@ -3,12 +3,11 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 
 namespace calomel {
@@ -62,9 +61,9 @@ Eigen::MatrixXd laplace(const LogPosterior& posterior, const LogPosterior::Point
   Eigen::MatrixXd curvature(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
     curvature.col(k) = -(slope_at(posterior, moved(posterior, at, k, step)) - slope_at(posterior, moved(posterior, at, k, -step))) / (2 * step);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (curvature + curvature.transpose()));
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (curvature + curvature.transpose()));
   const Eigen::VectorXd least = Eigen::VectorXd::Constant(n, 3.0);  // 1 / (2^2 / 12): the variance of a uniform over the box
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.vectors * eigen.values.cwiseMax(least).cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
 }  // namespace
@@ -104,8 +103,7 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
 
 double log_evidence(const LogPosterior& posterior, const LocalMode& m) {
   const auto n = double(posterior.dimension());
-  const double log_det = m.covariance.llt().matrixLLT().diagonal().array().log().sum();
-  return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + log_det + posterior.box().slope(m.at.u).array().abs().log().sum();
+  return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + Cholesky(m.covariance).half_log_determinant() + posterior.box().slope(m.at.u).array().abs().log().sum();
 }
 
 Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& m) {
@@ -116,7 +114,7 @@ Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalM
 
 Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed) {
   const Eigen::Index size = posterior.dimension(), d = posterior.box().size();
-  const Eigen::MatrixXd root = m.covariance.llt().matrixL();
+  const Eigen::MatrixXd root = Cholesky(m.covariance).lower();
   RandomStream random(seed, 0);
   Eigen::MatrixXd draws(size, Eigen::Index(n));
   Eigen::Index taken = 0;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/convergence/diagnostics.hpp"
 #include "uq/sampler/sampler.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/json.hpp"
 #include "base/nan.hpp"
 #include "uq/convergence/diagnostics.hpp"
 

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -153,9 +154,9 @@ class DramChain final : public MarkovChain {
 
   /// The factor of s (2.38^2 / d) S; false, and the factor as it was, when S is not positive definite.
   bool factorise() {
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(shape_);
-    if (cholesky.info() != Eigen::Success) return false;
-    const Eigen::MatrixXd lower = cholesky.matrixL();
+    const Cholesky cholesky(shape_);
+    if (!cholesky.positive_definite()) return false;
+    const Eigen::MatrixXd lower = cholesky.lower();
     if (!lower.allFinite()) return false;
     factor_ = std::exp(0.5 * log_scale_) * 2.38 / std::sqrt(double(d_)) * lower;
     return true;

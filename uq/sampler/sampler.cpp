@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
+#include "base/linear_algebra.hpp"
 #include "base/parallel.hpp"
 
 namespace calomel {
@@ -73,7 +73,7 @@ Beginning beginning(const LogDensity& density, const SamplerStart& start, double
     return b;
   }
   Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(d, d);
-  if (start.covariance.size() > 0) factor = start.covariance.llt().matrixL();
+  if (start.covariance.size() > 0) factor = Cholesky(start.covariance).lower();
   double width = dispersion;
   for (int attempt = 0; attempt < 200; ++attempt, width *= 0.95) {
     Eigen::VectorXd z(d);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/artefact.hpp"
+#include "base/provenance.hpp"
 #include "base/registry.hpp"
 #include "uq/draws.hpp"
 #include "uq/log_density.hpp"

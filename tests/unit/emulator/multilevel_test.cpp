@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "base/linear_algebra.hpp"
 #include "base/random.hpp"
 #include "forward/emulator/infill.hpp"
 
@@ -93,7 +93,7 @@ TEST(MultilevelRegression, LeftOutErrorsAreThoseOfARefitWithoutTheRun) {
       const double w = 1 / e.noise_ratio()[std::size_t(d.runs.level[std::size_t(j)])];
       normal += w * x * x.transpose(), right += w * x * d.outputs.col(j).transpose();
     }
-    const Eigen::MatrixXd c = normal.inverse() * right;
+    const Eigen::MatrixXd c = inverse(normal) * right;
     const Eigen::VectorXd error = d.outputs.col(i) - c.transpose() * e.level_features(d.runs.u.col(i), d.runs.level[std::size_t(i)]);
     EXPECT_LT((left_out.col(i) - error).norm(), 1e-5 * (1 + error.norm()));
   }
@@ -130,7 +130,7 @@ TEST(MultilevelRegression, VarianceGrowsOutsideTheDesignAndFallsWithOneMoreRun) 
     const Eigen::VectorXd x = e.level_features(larger.runs.u.col(j), larger.runs.level[std::size_t(j)]);
     normal += x * x.transpose() / e.noise_ratio()[std::size_t(larger.runs.level[std::size_t(j)])];
   }
-  EXPECT_NEAR(more.variance(more.features(corner, 0)), more.features(corner, 0).dot(normal.inverse() * more.features(corner, 0)), 1e-6);
+  EXPECT_NEAR(more.variance(more.features(corner, 0)), more.features(corner, 0).dot(inverse(normal) * more.features(corner, 0)), 1e-6);
 }
 
 TEST(MultilevelRegression, RefusesFewerRunsThanCoefficients) {

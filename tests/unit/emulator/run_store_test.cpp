@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 
 namespace calomel {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/nan.hpp"
 #include "base/random.hpp"
 #include "uq/convergence/assess.hpp"

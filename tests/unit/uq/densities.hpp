@@ -1,11 +1,11 @@
 #pragma once
 /// Densities whose moments are known.
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "base/linear_algebra.hpp"
 #include "uq/log_density.hpp"
 
 namespace calomel::testing {
@@ -29,7 +29,7 @@ class Gaussian : public LogDensity {
 
  private:
   Eigen::VectorXd mean_;
-  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  Cholesky cholesky_;
   std::vector<std::string> names_;
 };
 

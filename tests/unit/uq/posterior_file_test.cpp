@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/uq/densities.hpp"
