@@ -5,10 +5,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <vector>
 
 #include "base/artefact.hpp"
 #include "base/case_file.hpp"
@@ -25,6 +28,7 @@ struct Expected {
   double least_gain = 0;                 ///< [%] accuracy, calibrated less nominal
   double greatest_mae_ratio = 1;         ///< calibrated over nominal
   bool compared = false;                 ///< comparison.json holds all three methods
+  double posterior = 0;                  ///< greatest distance of posterior means from the true values, in posterior sds; 0: none was sampled
 };
 
 /// One line a check; counts the failed ones.
@@ -63,6 +67,24 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
   for (const auto& pair : comparison.at("agreement")) sds = sds && pair.at("largest_in_map_sd").is_number();
   holds(sds && comparison.at("agreement").size() == 3, comparison.at("sentence").get<std::string>());
   holds(read_text(out / "report.html").find("How far the calibrations lie apart") != std::string::npos, "report.html shows how far they lie apart");
+}
+
+/// The chains have converged, the true model lies where the emulator says, and the truth lies within the posterior.
+void check_posterior(const std::filesystem::path& out, const std::function<double(const std::string&)>& true_value, const std::vector<std::string>& names, double most_sds,
+                     Checks& holds) {
+  const Json posterior = read_json(out / "posterior.json");
+  holds(posterior.at("converged").get<bool>(), "posterior.json: " + posterior.at("message").get<std::string>());
+  const Json& mode = posterior.at("mode");
+  holds(mode.at("settled").get<bool>(), "the emulator " + mode.at("message").get<std::string>());
+  holds(posterior.at("true_model_check").at("holds").get<bool>(), posterior.at("true_model_check").at("sentence").get<std::string>());
+  for (const auto& p : posterior.at("parameters")) {
+    const auto name = p.at("name").get<std::string>();
+    const double mean = p.at("mean").get<double>(), sd = p.at("sd").get<double>();
+    if (std::find(names.begin(), names.end(), name) == names.end()) continue;
+    const double z = (mean - true_value(name)) / sd;
+    holds(std::abs(z) <= most_sds, fmt::format("posterior: {} {:.5g} ± {:.2g}, {:+.1f} sd from the true {:.5g} (within {:.1f})", name, mean, sd, z, true_value(name), most_sds));
+  }
+  holds(std::filesystem::exists(out / "posterior.nc"), "posterior.nc stands");
 }
 
 int check(const std::filesystem::path& out, const std::filesystem::path& truth_path, const Expected& expected) {
@@ -107,6 +129,11 @@ int check(const std::filesystem::path& out, const std::filesystem::path& truth_p
   for (const auto& s : enc.at("sensors")) named = named && page.find('"' + s.at("name").get<std::string>() + '"') != std::string::npos;
   holds(named, fmt::format("report.html is whole and names every sensor ({} bytes)", page.size()));
   if (expected.compared) check_comparison(out, holds);
+  if (expected.posterior > 0) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : enc.at("theta").items()) names.push_back(name);
+    check_posterior(out, true_value, names, expected.posterior, holds);
+  }
   return holds.failed();
 }
 
@@ -124,6 +151,7 @@ int main(int argc, char** argv) try {
   app.add_option("--least-gain", expected.least_gain, "[%] of accuracy over nominal")->required();
   app.add_option("--greatest-mae-ratio", expected.greatest_mae_ratio, "MAE over the nominal one")->required();
   app.add_flag("--compared", expected.compared, "hold comparison.json against the three calibrations, too");
+  app.add_option("--posterior", expected.posterior, "hold posterior.json against the true values: the most posterior standard deviations");
   CLI11_PARSE(app, argc, argv);
   for (const auto& text : within) {
     const auto equals = text.find('=');

@@ -93,7 +93,7 @@ Eigen::MatrixXd Kriging::weights_at(const Eigen::MatrixXd& thetas) const {
     const Eigen::VectorXd u = scaled({thetas.col(j).data(), std::size_t(thetas.rows())});
     for (Eigen::Index i = 0; i < size(); ++i) k(i, j) = -0.5 * (u - points_.col(i)).cwiseProduct(inverse).squaredNorm();
   }
-  Eigen::MatrixXd w = factor_.solve(k.array().exp().matrix());
+  Eigen::MatrixXd w = factor_.solve(Eigen::MatrixXd(k.array().exp()));
   w += ones_ / ones_.sum() * (1 - w.colwise().sum().array()).matrix();
   return w;
 }

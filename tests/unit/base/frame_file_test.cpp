@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "tests/scratch.hpp"
 
