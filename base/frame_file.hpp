@@ -79,10 +79,10 @@ class FrameFile {
  public:
   using Each = std::function<void(std::string_view payload)>;
 
-  /// Opens the file at `path`, or begins one, and hands every whole frame to `each` in order; what follows the last whole one (the write that a kill tore) is cut off.
-  /// `kind` is its first line, without the line end, e.g. "calomel chains 1". The file stays locked while the object lives.
-  /// Errors: InputError when the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use by another
-  /// process, or cannot be written.
+  /// Opens the file at `path`, or begins one, and hands every whole frame to `each` in order; what follows the last whole one (the write that a kill tore) is
+  /// cut off. `kind` is its first line, without the line end, e.g. "calomel chains 1". The file stays locked while the object lives. Errors: InputError when
+  /// the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use by another process, or cannot
+  /// be written.
   FrameFile(std::filesystem::path path, const std::string& kind, const Provenance& provenance, const Each& each);
   ~FrameFile();
   FrameFile(const FrameFile&) = delete;

@@ -138,7 +138,7 @@ NetcdfReader::~NetcdfReader() {
 
 int NetcdfReader::group_id(const std::string& group) const {
   int id = id_;
-  if (!group.empty() && nc_inq_grp_full_ncid(id_, ("/" + group).c_str(), &id) != NC_NOERR)
+  if (!group.empty() && nc_inq_grp_full_ncid(id_, group.c_str(), &id) != NC_NOERR)
     throw InputError({.problem = "has no group \"" + group + "\"", .file = path_.string()});
   return id;
 }
@@ -156,7 +156,7 @@ bool NetcdfReader::has(const std::string& variable) const {
   const std::lock_guard guard(hdf5_lock());
   const auto slash = variable.rfind('/');
   int group = id_, v = 0;
-  if (slash != std::string::npos && nc_inq_grp_full_ncid(id_, ("/" + variable.substr(0, slash)).c_str(), &group) != NC_NOERR) return false;
+  if (slash != std::string::npos && nc_inq_grp_full_ncid(id_, variable.substr(0, slash).c_str(), &group) != NC_NOERR) return false;
   return nc_inq_varid(group, variable.substr(slash == std::string::npos ? 0 : slash + 1).c_str(), &v) == NC_NOERR;
 }
 

@@ -14,8 +14,8 @@ namespace calomel {
 
 namespace {
 
-constexpr std::array<std::string_view, 8> known_groups{"posterior",           "unconstrained_posterior", "sample_stats",     "log_likelihood",
-                                                       "posterior_predictive", "prior",                   "prior_predictive", "observed_data"};
+constexpr std::array<std::string_view, 8> known_groups{"posterior", "unconstrained_posterior", "sample_stats", "log_likelihood", "posterior_predictive",
+                                                       "prior",     "prior_predictive",        "observed_data"};
 
 /// Dimensions of a group's variables beside its own coordinates.
 std::vector<std::string> own_dimensions(const PosteriorGroup& group) {
@@ -120,15 +120,21 @@ std::vector<PosteriorGroup> read_posterior(const std::filesystem::path& path, co
     if (names.empty() || std::find(names.begin(), names.end(), name) != names.end()) groups.push_back(read_group(file, name));
   for (const auto& name : names)
     if (std::none_of(groups.begin(), groups.end(), [&](const auto& g) { return g.name == name; }))
-      throw InputError({.problem = "has no group \"" + name + "\"", .suggestion = "it is no posterior.nc, or calomel sample did not write it", .file = path.string()});
+      throw InputError(
+          {.problem = "has no group \"" + name + "\"", .suggestion = "it is no posterior.nc, or calomel sample did not write it", .file = path.string()});
   return groups;
 }
 
 Json posterior_json(const Convergence& convergence, const std::string& kind, const SamplerResult& result, const Provenance& provenance) {
   Json json = convergence_json(convergence);
   const auto& s = result.summary;
-  json["sampler"] = {{"kind", kind}, {"chains", result.quantities.chains}, {"draws", result.quantities.draws}, {"acceptance", s.acceptance},
-                     {"evaluations", s.evaluations}, {"transitions", s.transitions}, {"wall_s", s.wall_s}};
+  json["sampler"] = {{"kind", kind},
+                     {"chains", result.quantities.chains},
+                     {"draws", result.quantities.draws},
+                     {"acceptance", s.acceptance},
+                     {"evaluations", s.evaluations},
+                     {"transitions", s.transitions},
+                     {"wall_s", s.wall_s}};
   json["provenance"] = provenance.json();
   return json;
 }

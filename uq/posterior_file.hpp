@@ -1,6 +1,6 @@
 #pragma once
-/// posterior.nc, the draws and what belongs to them in the groups of ArviZ's schema (Kumar, Carroll, Hartikainen and Martin 2019, JOSS 4(33), 1143), readable by
-/// arviz.from_netcdf, by xarray group by group and by ncdump; and posterior.json, their summary.
+/// posterior.nc, the draws and what belongs to them in the groups of ArviZ's schema (Kumar, Carroll, Hartikainen and Martin 2019, JOSS 4(33), 1143), readable
+/// by arviz.from_netcdf, by xarray group by group and by ncdump; and posterior.json, their summary.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -52,8 +52,8 @@ Draws draws_of(const PosteriorGroup& group);
 std::vector<PosteriorGroup> posterior_groups(const LogDensity& density, const SamplerResult& result);
 
 /// Writes the groups in this order, each with inference_library = "calomel" and its version; the provenance stands at the root. The file depends on its content
-/// alone (no time of creation). Errors: InputError when it cannot be written; ContractFailure for a group of another name, a size that does not fit or a dimension without
-/// a coordinate.
+/// alone (no time of creation). Errors: InputError when it cannot be written; ContractFailure for a group of another name, a size that does not fit or a
+/// dimension without a coordinate.
 void write_posterior(const std::filesystem::path& path, const std::vector<PosteriorGroup>& groups, const Provenance& provenance);
 /// All groups, or those named. Errors: InputError when the file is absent or not of this form.
 std::vector<PosteriorGroup> read_posterior(const std::filesystem::path& path, const std::vector<std::string>& names = {});

@@ -22,7 +22,12 @@ function draw_corner(place, data) {
   if (!place || !data) return;
   const n = data.axes.length, left = 92, gap = 12, size = n === 1 ? 360 : Math.max(118, Math.floor((800 - left - gap * n) / n)), step = size + gap;
   const height = n * step + 74, root = svg('svg', { class: 'drawing', viewBox: `0 0 ${Math.max(left + n * step, 560)} ${height}` }, place);
-  const defs = svg('defs', {}, root), about = size < 150 ? 2 : 3;
+  const defs = svg('defs', {}, root), about = 4;
+  // As many ticks as their numbers leave room for.
+  const about_x = span => [5, 4, 3, 2].find(k => {
+    const t = ticks(span[0], span[1], k);
+    return t.list.length * (12 + 7.4 * Math.max(...t.list.map(v => number(v, t.step).length))) < size;
+  }) || 2;
   const colour = (label, k) => (series_style[label.toLowerCase()] || { color: palette[k % palette.length] }).color;
   const cell = (i, j) => ({ left: left + i * step, top: 8 + j * step, width: size, height: size });
   const clip_to = (box, i, j) => {
@@ -30,7 +35,7 @@ function draw_corner(place, data) {
     return `url(#corner-${i}-${j})`;
   };
   const bottom = j => j === n - 1;
-  const x_axis = (i, j) => ({ span: data.axes[i].span, about, labels: bottom(j), label: bottom(j) ? data.axes[i].label : undefined });
+  const x_axis = (i, j) => ({ span: data.axes[i].span, about: about_x(data.axes[i].span), labels: bottom(j), label: bottom(j) ? data.axes[i].label : undefined });
 
   data.axes.forEach((a, k) => {
     const box = cell(k, k), highest = Math.max(...a.density, 1e-300);

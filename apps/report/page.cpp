@@ -264,11 +264,15 @@ std::string posterior_section(const Study& study, const ReportInput& input) {
     s += missing("posterior.json is missing, so nothing is said of convergence.", "");
   }
   if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.", "");
-  const std::size_t of = study.posterior->names.size();
+  const auto& names = study.posterior->names;
+  const auto drawn = [&](const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  const Impedance z = impedance(input);
+  const bool ridge = z.ridge() && drawn(z.density) && drawn(z.sound_speed);
+  const std::size_t of = names.size();
   s += figure("corner-plot",
               std::string("Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it every pair, with the lines within which 50 and 90 % of the "
                           "draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an open disc on the frame lies outside of it.") +
-                  (impedance(input).ridge() ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "") +
+                  (ridge ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "") +
                   (of > 6 ? fmt::format(" The first 6 of {} quantities, the case\u2019s parameters before the others.", of) : ""),
               "Corner plot of the posterior");
   return s;

@@ -19,8 +19,8 @@ constexpr std::size_t most_axes = 6, curve_points = 120, cells = 32;
 /// One quantity of the plot.
 struct Axis {
   std::string name, label;
-  std::vector<double> values;  ///< (chain, draw)
-  double low = 0, high = 0;    ///< what is shown
+  std::vector<double> values;             ///< (chain, draw)
+  double low = 0, high = 0;               ///< what is shown
   std::optional<double> least, greatest;  ///< the parameter's bounds
 };
 
@@ -118,7 +118,8 @@ std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
     Axis a{.name = draws.names[k], .label = label_of(draws.names[k], input), .values = draws.of(k)};
     if (!std::all_of(a.values.begin(), a.values.end(), [](double v) { return std::isfinite(v); })) return;
     for (const auto& p : input.parameters)
-      if (p.name == a.name) a.least = p.min, a.greatest = p.max;
+      if (p.name == a.name && std::all_of(a.values.begin(), a.values.end(), [&](double v) { return v >= p.min && v <= p.max; }))
+        a.least = p.min, a.greatest = p.max;
     axes.push_back(std::move(a));
   };
   for (const auto& p : input.parameters)
@@ -130,7 +131,8 @@ std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
     const double room = high > low ? high - low : std::max(std::abs(low) * 0.01, 1e-12);
     a.low = low - 0.05 * room, a.high = high + 0.05 * room;
     for (const auto& m : marks_of(study))
-      if (const auto v = number_at(*m.theta, a.name); v && *v > low - 0.6 * room && *v < high + 0.6 * room) a.low = std::min(a.low, *v - 0.05 * room), a.high = std::max(a.high, *v + 0.05 * room);
+      if (const auto v = number_at(*m.theta, a.name); v && *v > low - 0.6 * room && *v < high + 0.6 * room)
+        a.low = std::min(a.low, *v - 0.05 * room), a.high = std::max(a.high, *v + 0.05 * room);
   }
   return axes;
 }
@@ -140,8 +142,16 @@ std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
 Table posterior_table(const Study& study, const ReportInput& input) {
   Table t{.id = "posterior", .caption = "Marginal posterior of every parameter, and how well the draws know it."};
   if (!study.sample) return t;
-  t.columns = {{"parameter", "Parameter", 4, true}, {"mean", "Mean", 5}, {"sd", "Sd", 3}, {"q05", "5 %", 5}, {"q50", "Median", 5}, {"q95", "95 %", 5},
-               {"r_hat", "R-hat", -3}, {"ess_bulk", "ESS, bulk", 6}, {"ess_tail", "ESS, tails", 6}, {"mcse_mean", "MCSE of the mean", 2}};
+  t.columns = {{"parameter", "Parameter", 4, true},
+               {"mean", "Mean", 5},
+               {"sd", "Sd", 3},
+               {"q05", "5 %", 5},
+               {"q50", "Median", 5},
+               {"q95", "95 %", 5},
+               {"r_hat", "R-hat", -3},
+               {"ess_bulk", "ESS, bulk", 6},
+               {"ess_tail", "ESS, tails", 6},
+               {"mcse_mean", "MCSE of the mean", 2}};
   for (const auto& p : list_at(*study.sample, "parameters")) {
     std::vector<Cell> row{label_of(text_at(p, "name"), input)};
     for (const char* key : {"mean", "sd", "q05", "q50", "q95", "r_hat"}) row.emplace_back(number_at(p, key));
@@ -178,8 +188,13 @@ Json corner_json(const Study& study, const ReportInput& input, std::size_t point
   for (const Axis& a : axes) {
     Json density = Json::array();
     for (const double v : density_of(a)) density.push_back(rounded(v, 4));
-    list.push_back({{"name", a.name}, {"label", a.label}, {"span", {a.low, a.high}}, {"density", std::move(density)}, {"q05", rounded(quantile(a.values, 0.05), 6)},
-                    {"q50", rounded(quantile(a.values, 0.5), 6)}, {"q95", rounded(quantile(a.values, 0.95), 6)}});
+    list.push_back({{"name", a.name},
+                    {"label", a.label},
+                    {"span", {a.low, a.high}},
+                    {"density", std::move(density)},
+                    {"q05", rounded(quantile(a.values, 0.05), 6)},
+                    {"q50", rounded(quantile(a.values, 0.5), 6)},
+                    {"q95", rounded(quantile(a.values, 0.95), 6)}});
   }
   for (std::size_t j = 1; j < axes.size(); ++j)
     for (std::size_t i = 0; i < j; ++i) {
@@ -204,13 +219,16 @@ Json corner_json(const Study& study, const ReportInput& input, std::size_t point
     if (any) marks.push_back({{"label", m.label}, {"values", std::move(values)}});
   }
   const Impedance z = impedance(input);
-  const auto index = [&](const std::string& name) { return std::size_t(std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.name == name; }) - axes.begin()); };
+  const auto index = [&](const std::string& name) {
+    return std::size_t(std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.name == name; }) - axes.begin());
+  };
   if (const auto a = index(z.density), b = index(z.sound_speed); z.ridge() && a < axes.size() && b < axes.size()) {
     std::vector<double> products;
     for (std::size_t k = 0; k < n; ++k) products.push_back(axes[a].values[k] * axes[b].values[k]);
     ridge = {{"i", std::min(a, b)}, {"j", std::max(a, b)}, {"product", rounded(quantile(products, 0.5), 7)}};
   }
-  return {{"axes", std::move(list)}, {"pairs", std::move(pairs)}, {"points", std::move(dots)}, {"marks", std::move(marks)}, {"ridge", std::move(ridge)}, {"of", study.posterior->names.size()}};
+  return {{"axes", std::move(list)},   {"pairs", std::move(pairs)}, {"points", std::move(dots)},
+          {"marks", std::move(marks)}, {"ridge", std::move(ridge)}, {"of", study.posterior->names.size()}};
 }
 
 }  // namespace calomel

@@ -1,6 +1,6 @@
-// Samplers on posteriors with published reference draws: ../shared/data/posteriors (from stan-dev/posteriordb; 10 chains of 1000 nearly independent draws each).
-// The models are written here from their published definitions, in unconstrained coordinates with the Jacobians of the transformations.
-// Rule: at the 5, 25, 50, 75 and 95 % reference quantiles |z| < 4, z = (p^ - p) / sqrt(p (1 - p) (1 / ESS_indicator + 1e-4)), 1e-4 for the reference's own draws.
+// Samplers on posteriors with published reference draws: ../shared/data/posteriors (from stan-dev/posteriordb; 10 chains of 1000 nearly independent draws
+// each). The models are written here from their published definitions, in unconstrained coordinates with the Jacobians of the transformations. Rule: at the 5,
+// 25, 50, 75 and 95 % reference quantiles |z| < 4, z = (p^ - p) / sqrt(p (1 - p) (1 / ESS_indicator + 1e-4)), 1e-4 for the reference's own draws.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -53,11 +53,15 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
   return a;
 }
 
-/// y_j ~ N(theta_j, sigma_j), theta_j = mu + tau z_j, z_j ~ N(0, 1), mu ~ N(0, 5), tau ~ half-Cauchy(5); Rubin 1981, Gelman et al. 2013, section 5.5. x: mu, ln tau, z.
+/// y_j ~ N(theta_j, sigma_j), theta_j = mu + tau z_j, z_j ~ N(0, 1), mu ~ N(0, 5), tau ~ half-Cauchy(5); Rubin 1981, Gelman et al. 2013, section 5.5. x: mu, ln
+/// tau, z.
 class EightSchools : public Model {
  public:
   EightSchools(const Json& data, bool jacobian)
-      : Model(joined({"mu", "ln tau"}, indexed("z", 8)), joined({"mu", "tau"}, indexed("theta", 8))), y_(numbers(data["y"])), sigma_(numbers(data["sigma"])), jacobian_(jacobian) {}
+      : Model(joined({"mu", "ln tau"}, indexed("z", 8)), joined({"mu", "tau"}, indexed("theta", 8))),
+        y_(numbers(data["y"])),
+        sigma_(numbers(data["sigma"])),
+        jacobian_(jacobian) {}
   [[nodiscard]] double log_density(std::span<const double> x) const override {
     const double tau = std::exp(x[1]);
     double sum = log_normal(x[0], 0, 5) + log_cauchy(tau, 5) + (jacobian_ ? x[1] : 0);
@@ -78,7 +82,10 @@ class EightSchools : public Model {
 class KidScores : public Model {
  public:
   explicit KidScores(const Json& data)
-      : Model(joined(indexed("beta", 4), {"ln sigma"}), joined(indexed("beta", 4), {"sigma"})), y_(numbers(data["kid_score"])), hs_(numbers(data["mom_hs"])), iq_(numbers(data["mom_iq"])) {}
+      : Model(joined(indexed("beta", 4), {"ln sigma"}), joined(indexed("beta", 4), {"sigma"})),
+        y_(numbers(data["kid_score"])),
+        hs_(numbers(data["mom_hs"])),
+        iq_(numbers(data["mom_iq"])) {}
   [[nodiscard]] double log_density(std::span<const double> x) const override {
     double squares = 0;
     for (std::size_t i = 0; i < y_.size(); ++i) {
@@ -97,7 +104,8 @@ class KidScores : public Model {
   std::vector<double> y_, hs_, iq_;
 };
 
-/// y_t ~ N(alpha + sum_k beta_k y_(t-k), sigma), K = 5; alpha, beta ~ N(0, 10), sigma ~ half-Cauchy(2.5); Stan user's guide, autoregressive models. x: alpha, beta, ln sigma.
+/// y_t ~ N(alpha + sum_k beta_k y_(t-k), sigma), K = 5; alpha, beta ~ N(0, 10), sigma ~ half-Cauchy(2.5); Stan user's guide, autoregressive models. x: alpha,
+/// beta, ln sigma.
 class Autoregression : public Model {
  public:
   explicit Autoregression(const Json& data)
@@ -127,7 +135,8 @@ class Autoregression : public Model {
 /// x: mu_1, ln(mu_2 - mu_1), ln sigma_1, ln sigma_2, logit theta.
 class Mixture : public Model {
  public:
-  explicit Mixture(const Json& data) : Model({"mu1", "ln gap", "ln sigma1", "ln sigma2", "logit theta"}, {"mu[1]", "mu[2]", "sigma[1]", "sigma[2]", "theta"}), y_(numbers(data["y"])) {}
+  explicit Mixture(const Json& data)
+      : Model({"mu1", "ln gap", "ln sigma1", "ln sigma2", "logit theta"}, {"mu[1]", "mu[2]", "sigma[1]", "sigma[2]", "theta"}), y_(numbers(data["y"])) {}
   [[nodiscard]] double log_density(std::span<const double> x) const override {
     double q[5];
     constrain(x, q);
@@ -184,11 +193,11 @@ void follows(const LogDensity& density, const Json& file, const SamplerStart& st
   EXPECT_EQ(s.checked, 5 * file["reference"].size());
   EXPECT_LT(std::abs(s.worst), 4) << s.where;
   ::testing::Test::RecordProperty("worst_z", std::to_string(s.worst));
-  std::printf("  %zu quantiles, worst z %.2f (%s); %zu evaluations in %.1f s; acceptance %.2f; %s\n", s.checked, s.worst, s.where.c_str(), r.summary.evaluations, r.summary.wall_s,
-              r.summary.acceptance[0], verdict.message.c_str());
+  std::printf("  %zu quantiles, worst z %.2f (%s); %zu evaluations in %.1f s; acceptance %.2f; %s\n", s.checked, s.worst, s.where.c_str(),
+              r.summary.evaluations, r.summary.wall_s, r.summary.acceptance[0], verdict.message.c_str());
 }
 
-#define REFERENCE(variable, name)       \
+#define REFERENCE(variable, name)        \
   const Json variable = reference(name); \
   if (variable.is_null()) GTEST_SKIP() << "the reference posteriors are not here: " << folder()
 
@@ -215,5 +224,6 @@ TEST(Posteriors, DramFollowsAnAutoregression) {
 
 TEST(Posteriors, DramFollowsAMixtureOfOrderedMeans) {
   REFERENCE(file, "low_dim_gauss_mix-low_dim_gauss_mix.json");
-  follows(Mixture(file["data"]), file, {.mean = start_of({-2, 1, 0, 0, 0}), .covariance = 0.04 * Eigen::MatrixXd::Identity(5, 5)}, {.warmup = 3000, .draws = 10000});
+  follows(Mixture(file["data"]), file, {.mean = start_of({-2, 1, 0, 0, 0}), .covariance = 0.04 * Eigen::MatrixXd::Identity(5, 5)},
+          {.warmup = 3000, .draws = 10000});
 }

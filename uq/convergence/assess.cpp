@@ -50,7 +50,9 @@ double lack(const ParameterSummary& s, const ConvergenceLimits& limits) {
   return std::max({ratio((s.r_hat - 1) / (limits.r_hat - 1)), ratio(limits.ess / s.ess_bulk), ratio(limits.ess / s.ess_tail)});
 }
 
-bool within(const ParameterSummary& s, const ConvergenceLimits& limits) { return s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess; }
+bool within(const ParameterSummary& s, const ConvergenceLimits& limits) {
+  return s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess;
+}
 
 std::string numbers(const ParameterSummary& s) {
   return fmt::format("R-hat {:.3f}, effective sample sizes {:.0f} in the bulk and {:.0f} in the tails", s.r_hat, s.ess_bulk, s.ess_tail);
@@ -114,25 +116,40 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
   const std::string& name = s.name;
   if (draws.draws < 4) return fmt::format("{} cannot be judged by {} draws a chain; set sampler.draws to some thousands", name, draws.draws);
   if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
-    return fmt::format("{} has draws that are not finite, so the density or its transformation is wrong there; look at them in posterior.nc and narrow the bounds of {}", name, name);
+    return fmt::format(
+        "{} has draws that are not finite, so the density or its transformation is wrong there; look at them in posterior.nc and narrow the bounds of {}", name,
+        name);
   if (std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
-    return fmt::format("{} has not moved: all draws are {:g}, because every proposal was refused; start from the covariance of calibrate --method map, or raise sampler.warmup", name, values[0]);
+    return fmt::format(
+        "{} has not moved: all draws are {:g}, because every proposal was refused; start from the covariance of calibrate --method map, or raise "
+        "sampler.warmup",
+        name, values[0]);
   std::vector<std::size_t> still;
   for (std::size_t c = 0; c < x.chains; ++c)
     if (const auto v = x.values.subspan(c * x.draws(), x.draws()); std::all_of(v.begin(), v.end(), [&](double u) { return u == v[0]; })) still.push_back(c);
   if (!still.empty())
-    return fmt::format("{} has not moved in {} {} (R-hat {:.3f}), while other chains did; those started where proposals are refused, so lower sampler.dispersion or raise sampler.warmup", name,
-                       still.size() > 1 ? "chains" : "chain", chain_numbers(still), s.r_hat);
+    return fmt::format(
+        "{} has not moved in {} {} (R-hat {:.3f}), while other chains did; those started where proposals are refused, so lower sampler.dispersion or raise "
+        "sampler.warmup",
+        name, still.size() > 1 ? "chains" : "chain", chain_numbers(still), s.r_hat);
   if (s.r_hat >= limits.r_hat && drifts(x))
-    return fmt::format("{} still drifts in one direction in most chains ({}), so the warm-up ended before they had arrived; double sampler.warmup, or start from the mode and covariance of calibrate --method map", name, numbers(s));
+    return fmt::format(
+        "{} still drifts in one direction in most chains ({}), so the warm-up ended before they had arrived; double sampler.warmup, or start from the mode and "
+        "covariance of calibrate --method map",
+        name, numbers(s));
   if (s.r_hat >= limits.r_hat)
     if (const auto g = separate_groups(x))
-      return fmt::format("{} lies near {:.5g} in {} {} and near {:.5g} in {} {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws do not tell; "
-                         "compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant", name, g->low_at,
-                         g->low.size() > 1 ? "chains" : "chain", chain_numbers(g->low), g->high_at, g->high.size() > 1 ? "chains" : "chain", chain_numbers(g->high), s.r_hat, name);
+      return fmt::format(
+          "{} lies near {:.5g} in {} {} and near {:.5g} in {} {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws "
+          "do not tell; "
+          "compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
+          name, g->low_at, g->low.size() > 1 ? "chains" : "chain", chain_numbers(g->low), g->high_at, g->high.size() > 1 ? "chains" : "chain",
+          chain_numbers(g->high), s.r_hat, name);
   if (facts.acceptance && *facts.acceptance < 0.05)
-    return fmt::format("{} mixes slowly ({}) because only {:.1f} % of the transitions move: the frozen proposal does not fit the density; raise sampler.warmup, or start from the covariance of calibrate --method map", name,
-                       numbers(s), 100 * *facts.acceptance);
+    return fmt::format(
+        "{} mixes slowly ({}) because only {:.1f} % of the transitions move: the frozen proposal does not fit the density; raise sampler.warmup, or start from "
+        "the covariance of calibrate --method map",
+        name, numbers(s), 100 * *facts.acceptance);
   std::size_t partner = worst;
   double strongest = 0;
   for (std::size_t k = 0; k < draws.names.size(); ++k)
@@ -141,29 +158,38 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
       if (const double r = correlation_within(x, {other, draws.chains}); std::abs(r) > std::abs(strongest)) strongest = r, partner = k;
     }
   if (std::abs(strongest) > 0.95)
-    return fmt::format("{} mixes slowly ({}) along the narrow ridge that it forms with {} (correlation {:.3f}); give one of the two a prior from elsewhere, or let the proposal learn the ridge: start from the covariance of calibrate --method map and double sampler.warmup", name,
-                       numbers(s), draws.names[partner], strongest);
+    return fmt::format(
+        "{} mixes slowly ({}) along the narrow ridge that it forms with {} (correlation {:.3f}); give one of the two a prior from elsewhere, or let the "
+        "proposal learn the ridge: start from the covariance of calibrate --method map and double sampler.warmup",
+        name, numbers(s), draws.names[partner], strongest);
   if (s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess)
-    return fmt::format("{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or bound it where values are impossible", name, numbers(s));
+    return fmt::format(
+        "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
+        "bound it where values are impossible",
+        name, numbers(s));
   const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail));
   const double needed = 1.2 * limits.ess / least * double(draws.draws);
   if (s.r_hat < 1.05)
-    return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s), needed, std::ceil(needed / 1000) * 1000,
-                       facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
-  return fmt::format("{} differs between chains that overlap ({}): they mix too slowly for their length, one draw in {:.0f} being independent; double sampler.warmup, so that the proposal fits, and set sampler.draws = {:.0f}", name, numbers(s),
-                     double(draws.chains * draws.draws) / least, std::ceil(needed / 1000) * 1000);
+    return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
+                       needed, std::ceil(needed / 1000) * 1000, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
+  return fmt::format(
+      "{} differs between chains that overlap ({}): they mix too slowly for their length, one draw in {:.0f} being independent; double sampler.warmup, so that "
+      "the proposal fits, and set sampler.draws = {:.0f}",
+      name, numbers(s), double(draws.chains * draws.draws) / least, std::ceil(needed / 1000) * 1000);
 }
 
 }  // namespace
 
 Convergence assess(const Draws& draws, const SamplingFacts& facts, const ConvergenceLimits& limits) {
-  expect(!draws.names.empty() && draws.chains > 0 && draws.values.size() == draws.chains * draws.draws * draws.names.size(), "draws have the size of their names");
+  expect(!draws.names.empty() && draws.chains > 0 && draws.values.size() == draws.chains * draws.draws * draws.names.size(),
+         "draws have the size of their names");
   Convergence c;
   for (std::size_t k = 0; k < draws.names.size(); ++k) {
     const auto values = draws.of(k);
     c.parameters.push_back(summary_of(draws.names[k], {values, draws.chains}));
   }
-  const auto worst = std::max_element(c.parameters.begin(), c.parameters.end(), [&](const auto& a, const auto& b) { return lack(a, limits) < lack(b, limits); });
+  const auto worst =
+      std::max_element(c.parameters.begin(), c.parameters.end(), [&](const auto& a, const auto& b) { return lack(a, limits) < lack(b, limits); });
   c.parameter = worst->name;
   c.converged = std::all_of(c.parameters.begin(), c.parameters.end(), [&](const auto& s) { return within(s, limits); });
   c.message = c.converged ? fmt::format("converged: {} is the least well known, with {}", worst->name, numbers(*worst))
@@ -175,8 +201,17 @@ Json convergence_json(const Convergence& convergence) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json parameters = Json::array();
   for (const auto& s : convergence.parameters)
-    parameters.push_back({{"name", s.name}, {"mean", number(s.mean)}, {"sd", number(s.sd)}, {"q05", number(s.q05)}, {"q50", number(s.q50)}, {"q95", number(s.q95)},
-                          {"r_hat", number(s.r_hat)}, {"ess_bulk", number(s.ess_bulk)}, {"ess_tail", number(s.ess_tail)}, {"mcse_mean", number(s.mcse_mean)}, {"mcse_sd", number(s.mcse_sd)}});
+    parameters.push_back({{"name", s.name},
+                          {"mean", number(s.mean)},
+                          {"sd", number(s.sd)},
+                          {"q05", number(s.q05)},
+                          {"q50", number(s.q50)},
+                          {"q95", number(s.q95)},
+                          {"r_hat", number(s.r_hat)},
+                          {"ess_bulk", number(s.ess_bulk)},
+                          {"ess_tail", number(s.ess_tail)},
+                          {"mcse_mean", number(s.mcse_mean)},
+                          {"mcse_sd", number(s.mcse_sd)}});
   return {{"parameters", parameters}, {"converged", convergence.converged}, {"message", convergence.message}};
 }
 

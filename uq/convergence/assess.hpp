@@ -31,8 +31,8 @@ struct SamplingFacts {
 
 struct Convergence {
   bool converged = false;
-  std::string message = "not assessed";     ///< one sentence
-  std::string parameter;                    ///< the worst one
+  std::string message = "not assessed";      ///< one sentence
+  std::string parameter;                     ///< the worst one
   std::vector<ParameterSummary> parameters;  ///< in the order of the draws
 };
 

@@ -28,7 +28,8 @@ Halves halves(std::span<const double> x, std::size_t chains) {
   const std::size_t n = x.size() / chains, half = n / 2;
   Halves h{.chains = 2 * chains, .draws = half};
   for (std::size_t c = 0; c < chains; ++c)
-    for (const std::size_t first : {c * n, c * n + n - half}) h.values.insert(h.values.end(), x.begin() + std::ptrdiff_t(first), x.begin() + std::ptrdiff_t(first + half));
+    for (const std::size_t first : {c * n, c * n + n - half})
+      h.values.insert(h.values.end(), x.begin() + std::ptrdiff_t(first), x.begin() + std::ptrdiff_t(first + half));
   return h;
 }
 

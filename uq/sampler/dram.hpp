@@ -18,7 +18,9 @@ struct DramOptions {
 
   template <class V>
   void visit(V& v) {
-    v("stages", stages, {.range = between(1, 4), .doc = "proposals that a transition tries, each after the one before was refused; 1 is adaptive Metropolis without delayed rejection"});
+    v("stages", stages,
+      {.range = between(1, 4),
+       .doc = "proposals that a transition tries, each after the one before was refused; 1 is adaptive Metropolis without delayed rejection"});
     v("shrink", shrink, {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "length of each stage's steps in those of the stage before"});
     v("adapt_every", adapt_every, {.range = at_least(1), .doc = "transitions of the warm-up between two changes of the proposal"});
   }

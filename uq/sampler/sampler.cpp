@@ -30,7 +30,8 @@ struct ChainRecord {
 /// A frame of the journal: the chain, what it did since its last frame, and where it stands.
 std::string frame_of(std::size_t chain, const ChainRecord& record, std::size_t first_draw, std::size_t d) {
   ByteWriter out;
-  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)), out.value(std::uint64_t(first_draw));
+  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)),
+      out.value(std::uint64_t(first_draw));
   out.values(std::span(record.coordinates).subspan(first_draw * d));
   out.values(std::span(record.log_density).subspan(first_draw));
   out.values(std::span(record.acceptance).subspan(first_draw));
@@ -93,7 +94,8 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
                     warmup = std::size_t(options.warmup), transitions = warmup + kept * thin;
   const Eigen::Index n = Eigen::Index(d);
   expect(d > 0 && chains > 0 && thin > 0, "a sampler has coordinates, chains and draws");
-  expect(start.points.size() > 0 ? start.points.rows() == n && start.points.cols() == Eigen::Index(chains) : start.mean.size() == n, "a start has the dimension of the density");
+  expect(start.points.size() > 0 ? start.points.rows() == n && start.points.cols() == Eigen::Index(chains) : start.mean.size() == n,
+         "a start has the dimension of the density");
   const auto& entry = samplers().get(options.kind, "sampler.kind");
   const Eigen::MatrixXd covariance = start.covariance.size() > 0 ? start.covariance : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n));
 

@@ -50,7 +50,7 @@ struct SamplerOptions {
 struct SamplerStart {
   Eigen::VectorXd mean;        ///< (d), e.g. the mode
   Eigen::MatrixXd covariance;  ///< (d, d), e.g. Laplace's; the unit matrix when empty
-  Eigen::MatrixXd points;      ///< (d, chains), when the caller has starts of its own; else they are drawn about `mean`, dispersion times as wide as `covariance`
+  Eigen::MatrixXd points;  ///< (d, chains), when the caller has starts of its own; else they are drawn about `mean`, dispersion times as wide as `covariance`
 };
 
 /// Told now and then: transitions done and in all, over the chains, those of earlier calls included. Never from two threads at once.
@@ -87,10 +87,9 @@ struct SamplerResult {
 
 /// Runs options.chains chains of options.warmup + options.draws * options.thin transitions. Chain k draws from RandomStream(seed, k) alone: its start, then its
 /// transitions. A start is refused and drawn anew, each time nearer to the mean, while the density is zero there.
-/// With a journal, every chain is saved each save_every seconds and when it stops; the same call goes on from there and ends with the same draws. The caller removes the
-/// journal (remove_journal) once the draws are where they belong.
-/// Errors: InputError when the journal is of other settings or the disk is full; NumericsError when no start has a positive density, or the density is NaN somewhere; Interrupted
-/// when `stop` became true; whatever the density throws.
+/// With a journal, every chain is saved each save_every seconds and when it stops; the same call goes on from there and ends with the same draws. The caller
+/// removes the journal (remove_journal) once the draws are where they belong. Errors: InputError when the journal is of other settings or the disk is full;
+/// NumericsError when no start has a positive density, or the density is NaN somewhere; Interrupted when `stop` became true; whatever the density throws.
 [[nodiscard]] SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run);
 
 /// Deletes the journal of a run whose draws are safe; nothing happens when there is none.

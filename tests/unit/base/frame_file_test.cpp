@@ -43,16 +43,22 @@ TEST(FrameFile, CutAtAnyByteKeepsEveryFrameThatIsWhole) {
 
 TEST(FrameFile, WritesOverWhatWasTorn) {
   const auto path = scratch_file("torn");
-  { FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("one"); }
+  {
+    FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("one");
+  }
   const std::string whole = read_text(path);
   write_atomically(path, whole + whole.substr(whole.size() - 10));
-  { FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("two"); }
+  {
+    FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("two");
+  }
   EXPECT_THAT(frames(path), ElementsAre("one", "two"));
 }
 
 TEST(FrameFile, OtherSettingsOtherKindsAndOtherUsersAreRefused) {
   const auto path = scratch_file("refused");
-  { FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("one"); }
+  {
+    FrameFile(path, "calomel test 1", own, [](std::string_view) {}).append("one");
+  }
   try {
     (void)frames(path, {.stage = "sample", .seed = 4});
     FAIL();

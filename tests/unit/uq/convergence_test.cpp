@@ -49,7 +49,8 @@ Draws draws_of(std::vector<std::string> names, std::size_t chains, const std::ve
 
 }  // namespace
 
-// Chains and numbers of convergence_reference.py, the same formulas written a second time (its Beta quantiles by integration, its sums without a Fourier transform).
+// Chains and numbers of convergence_reference.py, the same formulas written a second time (its Beta quantiles by integration, its sums without a Fourier
+// transform).
 TEST(Convergence, NumbersAreThoseOfASecondProgram) {
   const Json reference = read_json(std::filesystem::path(CALOMEL_SOURCE_DIR) / "tests/unit/uq/convergence_reference.json");
   ASSERT_GE(reference.size(), 9u);
@@ -128,7 +129,8 @@ TEST(Assess, IndependentDrawsHaveConverged) {
   EXPECT_THAT(c.message, HasSubstr("converged"));
   const Json j = convergence_json(c);
   EXPECT_EQ(j["parameters"].size(), 2u);
-  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(j["parameters"][0].contains(key)) << key;
+  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"})
+    EXPECT_TRUE(j["parameters"][0].contains(key)) << key;
   EXPECT_TRUE(j["converged"].get<bool>());
 }
 
@@ -153,7 +155,8 @@ TEST(Assess, NamesADriftForWhatItIs) {
 
 TEST(Assess, NamesTheRidgeAndItsPartner) {
   auto rho = chains_of(4, 1000, 0.99);
-  const auto noise = chains_of(4, 1000, 0, [](std::size_t, std::size_t) { return 0.0; }, 99);
+  const auto noise = chains_of(
+      4, 1000, 0, [](std::size_t, std::size_t) { return 0.0; }, 99);
   std::vector<double> c;
   for (std::size_t i = 0; i < rho.size(); ++i) c.push_back(1450 - 10 * rho[i] + 0.5 * noise[i]);
   const auto verdict = assess(draws_of({"sigma_c", "rho", "c"}, 4, {chains_of(4, 1000), rho, c}), {.acceptance = 0.3});

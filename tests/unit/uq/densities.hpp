@@ -18,7 +18,8 @@ inline std::vector<std::string> numbered(std::size_t d) {
 
 class Gaussian : public LogDensity {
  public:
-  Gaussian(Eigen::VectorXd mean, const Eigen::MatrixXd& covariance) : mean_(std::move(mean)), cholesky_(covariance), names_(numbered(std::size_t(mean_.size()))) {}
+  Gaussian(Eigen::VectorXd mean, const Eigen::MatrixXd& covariance)
+      : mean_(std::move(mean)), cholesky_(covariance), names_(numbered(std::size_t(mean_.size()))) {}
   [[nodiscard]] const std::vector<std::string>& coordinates() const override { return names_; }
   [[nodiscard]] double log_density(std::span<const double> x) const override {
     ++calls;

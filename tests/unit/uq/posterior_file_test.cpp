@@ -40,9 +40,7 @@ std::vector<PosteriorGroup> all_groups(const SamplerResult& r) {
   return groups;
 }
 
-SamplerResult some_draws() {
-  return run_sampler(named(), {.mean = Eigen::VectorXd::Zero(2)}, {.warmup = 50, .draws = 20}, {.seed = 2});
-}
+SamplerResult some_draws() { return run_sampler(named(), {.mean = Eigen::VectorXd::Zero(2)}, {.warmup = 50, .draws = 20}, {.seed = 2}); }
 
 /// Output of a command, and whether it ended well.
 std::pair<std::string, bool> output_of(const std::string& command) {
@@ -106,11 +104,29 @@ TEST(PosteriorFile, NcdumpShowsGroupsDimensionsAndUnits) {
   write_posterior(path, all_groups(some_draws()), {.stage = "sample"});
   const auto [text, well] = output_of("ncdump -h '" + path.string() + "'");
   EXPECT_TRUE(well);
-  for (const char* part :
-       {"group: posterior {", "group: unconstrained_posterior {", "group: sample_stats {", "group: log_likelihood {", "group: posterior_predictive {", "group: prior {", "group: observed_data {",
-        "chain = 4 ;", "draw = 20 ;", "int chain(chain) ;", "int draw(draw) ;", "double density(chain, draw) ;", "density:units = \"kg m-3\" ;", "double mechanism.bubbly_liquid.alpha0(chain, draw) ;",
-        "double lp(chain, draw) ;", "double acceptance_rate(chain, draw) ;", "double strain(chain, draw, sensor) ;", "double strain(chain, draw, sensor, time) ;", "double strain(sensor, time) ;",
-        "string sensor(sensor) ;", "time:units = \"s\" ;", ":inference_library = \"calomel\" ;", ":provenance = "})
+  for (const char* part : {"group: posterior {",
+                           "group: unconstrained_posterior {",
+                           "group: sample_stats {",
+                           "group: log_likelihood {",
+                           "group: posterior_predictive {",
+                           "group: prior {",
+                           "group: observed_data {",
+                           "chain = 4 ;",
+                           "draw = 20 ;",
+                           "int chain(chain) ;",
+                           "int draw(draw) ;",
+                           "double density(chain, draw) ;",
+                           "density:units = \"kg m-3\" ;",
+                           "double mechanism.bubbly_liquid.alpha0(chain, draw) ;",
+                           "double lp(chain, draw) ;",
+                           "double acceptance_rate(chain, draw) ;",
+                           "double strain(chain, draw, sensor) ;",
+                           "double strain(chain, draw, sensor, time) ;",
+                           "double strain(sensor, time) ;",
+                           "string sensor(sensor) ;",
+                           "time:units = \"s\" ;",
+                           ":inference_library = \"calomel\" ;",
+                           ":provenance = "})
     EXPECT_THAT(text, HasSubstr(part));
 }
 
@@ -120,12 +136,14 @@ TEST(PosteriorFile, XarrayReadsEveryGroupWithItsCoordinates) {
   const auto path = scratch("xarray") / "posterior.nc";
   const auto r = some_draws();
   write_posterior(path, all_groups(r), {.stage = "sample"});
-  const auto [text, well] = output_of("python3 -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
-                                      "print(dict(d.sizes), float(d[\"density\"].sel(chain=3, draw=19)), d.attrs[\"inference_library\"])\n"
-                                      "for g in [\"sample_stats\", \"log_likelihood\", \"posterior_predictive\", \"prior\", \"observed_data\", \"unconstrained_posterior\"]:\n"
-                                      "  e = x.open_dataset(p, group=g)\n  assert set(e.coords) == set(e.dims), g\n"
-                                      "  assert all(v.dims[:2] == (\"chain\", \"draw\") for v in e.data_vars.values()) or g == \"observed_data\", g\n"
-                                      "print(x.open_dataset(p, group=\"observed_data\")[\"strain\"].sel(sensor=\"B\", time=2e-6).item())' '" + path.string() + "'");
+  const auto [text, well] = output_of(
+      "python3 -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
+      "print(dict(d.sizes), float(d[\"density\"].sel(chain=3, draw=19)), d.attrs[\"inference_library\"])\n"
+      "for g in [\"sample_stats\", \"log_likelihood\", \"posterior_predictive\", \"prior\", \"observed_data\", \"unconstrained_posterior\"]:\n"
+      "  e = x.open_dataset(p, group=g)\n  assert set(e.coords) == set(e.dims), g\n"
+      "  assert all(v.dims[:2] == (\"chain\", \"draw\") for v in e.data_vars.values()) or g == \"observed_data\", g\n"
+      "print(x.open_dataset(p, group=\"observed_data\")[\"strain\"].sel(sensor=\"B\", time=2e-6).item())' '" +
+      path.string() + "'");
   EXPECT_TRUE(well) << text;
   EXPECT_THAT(text, HasSubstr("{'chain': 4, 'draw': 20} " + number_text(r.quantities.at(3, 19, 0)) + " calomel\n6.0\n"));
 }
@@ -143,7 +161,8 @@ TEST(PosteriorFile, SummaryHasTheKeysThatOthersRead) {
   const Json j = posterior_json(assess(r.quantities), "dram", r, {.stage = "sample"});
   ASSERT_EQ(j["parameters"].size(), 2u);
   EXPECT_EQ(j["parameters"][0]["name"], "density");
-  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(j["parameters"][0].contains(key)) << key;
+  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"})
+    EXPECT_TRUE(j["parameters"][0].contains(key)) << key;
   EXPECT_FALSE(j["converged"].get<bool>());  // 20 draws
   EXPECT_EQ(j["sampler"]["acceptance"].size(), 4u);
   EXPECT_EQ(j["provenance"]["stage"], "sample");

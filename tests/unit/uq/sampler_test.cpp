@@ -59,8 +59,10 @@ TEST(Sampler, DrawsFollowAGaussian) {
 TEST(Sampler, EveryNumberOfStagesSamplesTheSame) {
   const Written density(1, [](std::span<const double> x) { return x[0] < 0 ? -std::numeric_limits<double>::infinity() : -x[0]; });  // exponential
   for (int stages = 1; stages <= 4; ++stages) {
-    const auto r = run_sampler(density, {.mean = Eigen::VectorXd::Ones(1)}, {.warmup = 2000, .draws = 20000, .dram = {.stages = stages, .shrink = 0.4}}, {.seed = 5});
-    for (const double p : {0.05, 0.25, 0.5, 0.75, 0.95}) EXPECT_LT(std::abs(deviation(r.quantities, 0, -std::log(1 - p), p)), 4) << stages << " stages at " << p;
+    const auto r =
+        run_sampler(density, {.mean = Eigen::VectorXd::Ones(1)}, {.warmup = 2000, .draws = 20000, .dram = {.stages = stages, .shrink = 0.4}}, {.seed = 5});
+    for (const double p : {0.05, 0.25, 0.5, 0.75, 0.95})
+      EXPECT_LT(std::abs(deviation(r.quantities, 0, -std::log(1 - p), p)), 4) << stages << " stages at " << p;
     EXPECT_GT(std::abs(deviation(r.quantities, 0, -std::log(0.45), 0.5)), 4);
   }
 }
