@@ -33,13 +33,16 @@ std::string table(const std::string& heading, const std::string& prefix, const s
   return fmt::format("\n## `{}`\n\n{}\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n{}", heading, text, v.markdown);
 }
 
-std::string off_text(double off) { return std::isfinite(off) ? number_text(off) : "none"; }
+std::string off_text(const MechanismKey& key) {
+  const std::string off = std::isfinite(key.off) ? number_text(key.off) : "none";
+  return key.off_at.empty() ? off : "`" + key.off_at + "` (" + off + ")";
+}
 
 std::string mechanism_page() {
   std::string s =
       "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
-      "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly. The range is that of the "
-      "default prior.\n";
+      "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly; where another number of the case stands there, it is "
+      "that one (its default in brackets). The range is that of the default prior.\n";
   const auto& rows = mechanisms().rows();
   const auto built = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.entry.built(); });
   s += fmt::format(
@@ -50,7 +53,7 @@ std::string mechanism_page() {
     s += fmt::format("\n### `{}`\n\n`{}`{}{}\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n", row.name, row.entry.law,
                      row.entry.built() ? "" : " (not built yet)", row.entry.per_sensor ? "; `[mechanism." + row.name + ".SENSOR]` for one gauge" : "");
     for (const auto& k : row.entry.keys)
-      s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k.off) + (k.decides ? "" : " (any)"), number_text(k.low),
+      s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low),
                        number_text(k.high), k.log_uniform ? "log-uniform" : "uniform", k.doc);
   }
   return s;

@@ -23,14 +23,15 @@ constexpr const char* too_dear = "bubbly_liquid";
 struct Secant {
   std::size_t mechanism = 0;
   const MechanismKey* key = nullptr;
+  double off = 0;            ///< of the key in this case
   double low = 0, high = 0;  ///< of the key; low is its off value where that has one side
 };
 
-Secant secant_of(std::size_t mechanism, const MechanismKey& key) {
-  Secant s{.mechanism = mechanism, .key = &key, .low = key.off, .high = key.low + part_of_range * (key.high - key.low)};
-  if (std::isfinite(key.off)) {
-    if (key.off >= key.low) s.high = key.off + part_of_range * (key.high - key.off);
-    if (key.off > key.low) s.low = key.off - part_of_range * (key.off - key.low);
+Secant secant_of(std::size_t mechanism, const MechanismKey& key, double off) {
+  Secant s{.mechanism = mechanism, .key = &key, .off = off, .low = off, .high = key.low + part_of_range * (key.high - key.low)};
+  if (std::isfinite(off)) {
+    if (off >= key.low) s.high = off + part_of_range * (key.high - off);
+    if (off > key.low) s.low = off - part_of_range * (off - key.low);
   }
   return s;
 }
@@ -51,7 +52,7 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
   std::vector<Secant> secants;
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const auto& key : rows[i]->entry.keys)
-      if (key.decides) secants.push_back(secant_of(i, key));
+      if (key.decides) secants.push_back(secant_of(i, key, own.off_value(key)));
 
   std::vector<std::vector<double>> means(2 * secants.size());
   parallel_for(means.size(), threads, [&](std::size_t i) {
@@ -74,8 +75,8 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
       const auto& key = *secants[k].key;
       const Eigen::VectorXd change = vector(means[2 * k + 1]) - vector(means[2 * k]);
       if (!(change.norm() > rounding * vector(means[2 * k]).norm())) continue;  // it cannot show here
-      const bool finite = std::isfinite(key.off);
-      l.keys.push_back(finite ? key.name : "1/" + key.name), l.off.push_back(finite ? key.off : 0);
+      const bool finite = std::isfinite(secants[k].off);
+      l.keys.push_back(finite ? key.name : "1/" + key.name), l.off.push_back(finite ? secants[k].off : 0);
       l.directions.conservativeResize(change.size(), Eigen::Index(l.keys.size()));
       l.directions.rightCols(1) = change / (coordinate(key, secants[k].high) - coordinate(key, secants[k].low));
     }

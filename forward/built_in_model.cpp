@@ -50,8 +50,7 @@ void expect_something_moves(const ForwardCase& c, const Mesh& mesh) {
 /// Calls f(mechanism) for every one that is enabled and not off.
 template <class F>
 void for_active(const ForwardCase& c, F&& f) {
-  for (const auto& m : c.mechanisms)
-    if (!m.off()) f(m);
+  for (const auto& m : c.active_mechanisms()) f(m);
 }
 
 std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& gauges, const ForwardCase& at) {

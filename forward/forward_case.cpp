@@ -193,6 +193,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
 
 double ForwardCase::number(const std::string& key) const {
   const auto v = find_number(*this, key);
+  if (v.number && std::isnan(*v.number))  // a mechanism's key that follows another number
+    for (const auto& m : mechanisms)
+      for (const auto& k : m.entry->keys)
+        if (!k.off_at.empty() && key.starts_with("mechanism." + m.name + '.') && key.ends_with('.' + k.name)) return number(k.off_at);
   if (v.number) return *v.number;
   if (!*v.optional)
     throw InputError({.problem = "has no value in the case, so there is no nominal",
@@ -216,6 +220,16 @@ ForwardCase ForwardCase::at(std::span<const double> theta) const {
   return c;
 }
 
+std::vector<EnabledMechanism> ForwardCase::active_mechanisms() const {
+  std::vector<EnabledMechanism> active;
+  for (EnabledMechanism m : mechanisms) {
+    for (const auto& k : m.entry->keys)
+      if (std::isnan(m.values[k.name])) *m.values.find(k.name) = off_value(k);
+    if (!m.off([this](const MechanismKey& k) { return off_value(k); })) active.push_back(std::move(m));
+  }
+  return active;
+}
+
 Json ForwardCase::echo() const {
   Json j;
   j["case"] = {{"sensor_unit", sensor_unit}};
@@ -228,7 +242,10 @@ Json ForwardCase::echo() const {
   for (const auto& p : parameters) j["parameter"][p.name] = calomel::echo(p);
   for (const auto& m : mechanisms)
     for (const auto* values : {&m.values.common(), &m.values.by_sensor()})
-      for (const auto& [name, value] : *values) j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
+      for (const auto& [name, own] : *values) {
+        const double value = std::isnan(own) ? number("mechanism." + m.name + '.' + name) : own;
+        j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
+      }
   return j;
 }
 

@@ -77,6 +77,11 @@ struct ForwardCase {
   /// The case with the parameters set to `theta` (declared order).
   [[nodiscard]] ForwardCase at(std::span<const double> theta) const;
 
+  /// What switches this key of a mechanism off in this case: its off value, or the number of the case that it follows.
+  [[nodiscard]] double off_value(const MechanismKey& key) const { return key.off_at.empty() ? key.off : number(key.off_at); }
+  /// The mechanisms that are not off, with every value filled in.
+  [[nodiscard]] std::vector<EnabledMechanism> active_mechanisms() const;
+
   /// Resolved options by table, for provenance.
   [[nodiscard]] Json echo() const;
   /// Visits every Options of the forward layer with its table's path: f(path, options).

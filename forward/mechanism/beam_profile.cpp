@@ -6,8 +6,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double pulse_of_the_load = 0.7e-6;
-
 void change_source(const MechanismValues& v, const Mesh& mesh, LoadOptions& load) {
   const bool half = std::any_of(mesh.mirrors.begin(), mesh.mirrors.end(), [](const MirrorPlane& m) { return m.axis == 1; });
   if (half && v["offset_y"] != 0)
@@ -19,7 +17,7 @@ void change_source(const MechanismValues& v, const Mesh& mesh, LoadOptions& load
   p.center[0] += v["offset_y"], p.center[1] += v["offset_z"];
   p.widths[0] *= v["width_ratio_y"], p.widths[1] *= v["width_ratio_z"];
   load.factor *= v["energy_ratio"];
-  if (v["pulse_length"] != pulse_of_the_load) load.pulse_length = v["pulse_length"];
+  load.pulse_length = v["pulse_length"];
 }
 
 MechanismKey ratio(const char* name, double low, double high, const char* doc) {
@@ -35,7 +33,7 @@ MechanismEntry beam_profile() {
                    ratio("width_ratio_y", 0.85, 1.15, "of the width along y to the one in [load]"),
                    ratio("width_ratio_z", 0.85, 1.15, "of the width along z to the one in [load]"),
                    ratio("energy_ratio", 0.97, 1.03, "of the heating pressure everywhere to the one that the widths and [load] give"),
-                   {.name = "pulse_length", .unit = "s", .off = pulse_of_the_load, .low = 0, .high = 2e-6, .least = 0, .greatest = 1e-3, .doc = "in place of the one in [load]"}},
+                   {.name = "pulse_length", .unit = "s", .off = LoadOptions{}.pulse_length, .low = 0, .high = 2e-6, .least = 0, .greatest = 1e-3, .doc = "in place of the one in [load]", .off_at = "load.pulse_length"}},
           .load = change_source};
 }
 

@@ -21,11 +21,12 @@ const double* MechanismValues::find(const std::string& path) const {
   return common == common_.end() ? nullptr : &common->second;
 }
 
-bool EnabledMechanism::off() const {
+bool EnabledMechanism::off(const std::function<double(const MechanismKey&)>& off_value) const {
   return std::all_of(entry->keys.begin(), entry->keys.end(), [&](const MechanismKey& k) {
     if (!k.decides) return true;
-    if (values[k.name] != k.off) return false;
-    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == k.off; });
+    const double off = off_value(k);
+    if (values[k.name] != off) return false;
+    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == off; });
   });
 }
 

@@ -4,6 +4,7 @@
 /// A mechanism is one pair of files that makes its MechanismEntry: the law in words, its keys, and the functions through which it
 /// changes a run. Where physics can be missing there is one such place each: the load, the numbers and the liquid law of the
 /// run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -29,14 +30,16 @@ struct MechanismKey {
   bool decides = true;      ///< the mechanism is off when every deciding key has its off value
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
+  std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
 };
 
-/// The values of an enabled mechanism's keys; a gauge's own where it has any.
+/// The values of an enabled mechanism's keys; a gauge's own where it has any. Not a number where a key follows a number of the case and has none of its
+/// own: ForwardCase::active_mechanisms fills it in.
 class MechanismValues {
  public:
   MechanismValues() = default;
   explicit MechanismValues(const std::vector<MechanismKey>& keys) {
-    for (const auto& k : keys) common_[k.name] = k.off;
+    for (const auto& k : keys) common_[k.name] = k.off_at.empty() ? k.off : std::numeric_limits<double>::quiet_NaN();
   }
   [[nodiscard]] double operator[](const std::string& key) const { return common_.at(key); }
   [[nodiscard]] double of(const std::string& sensor, const std::string& key) const {
@@ -84,8 +87,8 @@ struct EnabledMechanism {
   std::string name;
   const MechanismEntry* entry;
   MechanismValues values;
-  /// Every deciding key has its off value.
-  [[nodiscard]] bool off() const;
+  /// Every deciding key has its off value, which `off_value(key)` tells.
+  [[nodiscard]] bool off(const std::function<double(const MechanismKey&)>& off_value) const;
 };
 
 /// What `[mechanism.*]` says.

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
 
@@ -100,4 +103,44 @@ TEST(BeamProfile, ThePulseTakesItsLength) {
   // Off, the length is the one in [load].
   const BuiltInModel off(box(false, "energy_ratio = 1.01\n", "peak_pressure = 25e6\npulse_length = 0.3e-6"), {.pulses = 1});
   EXPECT_EQ(off.setup(off.forward_case(), off.mesh(), 0, {1.0}).pulse_length, 0.3e-6);
+}
+
+namespace {
+
+double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0, scale = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i])), scale = std::max(scale, std::abs(b[i]));
+  return difference / scale;
+}
+
+}  // namespace
+
+// The off value is the pulse of the case, whatever that is: the base model's bytes there, and no jump beside it.
+TEST(BeamProfile, ThePulseIsOffAtTheLengthOfTheLoadAndContinuousThere) {
+  const std::string load = "peak_pressure = 25e6\npulse_length = 0.3e-6";
+  const auto histories = [&](const std::string& mechanism) { return BuiltInModel(box(false, mechanism, load), {.pulses = 1}).evaluate({}).mean; };
+  const auto base = histories("");
+  EXPECT_EQ(base, histories("offset_z = 0.0\n"));       // none of its own
+  EXPECT_EQ(base, histories("pulse_length = 0.3e-6\n"));  // the same, set
+  EXPECT_GT(greatest_difference(histories("pulse_length = 0.7e-6\n"), base), 1e-3);  // the default length is another one here
+  for (const double beside : {0.3e-6 * (1 - 1e-9), 0.3e-6 * (1 + 1e-9)}) {
+    const double change = greatest_difference(histories("pulse_length = " + number_text(beside) + "\n"), base);
+    EXPECT_GT(change, 0);
+    EXPECT_LT(change, 1e-7);
+  }
+}
+
+// What a fit starts from is the length of the load, and it follows that where it is a parameter itself.
+TEST(BeamProfile, APulseThatIsNotSetFollowsTheLoad) {
+  const std::string load = "peak_pressure = 25e6\npulse_length = 0.3e-6";
+  ForwardCase c = box(false, "energy_ratio = 1.01\n[parameter.p]\nkey = \"mechanism.beam_profile.pulse_length\"\nmin = 0\nmax = 2e-6\n", load);
+  EXPECT_EQ(*c.parameters[0].nominal, 0.3e-6);
+  EXPECT_EQ(c.echo()["mechanism"]["beam_profile"]["pulse_length"], 0.3e-6);
+  c.set_number("load.pulse_length", 0.5e-6);
+  EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.5e-6);
+  EXPECT_EQ(c.active_mechanisms().at(0).values["pulse_length"], 0.5e-6);
+  // Control: one of its own stays.
+  c.set_number("mechanism.beam_profile.pulse_length", 0.9e-6);
+  c.set_number("load.pulse_length", 0.6e-6);
+  EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.9e-6);
 }
