@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
 
 #include "apps/unknowns.hpp"
@@ -15,9 +14,7 @@ namespace {
 
 constexpr double part_of_range = 0.25;
 constexpr double rounding = 1e-5;  ///< of the histories: less is what single precision leaves
-/// A coarse mesh damps and delays waves as these do.
-const std::string done_by_meshes[] = {"liquid_viscosity", "structural_damping", "sensor_response"};
-constexpr const char* too_dear = "bubbly_liquid";
+constexpr double greatest_cost = 4;  ///< over the base model
 
 /// One secant: the model with a mechanism's key at either value.
 struct Secant {
@@ -45,9 +42,8 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
   const auto& own = model.forward_case();
   std::vector<const Registry<MechanismEntry>::Row*> rows;
   for (const auto& row : mechanisms().rows()) {
-    bool enabled = row.name == too_dear || !row.entry.built();
-    for (const auto& m : own.mechanisms) enabled = enabled || m.name == row.name;
-    if (!enabled) rows.push_back(&row);
+    const bool enabled = std::any_of(own.mechanisms.begin(), own.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
+    if (!enabled && row.entry.built() && row.entry.cost <= greatest_cost) rows.push_back(&row);
   }
   std::vector<Secant> secants;
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -67,8 +63,7 @@ std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<co
 
   std::vector<LeftOut> out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    LeftOut l{.name = rows[i]->name};
-    l.like_the_mesh = std::find(std::begin(done_by_meshes), std::end(done_by_meshes), l.name) != std::end(done_by_meshes);
+    LeftOut l{.name = rows[i]->name, .like_the_mesh = rows[i]->entry.like_the_mesh};
     for (std::size_t k = 0; k < secants.size(); ++k) {
       if (secants[k].mechanism != i || means[2 * k].empty() || means[2 * k + 1].empty()) continue;
       const auto vector = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };

@@ -10,7 +10,7 @@ namespace calomel {
 
 /// A mechanism each, of those that are built and not enabled in the model's case: secants of the ensemble mean at `theta` by its deciding keys, from a quarter of the way to the
 /// lower end of the prior range to a quarter of the way to the upper end, or from the off value where it has no side below. Directions whose runs fail or that
-/// the case refuses are left out, and bubbly_liquid, which costs nine times a run and whose first order tells little. Two runs of the model a key, on `threads` threads.
+/// the case refuses are left out, and mechanisms that cost more than four times the base model (bubbly_liquid, whose first order tells little besides). Two runs of the model a key, on `threads` threads.
 std::vector<LeftOut> left_out_directions(const BuiltInModel& model, std::span<const double> theta, int threads);
 
 }  // namespace calomel

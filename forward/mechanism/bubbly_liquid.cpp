@@ -65,6 +65,7 @@ MechanismEntry bubbly_liquid() {
                    {.name = "ambient_pressure", .unit = "Pa", .off = 1e5, .low = 1e5, .high = 4e5, .decides = false, .least = 1e3, .greatest = 1e7, .doc = "absolute pressure at rest, p_a"},
                    {.name = "polytropic", .unit = "", .off = 1.16, .low = 1, .high = 1.67, .decides = false, .least = 1, .greatest = 1.67, .doc = "exponent kappa of the gas"},
                    {.name = "thermal_viscosity", .unit = "Pa s", .off = 0.5, .low = 0, .high = 10, .decides = false, .least = 0, .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
+          .cost = 9,
           .liquid = liquid};
 }
 

@@ -64,6 +64,8 @@ struct MechanismEntry {
   std::string law;  ///< one line
   std::vector<MechanismKey> keys;
   bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
+  bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a screening cannot tell the two apart
+  double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
   /// The source. Errors: InputError when the modelled part cannot show it.
   void (*load)(const MechanismValues&, const Mesh&, LoadOptions&) = nullptr;

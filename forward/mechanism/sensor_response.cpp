@@ -47,6 +47,7 @@ MechanismEntry sensor_response() {
                    {.name = "transverse", .unit = "", .off = 0, .low = -0.05, .high = 0.05, .least = -1, .greatest = 1, .doc = "share of the strain across that it reads too"},
                    {.name = "offset", .unit = "", .off = 0, .low = -1e-4, .high = 1e-4, .doc = "added to the reading"}},
           .per_sensor = true,
+          .like_the_mesh = true,
           .gauge = turn,
           .channel = respond};
 }

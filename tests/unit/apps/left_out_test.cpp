@@ -60,6 +60,14 @@ TEST(LeftOut, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   ASSERT_NE(beam, nullptr);
   EXPECT_EQ(std::count(beam->keys.begin(), beam->keys.end(), "offset_y"), 0);  // a slice has no sideways
   EXPECT_TRUE(find(plain, "sensor_response") && find(plain, "structural_damping"));
+  // What a coarse mesh does too is what the registry says, of every one; nothing here knows a name.
+  int like_the_mesh = 0;
+  for (const auto& l : plain) {
+    EXPECT_EQ(l.like_the_mesh, mechanisms().get(l.name, "").like_the_mesh) << l.name;
+    EXPECT_LE(mechanisms().get(l.name, "").cost, 4) << l.name;
+    like_the_mesh += l.like_the_mesh;
+  }
+  EXPECT_EQ(like_the_mesh, 3);
 }
 
 }  // namespace
