@@ -13,7 +13,7 @@ struct LinearElastic {
     return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
   }
   [[nodiscard]] double young() const { return mu * (3 * lambda + 2 * mu) / (lambda + mu); }
-  /// Speed of plane longitudinal waves [m/s] at density rho [kg/m^3].
+  /// Modulus of plane longitudinal waves, lambda + 2 mu = rho c_L^2 [Pa].
   [[nodiscard]] double longitudinal_modulus() const { return lambda + 2 * mu; }
 };
 
