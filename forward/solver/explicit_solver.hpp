@@ -57,7 +57,7 @@ struct RunSetup {
   double steel_density = 0, liquid_density = 0;       ///< [kg/m^3]
   LinearElastic steel{};
   Riemer liquid{};
-  double hourglass = 0.02;                            ///< liquid hourglass coefficient [-]
+  double hourglass = MercuryOptions{}.hourglass;      ///< liquid hourglass coefficient [-]
   double quadratic_viscosity = 0;                     ///< b2 [-]
   std::shared_ptr<const LiquidLaw> liquid_law;        ///< in place of Riemer's; null: Riemer's with the numbers of `liquid`
   double steel_mass_damping = 0;                      ///< a of a M v in the steel [1/s]

@@ -136,7 +136,6 @@ inline RunSetup linear_setup(double end, double output_interval) {
   s.steel_density = steel_density, s.liquid_density = mercury_density;
   s.steel = steel();
   s.liquid = {mercury_density * mercury_speed * mercury_speed, std::numeric_limits<double>::infinity(), 0};
-  s.hourglass = 0.005;
   s.end = end, s.output_interval = output_interval;
   return s;
 }

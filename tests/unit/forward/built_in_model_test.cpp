@@ -31,6 +31,19 @@ std::vector<double> run(const std::string& more, std::vector<double> theta = {},
 
 }  // namespace
 
+// One default: a run made by hand has what a case that says nothing has.
+TEST(BuiltInModel, TheHourglassCoefficientHasOneDefault) {
+  const BuiltInModel model(small_case(), {.pulses = 1});
+  const BuiltInModel other = [] {
+    ForwardCase c = small_case();
+    c.mercury.hourglass = 0.02;
+    return BuiltInModel(std::move(c), {.pulses = 1});
+  }();
+  EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).hourglass, RunSetup{}.hourglass);
+  EXPECT_EQ(RunSetup{}.hourglass, MercuryOptions{}.hourglass);
+  EXPECT_EQ(other.setup(other.forward_case(), other.mesh(), 0, {1.0}).hourglass, 0.02);
+}
+
 // The eight energies of the reference solutions (README of ../shared/data/reference_solutions).
 TEST(PulseEnergies, AreTheQuantilesOfThePulseToPulseSpread) {
   const std::array<double, 8> published{0.97699, 0.98669, 0.99267, 0.99764, 1.00236, 1.00733, 1.01331, 1.02301};
