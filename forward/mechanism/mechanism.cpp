@@ -99,7 +99,6 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
                                      .suggestion = "remove the line; a listed mechanism without it is accepted"}));
     if (!entry.built()) tables.notes.push_back("mechanism." + name + ": not built yet, not offered");
     else if (enabled) tables.enabled.push_back(std::move(mechanism));
-    else tables.offered.push_back(name);
   }
   return tables;
 }

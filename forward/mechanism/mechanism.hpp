@@ -96,8 +96,7 @@ struct EnabledMechanism {
 /// What `[mechanism.*]` says.
 struct MechanismTables {
   std::vector<EnabledMechanism> enabled;
-  std::vector<std::string> offered;  ///< listed, for the diagnosis
-  std::vector<std::string> notes;    ///< e.g. that a listed one is not built
+  std::vector<std::string> notes;  ///< e.g. that a listed one is not built
 };
 
 /// Reads `[mechanism.*]`: unknown names, keys and gauges are errors, so is enabling one that is not built.

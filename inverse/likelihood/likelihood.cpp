@@ -96,11 +96,6 @@ double ErrorDistribution::effective_chi2(const Eigen::VectorXd& residual) const 
   return effective_data_ * (residual.array().square() / variance_.array()).mean();
 }
 
-double sellentin_heavens(double chi2, double replicates) {
-  expect(replicates > 1, "a covariance is learnt from two replicates or more");
-  return -0.5 * replicates * std::log1p(chi2 / (replicates - 1));
-}
-
 Likelihood::Likelihood(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const LikelihoodOptions& options,
                        const ModelError& e)
     : grid_(problem, std::size_t(options.values), options.band), mesh_(e.mesh) {

@@ -100,10 +100,6 @@ class ErrorDistribution {
   double freedom_ = 0, log_norm_ = 0, effective_data_ = 0;
 };
 
-/// log of the likelihood of Sellentin and Heavens (2016, MNRAS 456, L132, eq. 10) without its constant: -N/2 log(1 + chi2 / (N - 1)), where a
-/// covariance was estimated freely from N simulations or replicates.
-double sellentin_heavens(double chi2, double replicates);
-
 /// The likelihood of mean records. Valid once constructed; immutable, safe from many threads.
 class Likelihood {
  public:
