@@ -23,9 +23,9 @@ SolveOptions solve_options(const SolverOptions& o) {
   return s;
 }
 
-/// Everything that the stable step of a mesh follows from.
+/// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
-  std::array<double, 8> numbers;
+  std::array<double, 9> numbers;
   bool single, group;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
@@ -48,7 +48,8 @@ ElementKind kind_of(const SolveOptions& o) {
 }
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
-  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid.viscosity, s.hourglass, s.steel_stiffness_damping},
+  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.hourglass,
+                      s.steel_stiffness_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
           .kind = kind_of(o),
@@ -133,9 +134,10 @@ double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const 
   double step = 1e300;
   if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue / s.steel_density, s.steel_stiffness_damping));
   if (parts_->liquid_eigenvalue > 0) {
-    const double k = s.liquid.bulk_modulus;
+    const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
-    step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * k / s.liquid_density * std::max(1.0, s.hourglass), s.liquid.viscosity / k));
+    if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
+    step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, s.liquid.viscosity / k));
   }
   if (!(step > 1e-12)) throw NumericsError(fmt::format("the stable time step collapses ({:.3g} s)", step));
   return step;

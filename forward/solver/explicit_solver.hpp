@@ -1,6 +1,7 @@
 #pragma once
 /// The explicit solver: central differences with a lumped mass on hexahedra of elastic steel and of a liquid that gives
 /// way in tension (physics.md section 1).
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -71,6 +72,9 @@ struct RunSetup {
   std::vector<Vec3> initial_velocity;                 ///< per mesh node at t = 0 [m/s]; empty: rest
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
+
+  /// Stiffness of the liquid from which the time step follows: the bulk modulus, or what a law of its own may come to where that is more [Pa].
+  [[nodiscard]] double liquid_stiffness() const { return std::max(liquid.bulk_modulus, liquid_law ? liquid_law->greatest_stiffness() : 0.0); }
 };
 
 /// A picture of the whole target at one instant.

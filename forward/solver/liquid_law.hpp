@@ -28,9 +28,12 @@ class LiquidLaw {
   [[nodiscard]] virtual std::size_t state_size() const { return 0; }
   /// State before the first step. `centres`: of the points [m]; `state`: variable k of point i at state[k * stride + i], 0 on entry.
   virtual void initialise(std::span<const Vec3> centres, double* state, std::size_t stride) const { (void)centres, (void)state, (void)stride; }
-  /// Pressure of every point now. Called from several threads on different points. Must not raise the stiffness -dp/de_v
-  /// above the bulk modulus of the run's Riemer parameters, from which the time step follows; the regularising viscosity is
-  /// the law's own to add. Errors: LiquidPointError, or NumericsError with the reason.
+  /// Greatest stiffness -dp/de_v, at constant state and rate, that the law may come to [Pa]; 0: never above the bulk modulus of the run's Riemer parameters.
+  /// The time step follows from the greater of the two. A law whose stiffness has no bound of its own takes one from what the run can
+  /// reach, its heating pressure for instance, and throws where that is passed.
+  [[nodiscard]] virtual double greatest_stiffness() const { return 0; }
+  /// Pressure of every point now. Called from several threads on different points. Never stiffer than `greatest_stiffness` says;
+  /// the regularising viscosity is the law's own to add. Errors: LiquidPointError, or NumericsError with the reason.
   virtual void advance(const LiquidPoints& points) const = 0;
 };
 

@@ -104,7 +104,7 @@ EnergyTerms Run<R>::energies(std::int64_t n) const {
 
 template <class R>
 void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads, bool liquid_alone) const {
-  // One step of kick 1 from rest in a linear liquid without loads takes x to v = -M^-1 K x; damping C = beta K enters by the
+  // One step of kick 1 from rest in a linear liquid of the greatest stiffness, without loads, takes x to v = -M^-1 K x; damping C = beta K enters by the
   // velocity 2 x / dt, which is taken off again. Elements of finite strain are linear near the reference: a picometre.
   const bool linear = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) == packed_.form.end();
   R greatest = 0;
@@ -114,6 +114,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
+  s.bulk_modulus = R(setup_.liquid_stiffness());
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
     if (liquid_alone && !blocks_[b].liquid) {

@@ -163,6 +163,53 @@ TEST(StableTimeStep, ALiquidWithoutStiffnessIsANumericsError) {
   EXPECT_THROW((void)solver.solve(s, {}, {}), NumericsError);
 }
 
+namespace {
+
+/// A liquid of a stiffness that it tells.
+class OfStiffness : public LiquidLaw {
+ public:
+  explicit OfStiffness(double stiffness) : stiffness_(stiffness) {}
+  [[nodiscard]] double greatest_stiffness() const override { return stiffness_; }
+  void advance(const LiquidPoints& p) const override {
+    for (std::size_t i = 0; i < p.count; ++i) p.pressure[i] = p.heating[i] - stiffness_ * p.strain[i];
+  }
+
+ private:
+  double stiffness_;
+};
+
+}  // namespace
+
+// A solver remembers the last step that it found: whatever a mechanism changes of the run, the answer is that of a solver which remembers nothing.
+TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
+  Mesh mesh = block({4, 3, 6}, {0, 0, 0}, {0.004, 0.003, 0.006}, [](const Vec3& x) { return x[2] < 0.002 ? Region::steel : Region::mercury; });
+  split(mesh, {Vec3{0, 0, 1}});
+  const ExplicitSolver solver(mesh, steel());
+  const RunSetup base = linear_setup(0, 0);
+  const double k = base.liquid.bulk_modulus, own = solver.stable_step(base);
+  const std::vector<std::pair<std::string, std::function<void(RunSetup&)>>> changes{
+      {"steel density", [](RunSetup& s) { s.steel_density *= 0.5; }},
+      {"liquid density", [](RunSetup& s) { s.liquid_density *= 0.05; }},
+      {"steel", [](RunSetup& s) { s.steel.lambda *= 2, s.steel.mu *= 2; }},
+      {"bulk modulus", [&](RunSetup& s) { s.liquid.bulk_modulus = 20 * k; }},
+      {"viscosity", [](RunSetup& s) { s.liquid.viscosity = 2e4; }},
+      {"hourglass", [&](RunSetup& s) { s.hourglass = 1, s.liquid.bulk_modulus = 20 * k; }},
+      {"steel damping", [](RunSetup& s) { s.steel_stiffness_damping = 5e-7; }},
+      {"a stiff law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(20 * k); }},
+      {"a stiffer law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(60 * k); }},
+      {"lanes", [](RunSetup& s) { s.energies = {1.0, 1.0}; }}};
+  for (const auto& [name, change] : changes) {
+    RunSetup s = base;
+    change(s);
+    EXPECT_EQ(solver.stable_step(s), ExplicitSolver(mesh, steel()).stable_step(s)) << name;
+    if (name != "lanes") EXPECT_NE(solver.stable_step(s), own) << name;
+    EXPECT_EQ(solver.stable_step(base), own) << name;
+  }
+  RunSetup boundless = base;
+  boundless.liquid_law = std::make_shared<OfStiffness>(std::numeric_limits<double>::infinity());
+  EXPECT_THROW((void)solver.stable_step(boundless), NumericsError);
+}
+
 TEST(ExplicitSolver, RefusesAnInvertedElement) {
   Mesh mesh = column(2);
   for (auto& x : mesh.nodes) x[2] = -x[2];
