@@ -29,6 +29,7 @@ std::string unit_of(const ForwardCase& forward, const std::string& key) {
 }  // namespace
 
 ExitStatus Stages::report() {
+  expect_something_to_report(command_.out, command_.case_file.string());  // before the model is made
   const auto& m = model();
   const auto& forward = study_.forward;
   const auto description = m.describe();

@@ -35,7 +35,7 @@ class CalibrationDisplay {
 }  // namespace
 
 Stages::Stages(const CommandLine& command) : command_(command), study_(StudyCase::read(command.case_file, command.overrides)) {
-  if (command.verb != "check") make_directory(command.out);  // a place that cannot be written is told before the work
+  if (command.verb != "check" && command.verb != "report") make_directory(command.out);  // a place that cannot be written is told before the work
 }
 
 const BuiltInModel& Stages::model() {

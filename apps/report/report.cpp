@@ -50,7 +50,15 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
 }
 }  // namespace
 
+void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file) {
+  if (!read_study(out_dir).empty()) return;
+  throw InputError({.problem = std::filesystem::exists(out_dir) ? "holds no artefact of any stage, so there is nothing to report" : "is not there, so there is nothing to report",
+                    .suggestion = "run calomel study " + (case_file.empty() ? "CASE.toml" : case_file) + " first, or a stage of it (simulate, campaign, train, calibrate), with the same --out",
+                    .file = out_dir.string()});
+}
+
 void write_report(const std::filesystem::path& out_dir, const ReportInput& input) {
+  expect_something_to_report(out_dir, input.case_file);
   const Study study = read_study(out_dir);
   std::map<std::string, std::string> parts{{"title", escape_html(input.case_name)},
                                            {"header", header_html(study, input)},
@@ -77,6 +85,7 @@ void write_report(const std::filesystem::path& out_dir, const ReportInput& input
 }
 
 std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path& out_dir, const ReportInput& input) {
+  expect_something_to_report(out_dir, input.case_file);
   const Study study = read_study(out_dir);
   const auto folder = out_dir / "report_csv";
   make_directory(folder);

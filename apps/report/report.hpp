@@ -51,10 +51,13 @@ struct ReportInput {
   std::vector<std::string> warnings;
 };
 
+/// Errors: InputError that names the folder and what is to be run first, where no artefact of any stage stands in it.
+void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file);
+
 /// Writes out_dir/report.html from the artefacts that stand in `out_dir` (campaign, train, simulate, enc, spe, map);
 /// a section whose artefact is missing says so and names the command that makes it. The page loads nothing from
 /// outside and stays below 10 MB: traces and surface are thinned as far as that needs.
-/// Errors: InputError when an artefact cannot be read or the page cannot be written.
+/// Errors: InputError when there is no artefact at all, when one cannot be read, or when the page cannot be written.
 void write_report(const std::filesystem::path& out_dir, const ReportInput& input);
 
 /// Writes every table and trace, unthinned, to out_dir/report_csv/*.csv (comma, point, one header line; times in

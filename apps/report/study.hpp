@@ -45,6 +45,10 @@ struct Study {
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
 
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
+  /// No artefact of any stage was there.
+  [[nodiscard]] bool empty() const {
+    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation;
+  }
 };
 
 /// Errors: InputError naming a file that is there but cannot be read.

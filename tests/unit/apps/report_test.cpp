@@ -184,8 +184,25 @@ TEST(Report, DoesNotPraiseACalibrationThatIsNoBetter) {
   EXPECT_THAT(text, Not(HasSubstr("Both are better")));
 }
 
-TEST(Report, AnEmptyFolderGivesAPageThatSaysWhatIsMissingAndHowToMakeIt) {
-  const std::string text = markup(report_of(scratch("empty"), input()));
+TEST(Report, AnEmptyFolderIsAnErrorThatNamesItAndWhatToRunFirst) {
+  const auto dir = scratch("empty");
+  for (const auto& folder : {dir, dir / "absent"})
+    for (const bool csv : {false, true}) try {
+        csv ? (void)write_tables_csv(folder, input()) : write_report(folder, input());
+        FAIL() << "it should have been refused";
+      } catch (const InputError& e) {
+        EXPECT_EQ(e.parts().file, folder.string());
+        EXPECT_THAT(e.what(), HasSubstr("nothing to report"));
+        EXPECT_THAT(e.what(), HasSubstr("calomel study slice.toml"));
+      }
+  EXPECT_TRUE(std::filesystem::is_empty(dir));
+}
+
+// One artefact of any stage is enough; the page says what else there could be and how to make it.
+TEST(Report, AFolderWithLittleInItGivesAPageThatSaysWhatIsMissingAndHowToMakeIt) {
+  const auto dir = scratch("little");
+  write_json(dir / "simulate.json", {{"elements", 660}, {"steps", 100}});
+  const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("No calibration has been run yet"));
   for (const char* command :
        {"calomel campaign slice.toml", "calomel train slice.toml", "calomel calibrate slice.toml --method enc", "calomel study slice.toml"})
