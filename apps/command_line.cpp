@@ -54,6 +54,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::floor:
       verb.add_flag("--floor", command.floor, "measure the repeatability floor, see [floor], and write floor.json");
       return;
+    case Extra::resolved:
+      verb.add_flag("--resolved", command.resolved, "print the case with every default filled in, as JSON");
+      return;
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
       return;
@@ -66,7 +69,7 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
 }  // namespace
 
 std::vector<Extra> extras_of(const std::string& verb) {
-  if (verb == "check") return {Extra::floor, Extra::write_mesh};
+  if (verb == "check") return {Extra::resolved, Extra::floor, Extra::write_mesh};
   if (verb == "calibrate") return {Extra::method};
   if (verb == "simulate") return {Extra::fields, Extra::mean};
   if (verb == "report") return {Extra::csv};

@@ -29,6 +29,7 @@ struct CommandLine {
   bool mean = false;                         ///< simulate
   bool csv = false;                          ///< report
   bool floor = false;                        ///< check
+  bool resolved = false;                     ///< check
   std::filesystem::path write_mesh;          ///< check; empty: none
 };
 
@@ -44,7 +45,7 @@ struct Verb {
 };
 
 /// Options of `verb` beyond the shared ones.
-enum class Extra { method, fields, mean, csv, unit, floor, write_mesh };
+enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh };
 std::vector<Extra> extras_of(const std::string& verb);
 
 /// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed

@@ -158,7 +158,7 @@ ExitStatus Stages::simulate() {
   Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
   provenance.options["solver"]["booking"] = study_.forward.solver.booking;  // its summary and its checkpoint hold the energies
   for (const auto& w : description.warnings) say("warning: " + w);
-  say_physics();
+  for (const auto& line : physics()) say(line);
 
   Json json{{"elements", description.elements}, {"nodes", description.nodes}};
   const auto strain = command_.mean ? simulate_mean(json) : simulate_once(provenance, json);

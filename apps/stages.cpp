@@ -63,13 +63,14 @@ void Stages::say(const std::string& text) const {
   if (!command_.quiet) std::cerr << text << '\n';
 }
 
-void Stages::say_physics() {
+std::vector<std::string> Stages::physics() {
   const auto d = model().describe();
-  say("load: " + policy_text(study_.forward.load));
+  std::vector<std::string> lines{"load: " + policy_text(study_.forward.load)};
   if (d.deposited_energy > 0)
-    say(fmt::format("pulse: {:.4g} J deposited{}; regularising viscosity {:.4g} Pa s{}", d.deposited_energy,
-                    model().mesh().plane_strain ? fmt::format(" in a slice {:.3g} mm thick", 1e3 * d.slice_thickness) : "", d.viscosity,
-                    d.mesh_decides_viscosity ? " (decided by the mesh)" : ""));
+    lines.push_back(fmt::format("pulse: {:.4g} J deposited{}; regularising viscosity {:.4g} Pa s{}", d.deposited_energy,
+                                model().mesh().plane_strain ? fmt::format(" in a slice {:.3g} mm thick", 1e3 * d.slice_thickness) : "", d.viscosity,
+                                d.mesh_decides_viscosity ? " (decided by the mesh)" : ""));
+  return lines;
 }
 
 Provenance Stages::campaign_provenance() const {

@@ -51,8 +51,8 @@ class Stages {
   ExitStatus calibrate(const std::vector<std::string>& methods);
   ExitStatus report();
 
-  /// The load's policy, the deposited energy and the viscosity, in words: every run prints them.
-  void say_physics();
+  /// The load's policy, the deposited energy and the viscosity, in words, a line each: every run tells them.
+  [[nodiscard]] std::vector<std::string> physics();
 
   /// One line to stderr, unless --quiet.
   void say(const std::string& text) const;
@@ -67,6 +67,10 @@ class Stages {
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   /// Measures the floor, run by run kept in floor.journal, and writes floor.json.
   void measure_floor();
+  /// What `check` tells people, a line each: what will be run and what it costs.
+  [[nodiscard]] std::vector<std::string> plan();
+  /// The same of the recordings, the cost and the stages.
+  [[nodiscard]] std::vector<std::string> cost(const ModelDescription& d);
   void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
   [[nodiscard]] Provenance added_provenance() const;

@@ -85,7 +85,7 @@ def row(args, name, pairs, base):
 
 
 def table(args):
-    resolved = subprocess.run([os.path.join(args.build, "apps", "calomel"), "check", args.case] + setting(o.split("=", 1) for o in args.overrides),
+    resolved = subprocess.run([os.path.join(args.build, "apps", "calomel"), "check", args.case, "--resolved"] + setting(o.split("=", 1) for o in args.overrides),
                               capture_output=True, text=True, check=True)
     mercury = json.loads(resolved.stdout)["material"]["mercury"]
     keys = ("regularising_viscosity", "least_mesh_viscosity")

@@ -8,8 +8,10 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -30,6 +32,15 @@ inline Outcome run(const std::filesystem::path& dir, const std::string& words) {
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.said.append(buffer.data(), n);
   out.status = WEXITSTATUS(::pclose(pipe));
   return out;
+}
+
+/// The same: its status, and what it wrote to stdout.
+inline Outcome printed(const std::filesystem::path& dir, const std::string& words) {
+  const auto file = dir / "stdout.txt";
+  const std::string command = "cd '" + dir.string() + "' && '" CALOMEL_PROGRAM "' " + words + " >'" + file.string() + "' 2>/dev/null";
+  const int status = std::system(command.c_str());
+  std::ifstream in(file, std::ios::binary);
+  return {WEXITSTATUS(status), {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}};
 }
 
 /// The program as a child in the folder `dir`, with these words.

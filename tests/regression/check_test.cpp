@@ -1,0 +1,50 @@
+// `calomel check` as a whole: a screenful for people, the resolved case as JSON when it is asked for.
+#include <algorithm>
+
+#include "base/artefact.hpp"
+#include "tests/regression/slice_case.hpp"
+
+using namespace calomel::testing;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+namespace {
+
+const std::string more = R"([parameter.density]
+min = 13000.0
+max = 13600.0
+[mechanism.liquid_viscosity]
+enabled = true
+[mechanism.structural_damping]
+enabled = true
+mass = 100.0
+[campaign]
+runs = 40
+)";
+
+}  // namespace
+
+TEST(Check, TellsPeopleWhatWillBeRunAndItsCostInAScreenful) {
+  const auto dir = folder_with("check", {{"case.toml", slice_case + more}});
+  const auto out = printed(dir, "check case.toml");
+  EXPECT_EQ(out.status, 0);
+  EXPECT_LT(std::count(out.said.begin(), out.said.end(), '\n'), 20);
+  EXPECT_THAT(out.said, Not(HasSubstr("{")));
+  for (const char* part : {"case: slice, box in plane strain", "elements", "steps of", "load: ", "pulse: ", "mechanisms: liquid_viscosity (at its off values), structural_damping\n",
+                           "parameters: density 1.3e+04 to 1.36e+04", "study: campaign of 40 ensemble means of 8", "calibrate by enc", "cost on "})
+    EXPECT_THAT(out.said, HasSubstr(part));
+  EXPECT_THAT(run(dir, "check case.toml").said, HasSubstr("warning: "));  // warnings go where errors go
+  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);     // what was asked for is no note
+  EXPECT_FALSE(std::filesystem::exists(dir / "case.out"));
+}
+
+TEST(Check, GivesTheResolvedCaseWhenItIsAskedFor) {
+  const auto dir = folder_with("check_resolved", {{"case.toml", slice_case + more}});
+  const auto out = printed(dir, "check case.toml --resolved --set campaign.runs=41");
+  EXPECT_EQ(out.status, 0);
+  const auto json = calomel::Json::parse(out.said);  // nothing else on stdout
+  EXPECT_EQ(json["material"]["mercury"]["density"], 13500.0);
+  EXPECT_EQ(json["campaign"]["runs"], 41);
+  EXPECT_EQ(json["solver"]["precision"], "double");
+  EXPECT_THAT(run(dir, "check case.toml --resolved").said, HasSubstr("cost on "));
+}
