@@ -152,7 +152,21 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
   }
 }
 
+void Stages::tell_nominals_left_out() const {
+  for (const auto& p : study_.forward.parameters) {
+    const double table = study_.forward.number(p.key);
+    if (!p.nominal || *p.nominal == table) continue;
+    const InputError told = study_.file.located(InputError({.problem = "simulate takes the numbers of the tables, so this has no effect on it",
+                                                            .key = "parameter." + p.name + ".nominal",
+                                                            .value = number_text(*p.nominal),
+                                                            .suggestion = fmt::format("set {} itself, which is {}: --set {}={}", p.key, number_text(table), p.key, number_text(*p.nominal))}));
+    if (command_.verb == "simulate" && told.parts().file.starts_with("--set ")) throw told;
+    say(std::string("warning: ") + told.what());
+  }
+}
+
 ExitStatus Stages::simulate() {
+  tell_nominals_left_out();
   const auto& m = model();
   const auto description = m.describe();
   Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};

@@ -63,6 +63,9 @@ class Stages {
   void compare();
   /// The ensemble mean at the case's own numbers; what simulate.json tells of it goes to `json`. Both give (condition, sensor, time).
   std::vector<double> simulate_mean(Json& json);
+  /// simulate takes the numbers of the tables: a nominal value that says otherwise is told. Errors: InputError when it was asked for by --set, since it
+  /// would have no effect.
+  void tell_nominals_left_out() const;
   /// One run, gone on with where an earlier one was cut off.
   std::vector<double> simulate_once(const Provenance& provenance, Json& json);
   /// Measures the floor, run by run kept in floor.journal, and writes floor.json.

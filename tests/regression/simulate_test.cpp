@@ -201,3 +201,23 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   EXPECT_FALSE(bare.contains("greatest_wall_stress_Pa"));
   EXPECT_FALSE(NetcdfReader(dir / "bare" / "fields.exo").has("vals_elem_var3eb2"));
 }
+
+// The numbers of the tables are what is run: a nominal value that says otherwise is told, and one that was asked for by --set is refused.
+TEST(Simulate, ANominalValueThatHasNoEffectIsToldWithTheKeyThatHas) {
+  const auto dir = folder_with("nominal", {{"case.toml", slice_case + "[parameter.density]\nmin = 13000.0\nmax = 13600.0\n"}});
+  const auto asked = run(dir, "simulate case.toml --out asked --set parameter.density.nominal=13100.0");
+  EXPECT_EQ(asked.status, 2);
+  for (const char* part : {"--set parameter.density.nominal=13100", "parameter.density.nominal = 13100", "has no effect", "--set material.mercury.density=13100"}) EXPECT_THAT(asked.said, HasSubstr(part));
+  EXPECT_FALSE(fs::exists(dir / "asked" / "simulate.nc"));
+  // In the file it may be meant for other stages: a warning with its place, and the run.
+  std::ofstream(dir / "case.toml", std::ios::app) << "nominal = 13100.0\n";
+  const auto told = run(dir, "simulate case.toml --out told");
+  EXPECT_EQ(told.status, 0) << told.said;
+  EXPECT_THAT(told.said, ::testing::ContainsRegex("warning: .*case.toml:[0-9]+.*parameter.density.nominal = 13100.*no effect"));
+  // Controls: the key that is named has an effect and needs no warning; the same number as in the table is none either.
+  const auto other = run(dir, "simulate case.toml --out other --set material.mercury.density=13100.0");
+  EXPECT_EQ(other.status, 0) << other.said;
+  EXPECT_THAT(other.said, ::testing::Not(HasSubstr("no effect")));
+  EXPECT_NE(NetcdfReader(dir / "told" / "simulate.nc").doubles("strain"), NetcdfReader(dir / "other" / "simulate.nc").doubles("strain"));
+  EXPECT_EQ(run(dir, "simulate case.toml --out same --set parameter.density.nominal=13500.0").status, 0);
+}
