@@ -25,7 +25,7 @@ SolveOptions solve_options(const SolverOptions& o) {
 
 /// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
-  std::array<double, 9> numbers;
+  std::array<double, 10> numbers;
   bool single, group;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
@@ -49,7 +49,7 @@ ElementKind kind_of(const SolveOptions& o) {
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
   return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.hourglass,
-                      s.steel_stiffness_damping},
+                      s.steel_stiffness_damping, s.steel_mass_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
           .kind = kind_of(o),
@@ -139,6 +139,7 @@ double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const 
     if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
     step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, s.liquid.viscosity / k));
   }
+  if (!liquid_alone) step = mass_damped_time_step(step, s.steel_mass_damping);
   if (!(step > 1e-12)) throw NumericsError(fmt::format("the stable time step collapses ({:.3g} s)", step));
   return step;
 }
@@ -161,7 +162,7 @@ StableSteps ExplicitSolver::stable_steps(const RunSetup& setup, const SolveOptio
       const Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, {.heated_rear = false}, step);
       return global_stable_step(run, options.threads, liquid_alone);
     };
-    return StableSteps{global(bound, false), subcycled ? global(liquid_bound, true) : 0};
+    return StableSteps{mass_damped_time_step(global(bound, false), setup.steel_mass_damping), subcycled ? global(liquid_bound, true) : 0};
   });
   if (key.kind != ElementKind::b_bar) steps.whole = std::max(bound, steps.whole);
   steps.liquid = std::max(liquid_bound, steps.liquid);

@@ -12,6 +12,8 @@ double stable_time_step(double eigenvalue, double beta) {
   return 2 / omega * (std::sqrt(1 + xi * xi) - xi);
 }
 
+double mass_damped_time_step(double step, double mass_damping) { return step * std::sqrt(0.5 * (1 + std::exp(-mass_damping * step))); }
+
 namespace {
 
 /// Greatest Ritz value of a Lanczos process so far, raised by its residual, and that residual relative to it.

@@ -202,7 +202,7 @@ TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
     for (const std::size_t runs : {1, 2}) {
       RunSetup s = linear_setup(4e-5, 1e-6);
       s.liquid.viscosity = 500, s.energies.assign(runs, 1.0);
-      s.p0.assign(mesh.elements.size(), 1e6);
+      s.p0.assign(mesh.elements.size(), 1e6), s.pulse_length = 8e-6;
       SolveOptions o;
       o.precision = precision;
       RunSetup same = s;

@@ -76,6 +76,23 @@ TEST(StableTimeStep, IsTheLimitOfADampedOscillator) {
 }
 
 // Between the bound of the worst element and the limit of the mesh, near to the latter.
+// v+ = f v - dt omega^2 u, f = exp(-a dt): damping of the motion after each step takes from the step, too.
+TEST(StableTimeStep, IsStableWithDampingOfTheMotion) {
+  const double w2 = 4e12, without = stable_time_step(w2, 0);
+  const auto radius = [&](double dt, double a) {
+    const double f = std::exp(-a * dt);
+    Eigen::Matrix2d step;
+    step << 1 - dt * dt * w2, dt * f, -dt * w2, f;  // of u and of v before the factor
+    return step.eigenvalues().cwiseAbs().maxCoeff();
+  };
+  EXPECT_EQ(mass_damped_time_step(without, 0), without);
+  for (const double a : {1e3, 1e5, 1e6, 1e7}) {
+    EXPECT_LE(radius(mass_damped_time_step(without, a), a), 1 + 1e-9) << a;
+    EXPECT_GT(radius(without, a), 1 + 1e-6) << a;  // control
+    EXPECT_GT(mass_damped_time_step(without, a), 0.7 * without) << a;
+  }
+}
+
 TEST(StableTimeStep, LiesBetweenTheElementsBoundAndTheLimitOfTheMesh) {
   struct Kind {
     std::string name;
@@ -195,6 +212,7 @@ TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
       {"viscosity", [](RunSetup& s) { s.liquid.viscosity = 2e4; }},
       {"hourglass", [&](RunSetup& s) { s.hourglass = 1, s.liquid.bulk_modulus = 20 * k; }},
       {"steel damping", [](RunSetup& s) { s.steel_stiffness_damping = 5e-7; }},
+      {"mass damping", [](RunSetup& s) { s.steel_mass_damping = 5e6; }},
       {"a stiff law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(20 * k); }},
       {"a stiffer law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(60 * k); }},
       {"lanes", [](RunSetup& s) { s.energies = {1.0, 1.0}; }}};
@@ -202,7 +220,7 @@ TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
     RunSetup s = base;
     change(s);
     EXPECT_EQ(solver.stable_step(s), ExplicitSolver(mesh, steel()).stable_step(s)) << name;
-    if (name != "lanes") EXPECT_NE(solver.stable_step(s), own) << name;
+    EXPECT_TRUE(name == "lanes" || solver.stable_step(s) != own) << name;
     EXPECT_EQ(solver.stable_step(base), own) << name;
   }
   RunSetup boundless = base;
