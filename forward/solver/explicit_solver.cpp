@@ -200,6 +200,9 @@ ThreadChoice ExplicitSolver::useful_threads(const RunSetup& s, const SolveOption
 SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const {
   expect(!setup.energies.empty() && setup.energies.size() <= std::size_t(run_lanes), "one to eight runs in a group");
   expect(!options.booking || setup.energies.size() == 1, "energy is booked in single runs");
+  if (kind_of(options) == ElementKind::b_bar && (!setup.thermal_strain.empty() || !setup.initial_stress.empty()))
+    throw InputError({.problem = "the B-bar element takes no heat in the steel and no stress before the run", .key = "solver.steel_element", .value = "\"b_bar\"",
+                      .suggestion = "set solver.steel_element = \"assumed_strain\""});
   const Stepping stepping = this->stepping(setup, options);
   return Parts::in_precision(options, [&](auto zero) {
     using R = decltype(zero);

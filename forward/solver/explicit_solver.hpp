@@ -70,6 +70,15 @@ struct RunSetup {
   History end_stress;                                 ///< [Pa], tension positive; empty: none
   std::vector<Vec3> initial_displacement;             ///< per mesh node [m]; empty: none
   std::vector<Vec3> initial_velocity;                 ///< per mesh node at t = 0 [m/s]; empty: rest
+  /// Stress before the run, which is there without any displacement: per mesh element xx yy zz xy yz zx, tension positive [Pa]; of the mercury only the
+  /// pressure, -trace/3, counts, and it is that of the mercury behind a non-reflecting rear face, too. Empty: none.
+  std::vector<std::array<double, 6>> initial_stress;
+  /// Free strain of heated steel, alpha dT of sigma = C : (epsilon - alpha dT 1), constant in an element: per mesh element at full pulse and energy 1, 0 in
+  /// the mercury [-]; it rises as p0 does. Empty: none.
+  std::vector<double> thermal_strain;
+  /// Traction, tension positive, at which steel and mercury of a slip pair come apart: per row of Mesh::slip, infinite: never [Pa]. Apart they carry no normal
+  /// traction; they meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together. Empty: none comes apart.
+  std::vector<double> slip_strength;
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 

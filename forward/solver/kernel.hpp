@@ -70,6 +70,10 @@ struct BlockData {
   std::int32_t shared_count;
   std::size_t outbox;
   LawHook law;
+  // Stressed blocks only, all null in the base model:
+  const R* initial = nullptr;           ///< liquid: pressure before the run [Pa], per element; steel: strain of the stress before the run, xx yy zz xy yz zx [-], as the geometry
+  const R* thermal = nullptr;           ///< steel: alpha dT at full pulse and energy 1 [-], per element
+  R* trace = nullptr;                   ///< steel, booked: trace of the stress one step earlier [Pa], per element
 };
 
 template <class R>
@@ -83,6 +87,14 @@ struct SpecialData {
   R rear_normal[3];
   R rear_p0;         ///< heating pressure of the mercury behind the face at full pulse [Pa]
   R load_area[3];    ///< end_stress acts on this area [m^2]
+};
+
+/// What the rules of boundary nodes have beyond the base model, in their order; all null in the base model.
+template <class R>
+struct RuleExtras {
+  const R* strength = nullptr;  ///< pull at which the pair comes apart, tensile strength times area [N]; null: the base model
+  R* open = nullptr;            ///< (rules, lanes) 1 while the pair is apart, else 0
+  const R* rear_initial = nullptr;  ///< pressure before the run of the mercury behind the rear face [Pa]
 };
 
 template <class R>
@@ -101,6 +113,7 @@ struct StepData {
   R rear_late, rear_early;  ///< share of v_n after the step, and of v_n before it over that; 1/2 and 1 at r = 0
   R lambda, mu;            ///< of the steel
   R steel_beta;            ///< stiffness-proportional damping of the steel [s]
+  RuleExtras<R> extras;
   alignas(64) R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
   alignas(64) R load_before[run_lanes];  ///< the same one step earlier
   alignas(64) R end_stress[run_lanes];   ///< [Pa], tension positive

@@ -209,9 +209,18 @@ CALOMEL_INLINE void rotate(const V (&r)[3][3], V (&a)[3][N]) {
   }
 }
 
+/// What stressed steel has beyond its displacement: sigma = C : (epsilon - alpha dT 1 + initial).
+template <class V>
+struct FreeStrain {
+  V thermal, thermal_before;  ///< alpha dT now and one step earlier [-]
+  V initial[6];               ///< strain of the stress before the run, xx yy zz xy yz zx [-]
+  V* trace;                   ///< of the stress one step earlier [Pa]; null: heat is not booked
+};
+
 /// Minus volume times the first Piola-Kirchhoff stress, sigma (or F S of St. Venant and Kirchhoff with Green's strain).
-template <Form F, bool Booking, class V>
-CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums) {
+/// What is stored is 1/2 sigma : s of the elastic strain s, and heat puts in -tr(sigma) d(alpha dT).
+template <Form F, bool Booking, bool Stressed = false, class V>
+CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums, const FreeStrain<V>* free = nullptr) {
   V strain[3][3], stress[3][3];  // strain: twice the tensor
   for (int c = 0; c < 3; ++c)
     for (int i = c; i < 3; ++i) {
@@ -219,6 +228,13 @@ CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda
       if constexpr (F == Form::finite) strain[c][i] += grad[0][c] * grad[0][i] + grad[1][c] * grad[1][i] + grad[2][c] * grad[2][i];
       strain[i][c] = strain[c][i];
     }
+  if constexpr (Stressed) {
+    for (int c = 0; c < 3; ++c) strain[c][c] += 2 * (free->initial[c] - free->thermal);
+    for (int k = 0; k < 3; ++k) {
+      const int c = k == 1 ? 1 : 0, i = k == 0 ? 1 : 2;  // xy yz zx
+      strain[c][i] = strain[i][c] = strain[c][i] + 2 * free->initial[3 + k];
+    }
+  }
   const V pressure = lambda * (V{} + Scalar<V>(0.5)) * (strain[0][0] + strain[1][1] + strain[2][2]);
   for (int c = 0; c < 3; ++c)
     for (int i = c; i < 3; ++i) {
@@ -226,6 +242,12 @@ CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda
       if constexpr (Booking) sums.steel -= minus_volume * stress[c][i] * (i == c ? (V{} + Scalar<V>(0.5)) * strain[c][c] : strain[c][i]);
     }
   if constexpr (Booking) state[0] = greater(state[0], effective_squared(stress));
+  if constexpr (Booking && Stressed)
+    if (free->trace) {
+      const V trace = stress[0][0] + stress[1][1] + stress[2][2];
+      sums.heat += minus_volume * (V{} + Scalar<V>(0.5)) * (trace + *free->trace) * (free->thermal - free->thermal_before);
+      *free->trace = trace;
+    }
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < 3; ++i) {
       V s = stress[c][i];
@@ -234,13 +256,13 @@ CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda
     }
 }
 
-template <Form F, bool Booking, class V, class Geometry>
-CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, V lambda, V mu, V* state, Sums<V>& sums) {
+template <Form F, bool Booking, bool Stressed = false, class V, class Geometry>
+CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, V lambda, V mu, V* state, Sums<V>& sums, const FreeStrain<V>* free = nullptr) {
   constexpr bool affine = F == Form::parallelepiped;
   constexpr int at_volume = affine ? 9 : 21, at_x = 22, at_bending = affine ? 10 : 34, at_last = at_bending + 45;
   V grad[3][3], t[3][3], r[3][3];
   gradients<affine>(u, g, grad);
-  steel_stress<F, Booking>(grad, -g(at_volume), lambda, mu, t, state, sums);
+  steel_stress<F, Booking, Stressed>(grad, -g(at_volume), lambda, mu, t, state, sums, free);
   V q[3][4], force[3][4];
   for (int c = 0; c < 3; ++c)
     for (int a = 0; a < 4; ++a) {

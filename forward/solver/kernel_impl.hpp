@@ -71,6 +71,11 @@ struct Lanes {
       for (int n = 0; n < 8; ++n) scatter_rows(force, at + n * width, f[0][n], f[1][n], f[2][n]);
     }
   }
+  /// One number of each element of a group.
+  static CALOMEL_INLINE V numbers(const R* of_elements, std::int32_t group) {
+    if constexpr (Runs) return of_elements[group] + V{};
+    else return load<V>(of_elements + std::size_t(group) * width);
+  }
   static CALOMEL_INLINE V heating(const R* p0, std::int32_t group, const R* share) {
     if constexpr (Runs) return p0[group] * load<V>(share);
     else return load<V>(p0 + std::size_t(group) * width) * share[0];
@@ -93,7 +98,8 @@ CALOMEL_INLINE void report_sums(const Sums<typename Lanes<R, Runs>::V>& sums, En
   energy->hourglass += 0.5 * lane_sum<R, W>(sums.hourglass), energy->steel += 0.5 * lane_sum<R, W>(sums.steel);
 }
 
-template <class R, bool Runs, bool Liquid, Form F, bool Booking>
+/// Stressed: the block has a stress before the run, or heat in the steel.
+template <class R, bool Runs, bool Liquid, Form F, bool Booking, bool Stressed = false>
 void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   using L = Lanes<R, Runs>;
   using V = typename L::V;
@@ -112,13 +118,26 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
       V* state = nullptr;
       if constexpr (Booking)
         liquid.p0_before = L::heating(b.p0, g, s.load_before), state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
+      if constexpr (Stressed) {
+        const V initial = L::numbers(b.initial, g);
+        liquid.p0 += initial, liquid.p0_before += initial;
+      }
       liquid_element<F, Booking, full, false>(um, fm, coefficient, liquid, state, sums);
     } else if constexpr (F == Form::dense) {
       dense_element<full>(um, fm, coefficient, sums);
     } else {
       V* state = nullptr;
       if constexpr (full) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * steel_state;
-      steel_element<F, full>(um, fm, coefficient, lambda, mu, state, sums);
+      if constexpr (Stressed) {
+        FreeStrain<V> free;
+        free.thermal = L::heating(b.thermal, g, s.load), free.thermal_before = L::heating(b.thermal, g, s.load_before);
+        const auto initial = L::coefficients(b.initial + std::size_t(g) * 6 * L::per_group);
+        for (int k = 0; k < 6; ++k) free.initial[k] = initial(k);
+        free.trace = full && b.trace ? reinterpret_cast<V*>(b.trace) + std::size_t(g) : nullptr;
+        steel_element<F, full, true>(um, fm, coefficient, lambda, mu, state, sums, &free);
+      } else {
+        steel_element<F, full>(um, fm, coefficient, lambda, mu, state, sums);
+      }
     }
     L::add_forces(fm, force, at);
   }
@@ -146,7 +165,9 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       V um[3][8], grad[3][3];
       L::modes(w, b.connectivity + std::size_t(g) * 8 * L::per_group, um);
       gradients<F == Form::parallelepiped>(um, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), grad);
-      const V e = volumetric_strain<F>(grad), p0 = L::heating(b.p0, g, s.load);
+      const V e = volumetric_strain<F>(grad);
+      V p0 = L::heating(b.p0, g, s.load);
+      if (b.initial) p0 += L::numbers(b.initial, g);
       for (int l = 0; l < W; ++l) {
         const std::size_t i = std::size_t(g - first) * W + std::size_t(l);
         strain[i] = (double(e[l]) + ratio * before[i]) / (1 + ratio);
@@ -169,6 +190,20 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
   if constexpr (full) report_sums<R, Runs>(sums, energy);
 }
 
+template <class R, bool Runs>
+void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
+  if (b.liquid) switch (b.form) {
+      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, true, true>(b, s, w, force, energy);
+      case Form::finite: return elements<R, Runs, true, Form::finite, true, true>(b, s, w, force, energy);
+      default: return elements<R, Runs, true, Form::general, true, true>(b, s, w, force, energy);
+    }
+  switch (b.form) {
+    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, true, true>(b, s, w, force, energy);
+    case Form::finite: return elements<R, Runs, false, Form::finite, true, true>(b, s, w, force, energy);
+    default: return elements<R, Runs, false, Form::general, true, true>(b, s, w, force, energy);
+  }
+}
+
 template <class R, bool Runs, bool Booking>
 void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   if (b.liquid && b.law.advance) switch (b.form) {
@@ -176,6 +211,8 @@ void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, E
       case Form::finite: return law_elements<R, Runs, Form::finite, Booking>(b, s, w, force, energy);
       default: return law_elements<R, Runs, Form::general, Booking>(b, s, w, force, energy);
     }
+  if constexpr (Booking)  // stressed blocks always have state
+    if (b.initial) return stressed_forces<R, Runs>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
       case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, Booking>(b, s, w, force, energy);
       case Form::finite: return elements<R, Runs, true, Form::finite, Booking>(b, s, w, force, energy);
@@ -197,9 +234,11 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
   copy_in<R, false>(b, s, R(1), R(0), w, force);
   forces<R, false, true>(b, s, w, force, &of_u);
   copy_in<R, false>(b, s, R(0), s.dt, w, force);  // dt v, the change in a step
-  forces<R, false, true>(b, s, w, force, &of_v);
+  BlockData<R> unstressed = b;
+  unstressed.initial = nullptr;
+  forces<R, false, true>(unstressed, s, w, force, &of_v);
   const double rate = double(s.steel_beta) / double(s.dt);
-  energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel;
+  energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel, energy->heat += of_u.heat;
 }
 
 template <class R, bool Runs, bool Booking>
@@ -213,7 +252,13 @@ void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
     if (damped) book_damped_steel(b, s, w, force, energy);
   copy_in<R, Runs>(b, s, R(1), beta, w, force);
   EnergyTerms here;
-  forces<R, Runs, Booking>(b, s, w, force, &here);
+  if (damped && b.trace) {
+    BlockData<R> booked = b;
+    booked.trace = nullptr;  // its heat is booked already
+    forces<R, Runs, Booking>(booked, s, w, force, &here);
+  } else {
+    forces<R, Runs, Booking>(b, s, w, force, &here);
+  }
   if constexpr (Booking && !Runs)
     if (!damped) energy->add(here);
   double kinetic = 0;
@@ -241,10 +286,11 @@ const KernelTable<R>& table() {
       },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
+        if (s.extras.strength) return booking ? special<R, false, true, true>(l, r, begin, end, s, e) : special<R, false, false, true>(l, r, begin, end, s, e);
         booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
       },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {
-        special<R, true, false>(l, r, begin, end, s, nullptr);
+        s.extras.strength ? special<R, true, false, true>(l, r, begin, end, s, nullptr) : special<R, true, false>(l, r, begin, end, s, nullptr);
       }};
   return t;
 }

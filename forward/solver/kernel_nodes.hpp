@@ -63,7 +63,48 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
   if (Booking && !Runs) energy->kinetic += kinetic;
 }
 
+/// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
+/// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
+/// apart they are free until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
+/// kept, the energy of the impact is not, and is booked as dissipated.
 template <class R, bool Runs, bool Booking>
+CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
+                                         const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
+                                         typename Row<R, Runs>::Lane (&steel)[3], EnergyTerms* energy) {
+  using L = typename Row<R, Runs>::Lane;
+  constexpr int width = Row<R, Runs>::width, lanes = Runs ? run_lanes : 1;
+  const L zero{}, one = L{} + R(1);
+  const R* n = r.normal[0];
+  const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
+  L u[3], u_steel[3], was;
+  read_row<R, Runs>(s.u + std::size_t(r.node) * width, u), read_row<R, Runs>(s.u + std::size_t(r.partner) * width, u_steel);
+  R* open = s.extras.open + rule * lanes;
+  if constexpr (Runs)
+    was = load<L>(open);
+  else
+    was = *open;
+  const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
+  const L gap = (u_steel[0] - u[0]) * n[0] + (u_steel[1] - u[1]) * n[1] + (u_steel[2] - u[2]) * n[2];
+  const L common = share_node * vn + share_partner * sn, pull = r.mass_node / s.kick * (common - vn);
+  const L parts = select(pull > zero + s.extras.strength[rule], one, zero), meets = select(gap + s.dt * (sn - vn) <= zero, one, zero);
+  const L now = was * (one - meets) + (one - was) * parts, held = one - now;
+  const L apart = -1 / s.dt * (was * meets * gap);  // (v_s - v_m).n of a pair that meets
+  const L change = held * (common - share_partner * apart - vn), steel_change = held * (common + share_node * apart - sn);
+  for (int c = 0; c < 3; ++c) v[c] += change * n[c], steel[c] += steel_change * n[c];
+  if constexpr (Runs)
+    store(open, now);
+  else
+    *open = now;
+  if constexpr (Booking && !Runs) {
+    const double half_way = 0.5 * double(s.dt) * double(r.mass_node) / double(s.kick) * double(change);
+    double rel_before = 0, rel_after = 0;
+    for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after;
+  }
+}
+
+/// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run.
+template <class R, bool Runs, bool Booking, bool Extended = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
@@ -92,7 +133,8 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const R* n = r.rear_normal;
       const L vn_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
       const L vn_free = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-      const L p0 = share * r.rear_p0;
+      L p0 = share * r.rear_p0;
+      if constexpr (Extended) p0 = p0 + s.extras.rear_initial[i];
       const R a = s.kick * r.rear_area / r.mass_node, push = s.rear_late * s.rear_push;
       const L p_wave = p0 + push / (s.rear_give + push * a) * (vn_free - a * p0 + s.rear_early * vn_before);
       const L p_least = L{} - s.cutoff;
@@ -112,7 +154,10 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       for (int c = 0; c < 3; ++c) steel[c] = r.fixed_partner & (1 << c) ? L{} : steel_before[c] + s.kick / r.mass_partner * steel_force[c];
       // Common normal momentum: a_n = (F_s + F_f).n / (m_s + m_f).
       const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
-      for (int k = 0; k < r.normals; ++k) {
+      const bool may_open = Extended && r.normals == 1;
+      if constexpr (Extended)
+        if (may_open) advance_opening_pair<R, Runs, Booking>(r, i, s, before, steel_before, v, steel, energy);
+      for (int k = 0; k < r.normals && !may_open; ++k) {
         const R* n = r.normal[k];
         const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
         const L common = share_node * vn + share_partner * sn;

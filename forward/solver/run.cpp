@@ -114,7 +114,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
-  s.bulk_modulus = R(setup_.liquid_stiffness());
+  s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {};
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
     if (liquid_alone && !blocks_[b].liquid) {
@@ -126,7 +126,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
     StepData<R> own = s;
     own.scratch = scratch.data();
     BlockData<R> block = blocks_[b];
-    block.law = {};
+    block.law = {}, block.initial = nullptr;
     EnergyTerms unused;
     packed_.runs ? kernel_.run_block(block, own, false) : kernel_.element_block(block, own, false, &unused);
   });

@@ -2,6 +2,7 @@
 /// The arrays of one run (or of a group that fills the lanes) and the phases of its step. A step is: every block; then the
 /// shared nodes and those with a rule; then, where the steel's motion is damped, every node. The phases may be spread over
 /// threads in any way; the result does not depend on it.
+#include <Eigen/Core>
 #include <array>
 #include <filesystem>
 #include <iosfwd>
@@ -71,12 +72,21 @@ class Run {
   [[nodiscard]] const PackedMesh<R>& packed() const { return packed_; }
 
  private:
+  [[nodiscard]] bool is_stressed() const { return !setup_.initial_stress.empty() || !setup_.thermal_strain.empty(); }
   [[nodiscard]] bool is_slow(std::size_t block) const { return block >= packed_.layout.first_slow_block; }
   void set_loads(StepData<R>& s, std::int64_t now, std::int64_t before) const;
   void make_masses(const NodalVolumes& volumes);
   void make_blocks();
   void make_rules(bool heated_rear);
   void make_law(std::size_t block);
+  /// What the block has of a stress before the run and of heat in the steel.
+  void make_stress(std::size_t block);
+  /// What rules have beyond the base model: pairs that may come apart, pressure behind the rear face.
+  void make_extras();
+  /// -trace/3 of the stress before the run of a mesh element [Pa].
+  [[nodiscard]] double initial_pressure(std::size_t element) const;
+  /// Strain of a mesh element's centre now, of the displacements alone (Green's in runs of finite strain) [-].
+  [[nodiscard]] Eigen::Matrix3d steel_strain(std::size_t element) const;
   void remember_strain();
   /// A law's error at a point of a block, with its place.
   [[nodiscard]] NumericsError located(const NumericsError& error, std::size_t block, std::size_t point) const;
@@ -105,6 +115,8 @@ class Run {
   std::vector<double> motion_factor_;  ///< by solver node; empty: no damping of the motion
   AlignedArray<R> inverse_mass_, u_, v_, outbox_;
   std::vector<AlignedArray<R>> p0_, state_;
+  std::vector<AlignedArray<R>> initial_, thermal_, trace_;  ///< by block, of stressed runs
+  AlignedArray<R> strength_, open_, rear_initial_;          ///< by rule, of runs that have them
   std::vector<AlignedArray<double>> memory_;  ///< of a liquid law of its own
   std::vector<LawOfBlock> laws_;              ///< by block, where there is such a law
   std::vector<BlockData<R>> blocks_;

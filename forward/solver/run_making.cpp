@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/errors.hpp"
 #include "forward/solver/run.hpp"
@@ -26,7 +27,10 @@ std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / n
 template <class R>
 Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
     : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), booking_(options.booking),
-      stateful_(options.booking || setup.quadratic_viscosity > 0) {
+      stateful_(options.booking || setup.quadratic_viscosity > 0 || is_stressed()) {
+  expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
+  expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
+  expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
   u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
@@ -35,6 +39,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   make_blocks();
   if (!setup.initial_displacement.empty() || !setup.initial_velocity.empty()) remember_strain();
   make_rules(options.heated_rear);
+  make_extras();
   plain_chunks_ = node_chunks(packed.layout.first_slow_plain), rule_chunks_ = node_chunks(rules_.size());
   slow_chunks_ = node_chunks(packed.layout.plain.size() - packed.layout.first_slow_plain);
   for (auto& e : energies_) e.resize(blocks_.size() + chunk_count(true));
@@ -48,6 +53,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
+  base_.extras = {strength_.data(), open_.data(), rear_initial_.data()};
   base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
 }
@@ -71,6 +77,7 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
 template <class R>
 void Run<R>::make_blocks() {
   const std::size_t count = packed_.layout.blocks.size(), lanes = packed_.lanes();
+  initial_.resize(count), thermal_.resize(count), trace_.resize(count);
   p0_.resize(count), state_.resize(count), memory_.resize(count), blocks_.resize(count);
   if (setup_.liquid_law) laws_.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -88,6 +95,7 @@ void Run<R>::make_blocks() {
                   state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
                   std::int32_t(block.shared.size()), block.outbox, {}};
     if (block.liquid && setup_.liquid_law) make_law(b);
+    if (is_stressed()) make_stress(b);
     scratch_rows_ = std::max(scratch_rows_, std::size_t(block.interior) + block.shared.size());
   }
 }
@@ -114,6 +122,81 @@ void Run<R>::make_rules(bool heated_rear) {
       for (std::size_t c = 0; c < 3; ++c) r.load_area[c] = R(layout.loaded[std::size_t(s.loaded)].area[c]);
     rules_.push_back(r);
   }
+}
+
+template <class R>
+double Run<R>::initial_pressure(std::size_t e) const {
+  if (setup_.initial_stress.empty()) return 0;
+  const auto& s = setup_.initial_stress[e];
+  return -(s[0] + s[1] + s[2]) / 3;
+}
+
+template <class R>
+void Run<R>::make_stress(std::size_t b) {
+  const auto& elements = packed_.elements[b];
+  const std::size_t slots = elements.size(), lanes = packed_.lanes();
+  if (blocks_[b].liquid) {
+    if (setup_.initial_stress.empty()) return;
+    initial_[b] = AlignedArray<R>(slots);
+    for (std::size_t i = 0; i < slots; ++i)
+      if (elements[i] >= 0) initial_[b][i] = R(initial_pressure(std::size_t(elements[i])));
+    blocks_[b].initial = initial_[b].data();
+    return;
+  }
+  const double lambda = setup_.steel.lambda, mu = setup_.steel.mu, three_k = 3 * lambda + 2 * mu;
+  const bool booked = booking_ && !packed_.runs;
+  initial_[b] = AlignedArray<R>(slots * 6), thermal_[b] = AlignedArray<R>(slots);
+  if (booked) trace_[b] = AlignedArray<R>(slots);
+  for (std::size_t i = 0; i < slots; ++i) {
+    if (elements[i] < 0) continue;
+    const auto e = std::size_t(elements[i]);
+    if (!setup_.thermal_strain.empty()) thermal_[b][i] = R(setup_.thermal_strain[e]);
+    if (!setup_.initial_stress.empty()) {
+      const auto& s = setup_.initial_stress[e];
+      const double trace = s[0] + s[1] + s[2];
+      for (std::size_t k = 0; k < 6; ++k) initial_[b][(i / lanes * 6 + k) * lanes + i % lanes] = R((s[k] - (k < 3 ? lambda / three_k * trace : 0)) / (2 * mu));
+    }
+    if (booked) trace_[b][i] = R(-3 * initial_pressure(e) + three_k * steel_strain(e).trace());
+  }
+  blocks_[b].initial = initial_[b].data(), blocks_[b].thermal = thermal_[b].data(), blocks_[b].trace = trace_[b].data();
+}
+
+template <class R>
+void Run<R>::make_extras() {
+  if (setup_.slip_strength.empty() && setup_.initial_stress.empty()) return;
+  const std::size_t copies = packed_.runs ? run_lanes : 1;
+  strength_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
+  std::map<std::int32_t, std::size_t> pair_of, rule_of;  // by solver node
+  for (std::size_t i = 0; i < mesh_.slip.size(); ++i) pair_of[packed_.layout.to_solver[std::size_t(mesh_.slip[i].mercury)]] = i;
+  for (std::size_t i = 0; i < rules_.size(); ++i) rule_of[rules_[i].node] = i, strength_[i] = R(unlimited_cutoff);
+  if (!setup_.slip_strength.empty())
+    for (const BoundaryNode& n : boundary_nodes(mesh_, mesh_.wetted)) {
+      const auto pair = pair_of.find(packed_.layout.to_solver[std::size_t(n.node)]);
+      if (pair == pair_of.end()) continue;
+      const std::size_t rule = rule_of.at(pair->first);
+      SpecialData<R>& r = rules_[rule];
+      const Vec3& normal = mesh_.slip[pair->second].normals[0];
+      const double area = n.area[0] * normal[0] + n.area[1] * normal[1] + n.area[2] * normal[2];
+      if (area < 0)  // from here on it points out of the mercury
+        for (auto& c : r.normal[0]) c = -c;
+      strength_[rule] = R(std::min(setup_.slip_strength[pair->second] * std::abs(area), unlimited_cutoff));
+      for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart
+        double gap = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::size_t at = c * packed_.stride() + l;
+          gap += double(r.normal[0][c]) * (double(u_[std::size_t(r.partner) * packed_.width() + at]) - double(u_[std::size_t(r.node) * packed_.width() + at]));
+        }
+        open_[rule * copies + l] = R(r.normals == 1 && gap > 0 ? 1 : 0);
+      }
+    }
+  std::map<std::size_t, int> faces;  // at a rule's node
+  for (const Face& f : mesh_.rear)
+    for (const NodeId n : f.nodes) {
+      const std::size_t rule = rule_of.at(packed_.layout.to_solver[std::size_t(n)]);
+      rear_initial_[rule] += R(initial_pressure(std::size_t(f.element)));
+      ++faces[rule];
+    }
+  for (const auto& [rule, count] : faces) rear_initial_[rule] /= R(count);
 }
 
 template <class R>
@@ -189,6 +272,9 @@ template Run<float>::Run(const PackedMesh<float>&, const Mesh&, const NodalVolum
 template void Run<float>::make_masses(const NodalVolumes&);
 template void Run<float>::make_blocks();
 template void Run<float>::make_rules(bool);
+template double Run<float>::initial_pressure(std::size_t) const;
+template void Run<float>::make_stress(std::size_t);
+template void Run<float>::make_extras();
 template void Run<float>::start_from(const std::vector<Vec3>&, AlignedArray<float>&);
 template void Run<float>::remember_strain();
 template void Run<float>::make_law(std::size_t);
@@ -198,6 +284,9 @@ template Run<double>::Run(const PackedMesh<double>&, const Mesh&, const NodalVol
 template void Run<double>::make_masses(const NodalVolumes&);
 template void Run<double>::make_blocks();
 template void Run<double>::make_rules(bool);
+template double Run<double>::initial_pressure(std::size_t) const;
+template void Run<double>::make_stress(std::size_t);
+template void Run<double>::make_extras();
 template void Run<double>::start_from(const std::vector<Vec3>&, AlignedArray<double>&);
 template void Run<double>::remember_strain();
 template void Run<double>::make_law(std::size_t);

@@ -70,17 +70,36 @@ void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
       if (blocks_[b].liquid) {
         const double strain = finite ? (grad + Eigen::Matrix3d::Identity()).determinant() - 1 : grad.trace();
         f.pressure[e] = blocks_[b].law.advance ? memory_[b][blocks_[b].law.points + slot * copies]
-                                               : setup_.liquid.pressure(setup_.p0.empty() ? 0 : setup_.p0[e] * share, strain, rate);
+                                               : setup_.liquid.pressure((setup_.p0.empty() ? 0 : setup_.p0[e] * share) + initial_pressure(e), strain, rate);
         if (stateful_ && !packed_.runs)
           f.time_at_cutoff[e] = double(state_[b][(slot / lanes * element_state + state_time_at_cutoff) * lanes + slot % lanes]);
       } else {
         Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
         if (finite) strain += 0.5 * grad.transpose() * grad;
-        const Eigen::Matrix3d stress = setup_.steel.lambda * strain.trace() * Eigen::Matrix3d::Identity() + 2 * setup_.steel.mu * strain;
+        if (!setup_.thermal_strain.empty()) strain -= share * setup_.thermal_strain[e] * Eigen::Matrix3d::Identity();
+        Eigen::Matrix3d stress = setup_.steel.lambda * strain.trace() * Eigen::Matrix3d::Identity() + 2 * setup_.steel.mu * strain;
+        if (!setup_.initial_stress.empty()) {
+          const auto& s = setup_.initial_stress[e];
+          stress += Eigen::Matrix3d{{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+        }
         f.pressure[e] = -stress.trace() / 3;
         f.effective_stress[e] = std::sqrt(1.5) * (stress - stress.trace() / 3 * Eigen::Matrix3d::Identity()).norm();
       }
     }
+}
+
+template <class R>
+Eigen::Matrix3d Run<R>::steel_strain(std::size_t e) const {
+  const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
+  const HexGeometry g = hex_geometry(corners_of(mesh_, e));
+  Eigen::Matrix3d grad = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 8; ++k) {
+    const std::size_t row = std::size_t(packed_.layout.to_solver[std::size_t(mesh_.elements[e][std::size_t(k)])]) * packed_.width();
+    for (int c = 0; c < 3; ++c) grad.row(c) += double(u_[row + std::size_t(c) * packed_.stride()]) * g.gradient.col(k).transpose();
+  }
+  Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
+  if (finite) strain += 0.5 * grad.transpose() * grad;
+  return strain;
 }
 
 template <class R>
@@ -118,6 +137,8 @@ void Run<R>::save(std::ostream& out) const {
   put(out, u_.data(), u_.size()), put(out, v_.data(), v_.size());
   for (const auto& s : state_) put(out, s.data(), s.size());
   for (const auto& m : memory_) put(out, m.data(), m.size());
+  for (const auto& t : trace_) put(out, t.data(), t.size());
+  put(out, open_.data(), open_.size());
 }
 
 template <class R>
@@ -125,11 +146,14 @@ void Run<R>::restore(std::istream& in) {
   get(in, u_.data(), u_.size()), get(in, v_.data(), v_.size());
   for (auto& s : state_) get(in, s.data(), s.size());
   for (auto& m : memory_) get(in, m.data(), m.size());
+  for (auto& t : trace_) get(in, t.data(), t.size());
+  get(in, open_.data(), open_.size());
 }
 
 template double Run<float>::observe(const ObservationRow&, std::size_t) const;
 template void Run<float>::fill_elements(FieldSnapshot&, double) const;
 template FieldSnapshot Run<float>::snapshot(std::int64_t) const;
+template Eigen::Matrix3d Run<float>::steel_strain(std::size_t) const;
 template void Run<float>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<float>::greatest_stress() const;
 template void Run<float>::save(std::ostream&) const;
@@ -137,6 +161,7 @@ template void Run<float>::restore(std::istream&);
 template double Run<double>::observe(const ObservationRow&, std::size_t) const;
 template void Run<double>::fill_elements(FieldSnapshot&, double) const;
 template FieldSnapshot Run<double>::snapshot(std::int64_t) const;
+template Eigen::Matrix3d Run<double>::steel_strain(std::size_t) const;
 template void Run<double>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<double>::greatest_stress() const;
 template void Run<double>::save(std::ostream&) const;

@@ -76,7 +76,7 @@ class TimeLoop {
     sample_every_ = options.every_step ? run.subcycles() : per_output;
     if (options.field_interval > 0)
       field_every_ = std::max<std::int64_t>(1, std::llround(options.field_interval / setup.output_interval)) * per_output;
-    has_initial_state_ = !setup.initial_displacement.empty() || !setup.initial_velocity.empty();
+    has_initial_state_ = !setup.initial_displacement.empty() || !setup.initial_velocity.empty() || !setup.initial_stress.empty();
     const std::size_t samples = std::size_t(steps_ / sample_every_) + 1;
     out_.times.resize(samples);
     out_.observations.assign(setup.energies.size() * rows.size() * samples, 0);
