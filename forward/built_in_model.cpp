@@ -53,6 +53,19 @@ void for_active(const ForwardCase& c, F&& f) {
   for (const auto& m : c.active_mechanisms()) f(m);
 }
 
+/// What mechanisms make of the mesh.
+void change_mesh(const ForwardCase& c, Mesh& mesh) {
+  for_active(c, [&](const EnabledMechanism& m) {
+    if (m.entry->mesh) try {
+        m.entry->mesh(m.values, mesh);
+      } catch (const InputError& e) {
+        auto parts = e.parts();
+        if (!parts.key.starts_with("mechanism.")) parts.key = "mechanism." + m.name + (parts.key.empty() ? "" : '.' + parts.key);
+        throw InputError(parts);
+      }
+  });
+}
+
 std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& gauges, const ForwardCase& at) {
   std::vector<ObservationRow> rows;
   for (const auto& g : gauges) {
@@ -106,6 +119,10 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
 
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
     : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))) {
+  for (const auto& p : case_.parameters)
+    for (const auto& m : case_.mechanisms)
+      if (m.entry->mesh && p.key.starts_with("mechanism." + m.name + '.')) unchanged_mesh_ = std::make_unique<Mesh>(*mesh_);
+  change_mesh(case_, *mesh_);
   expect_something_moves(case_, *mesh_);
   gauges_ = locate_gauges(*mesh_, case_.sensors);
   heating_ = heating_shape(*mesh_, effective_load(case_, *mesh_).profile);
@@ -139,16 +156,23 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   for_active(at, [&](const EnabledMechanism& m) {
     if (m.entry->setup) m.entry->setup(m.values, s);
   });
+  const LoadOptions load = effective_load(at, mesh);
+  if (at.load.kind == "end_stress")
+    s.end_stress = at.end_stress;
+  else
+    put_heat(s, at, mesh, load, condition);
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (m.entry->fields) m.entry->fields(m.values, mesh, load, s);
+  });
   for_active(at, [&](const EnabledMechanism& m) {
     if (!m.entry->liquid) return;
     if (s.liquid_law) throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
     s.liquid_law = m.entry->liquid(m.values, s);
   });
-  if (at.load.kind == "end_stress") {
-    s.end_stress = at.end_stress;
-    return s;
-  }
-  const LoadOptions load = effective_load(at, mesh);
+  return s;
+}
+
+void BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const {
   // The heat is that of the case's own liquid; with the Gruneisen policy the pressure follows the sound speed.
   const bool own = &mesh == mesh_.get() && !reheat_;
   const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, load.profile);
@@ -169,7 +193,6 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.p0.resize(mesh.elements.size());
   for (std::size_t e = 0; e < s.p0.size(); ++e) s.p0[e] = peak * heating.element[e];
   s.p0_at = [profile = load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
-  return s;
 }
 
 Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
@@ -178,14 +201,17 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   const std::size_t m = out.energies.size(), values = shape_.values(), times = shape_.times.size(), sensors = shape_.sensors.size();
   try {
     const ForwardCase at = case_.at(theta);
-    // A parameter of the geometry needs a mesh of its own, one of the steel's moduli its own elements.
+    // A parameter of the geometry, or of a mechanism that moves nodes, needs a mesh of its own, one of the steel's moduli its own elements.
     std::unique_ptr<Mesh> own_mesh;
     std::unique_ptr<ExplicitSolver> own_solver;
     std::vector<LocatedGauge> own_gauges;
-    if (remesh_) own_mesh = std::make_unique<Mesh>(mesh_of(at.geometry));
+    if (remesh_ || unchanged_mesh_) {
+      own_mesh = std::make_unique<Mesh>(remesh_ ? mesh_of(at.geometry) : *unchanged_mesh_);
+      change_mesh(at, *own_mesh);
+    }
     const Mesh& mesh = own_mesh ? *own_mesh : *mesh_;
-    if (remesh_ || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
-    if (remesh_ || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
+    if (own_mesh || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
+    if (own_mesh || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
     const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
     const auto rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, at);
 

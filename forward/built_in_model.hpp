@@ -44,7 +44,7 @@ class BuiltInModel : public ForwardModel {
   /// `threads`: of one run at most, as many as it gains by (a campaign runs points side by side on one thread each).
   /// Errors: InputError for a mesh or gauge that cannot be made.
   explicit BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble = {}, int threads = 1);
-  /// The same on a mesh that the caller made (jittered, deformed); parameters of the geometry are then refused.
+  /// The same on a mesh that the caller made (jittered, deformed), which mechanisms then change; parameters of the geometry are refused.
   BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh);
   ~BuiltInModel() override;
 
@@ -72,11 +72,15 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] RunSetup setup(const ForwardCase& at, const Mesh& mesh, std::size_t condition, std::vector<double> energies) const;
 
  private:
+  /// The heat of the pulse, as the load of the run has it.
+  void put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const;
+
   ForwardCase case_;
   EnsembleOptions ensemble_;
   int threads_;
   ModelShape shape_;
   std::unique_ptr<Mesh> mesh_;
+  std::unique_ptr<Mesh> unchanged_mesh_;  ///< before mechanisms; only where a parameter changes what they do to it
   std::vector<LocatedGauge> gauges_;
   HeatingShape heating_;
   std::unique_ptr<ExplicitSolver> solver_;

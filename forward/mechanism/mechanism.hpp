@@ -2,8 +2,8 @@
 /// Physics that may have been left out: named blocks of parameters whose `off` values give the base model exactly.
 ///
 /// A mechanism is one pair of files that makes its MechanismEntry: the law in words, its keys, and the functions through which it
-/// changes a run. Where physics can be missing there is one such place each: the load, the numbers and the liquid law of the
-/// run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
+/// changes a run. Where physics can be missing there is one such place each: the mesh, the load, the numbers, the fields and the
+/// liquid law of the run, the gauges. A mechanism at its off values is not called at all, so the base model's bytes are untouched.
 #include <functional>
 #include <limits>
 #include <map>
@@ -67,18 +67,24 @@ struct MechanismEntry {
   bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a screening cannot tell the two apart
   double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
+  /// Node places, before anything is built on the mesh (displace_nodes, thin_wall); elements, faces and slip pairs stay. Gauges are placed on what comes out.
+  /// Errors: InputError on a key of its own ("fraction"), NumericsError where an element would be inverted.
+  void (*mesh)(const MechanismValues&, Mesh&) = nullptr;
   /// The source. Errors: InputError when the modelled part cannot show it.
   void (*load)(const MechanismValues&, const Mesh&, LoadOptions&) = nullptr;
   /// Numbers of the run: viscosity, damping, boundary.
   void (*setup)(const MechanismValues&, RunSetup&) = nullptr;
-  /// A liquid law of its own, after `setup`.
+  /// Fields of the run, by element, node or slip pair, once its numbers and its heat are known: thermal_strain, initial_displacement, initial_velocity,
+  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run.
+  void (*fields)(const MechanismValues&, const Mesh&, const LoadOptions&, RunSetup&) = nullptr;
+  /// A liquid law of its own, after all of these.
   std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
   /// What a gauge reads of the displacements.
   void (*gauge)(const MechanismValues&, const LocatedGauge&, ObservationRow&) = nullptr;
   /// A gauge's history on the output times, in strain, before its gain and delay.
   void (*channel)(const MechanismValues&, const std::string& sensor, double interval, std::span<double> history) = nullptr;
 
-  [[nodiscard]] bool built() const { return load || setup || liquid || gauge || channel; }
+  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || channel; }
 };
 
 /// All thirteen names of physics.md section 3.
