@@ -120,7 +120,7 @@ TEST(GradientRound, FindsTheTruthWithFewEvaluations) {
     double best = std::numeric_limits<double>::infinity();
     EncRound round;
     for (std::uint64_t stream = 0; stream < 6; ++stream) {
-      const auto r = gradient_round(c.problem, c.model, objective, bounds, 40, 1, stream);
+      const auto r = gradient_round(c.problem, c.model, objective, BatchCost(c.problem, c.model, objective), bounds, 40, 1, stream);
       EXPECT_LT(r.evaluations, 600u);
       if (objective.cost(r.objective) < best) best = objective.cost(r.objective), round = r;
     }
@@ -135,7 +135,7 @@ TEST(GradientRound, StaysWithinTheBounds) {
   Case c;
   Bounds bounds = bounds_of(c.problem.shape);
   bounds.low[1] = 1645;  // the truth, 1630, lies outside
-  const auto r = gradient_round(c.problem, c.model, objectives().get("rrmse"), bounds, 40, 1, 0);
+  const auto r = gradient_round(c.problem, c.model, objectives().get("rrmse"), BatchCost(c.problem, c.model, objectives().get("rrmse")), bounds, 40, 1, 0);
   EXPECT_GE(r.theta[1], 1645);
   EXPECT_LT(r.theta[1], 1660);
 }
