@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "inverse/batch_scorer.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/likelihood/likelihood.hpp"
 #include "inverse/objective_slope.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
 
