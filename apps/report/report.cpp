@@ -55,7 +55,7 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
 void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file) {
   if (!read_study(out_dir).empty()) return;
   throw InputError({.problem = std::filesystem::exists(out_dir) ? "holds no artefact of any stage, so there is nothing to report" : "is not there, so there is nothing to report",
-                    .suggestion = "run calomel study " + (case_file.empty() ? "CASE.toml" : case_file) + " first, or a stage of it (simulate, campaign, train, calibrate), with the same --out",
+                    .suggestion = "run calomel study " + (case_file.empty() ? "CASE.toml" : case_file) + " first, or a stage of it (simulate, campaign, train, calibrate, sample), with the same --out",
                     .file = out_dir.string()});
 }
 

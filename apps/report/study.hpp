@@ -50,7 +50,7 @@ struct Study {
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
   /// No artefact of any stage was there.
   [[nodiscard]] bool empty() const {
-    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation;
+    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior;
   }
 };
 

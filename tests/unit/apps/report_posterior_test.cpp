@@ -26,6 +26,7 @@ Json corner_of(const std::filesystem::path& dir, const ReportInput& in, const Dr
 
 TEST(ReportPosterior, WithoutDrawsNamesTheCommand) {
   const auto dir = scratch("no_posterior");
+  write_study(dir, input());
   write_report(dir, input());
   EXPECT_THAT(read_text(dir / "report.html"),
               HasSubstr("No posterior has been sampled (posterior.nc, posterior.json). Sample it with <code>calomel sample slice.toml</code>."));

@@ -103,7 +103,9 @@ TEST(Report, LoadsNothingFromOutsideAndStaysBelowTenMegabytes) {
 }
 
 TEST(Report, HoldsTheScriptsOfTheRepositoryAndBothLibraries) {
-  const std::string page = report_of(scratch("scripts"), input());
+  const auto dir = scratch("scripts");
+  write_study(dir, input());
+  const std::string page = report_of(dir, input());
   for (const char* name : {"page.css", "drawing.js", "histories.js", "target.js", "corner.js", "page.js"})
     EXPECT_THAT(page, HasSubstr(read_text(std::filesystem::path(CALOMEL_SOURCE_DIR) / "apps/report" / name))) << name;
   EXPECT_THAT(page, HasSubstr("Dygraph"));

@@ -1,0 +1,140 @@
+// `calomel sample` as a whole: the truth within the posterior, artefacts to the contract, and the same draws after a kill.
+#include "base/artefact.hpp"
+#include "base/json.hpp"
+#include "base/netcdf_file.hpp"
+#include "tests/regression/slice_case.hpp"
+
+using namespace calomel::testing;
+using calomel::Json;
+using calomel::NetcdfReader;
+using calomel::read_json;
+using calomel::read_text;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double true_density = 13310, true_speed = 1462;
+
+const std::string tables = R"([[sensor]]
+name = "F"
+position = [0.0, 0.0, 0.02]
+direction = [0, 0, 1]
+[parameter.density]
+min = 12000
+max = 14500
+[parameter.sound_speed]
+min = 1300
+max = 1600
+[campaign]
+pulses = 2
+[emulator]
+element_sizes = [0.002, 0.001]
+viscosity_sd = 0
+start = "nominal"
+coarse_runs = 16
+fine_runs = 8
+round_coarse = 3
+round_fine = 2
+check_coarse = 1
+check_fine = 1
+[errors]
+band = 1e5
+young_sd = 0
+beyond = 0
+beyond_sd = 0.1
+beyond_rest = 0.2
+[sampler]
+warmup = 2000
+draws = 4000
+)";
+
+/// A folder whose records are the ensemble mean of the finest mesh at the true values.
+fs::path folder(const std::string& name) {
+  const auto dir = folder_with(name, {{"case.toml", with(slice_case, "end = 2e-5", "end = 6e-5") + tables}});
+  const auto made = run(dir, "simulate case.toml --mean --out truth --set material.mercury.density=" + std::to_string(true_density) +
+                                 " --set material.mercury.sound_speed=" + std::to_string(true_speed) + " --set geometry.element_size=0.001 --set material.mercury.least_mesh_viscosity=0");
+  EXPECT_EQ(made.status, 0) << made.said;
+  const NetcdfReader file(dir / "truth" / "simulate.nc");
+  const auto time = file.doubles("time"), strain = file.doubles("strain");
+  std::ofstream csv(dir / "records.csv");
+  csv.precision(9);
+  csv << "sensor,pulse,time,strain\n";
+  for (std::size_t s = 0; s < 2; ++s)
+    for (std::size_t t = 0; t < time.size(); ++t) csv << (s == 0 ? "A" : "F") << ",1," << time[t] << ',' << strain[s * time.size() + t] << '\n';
+  csv.close();
+  std::ofstream(dir / "case.toml", std::ios::app) << "[recordings]\nfile = \"records.csv\"\nnoise = 2e-6\n";
+  return dir;
+}
+
+}  // namespace
+
+TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
+  const auto dir = folder("sample");
+  const auto first = run(dir, "sample case.toml --out a");
+  ASSERT_EQ(first.status, 0) << first.said;
+  const Json json = read_json(dir / "a" / "posterior.json");
+  EXPECT_EQ(json["status"], "done");
+  EXPECT_TRUE(json["converged"].get<bool>());
+  EXPECT_TRUE(json["true_model_check"]["holds"].get<bool>());
+  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance"}) EXPECT_TRUE(json.contains(key)) << key;
+  ASSERT_EQ(json["parameters"].size(), 3u);  // the two, and how far past the finest mesh
+  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
+  const std::array<double, 2> truth{true_density, true_speed};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& p = json["parameters"][k];
+    EXPECT_LT(std::abs(p["mean"].get<double>() - truth[k]), 3 * p["sd"].get<double>()) << p["name"];
+    EXPECT_LT(p["sd"].get<double>(), 0.05 * truth[k]) << p["name"];
+    // Laplace's deviation beside that of the chains.
+    const double laplace = json["mode"]["sd"][p["name"].get<std::string>()];
+    EXPECT_NEAR(laplace / p["sd"].get<double>(), 1, 0.4) << p["name"];
+  }
+  const NetcdfReader file(dir / "a" / "posterior.nc");
+  EXPECT_EQ(file.shape("posterior/density"), (std::vector<std::size_t>{4, 4000}));
+  EXPECT_EQ(file.dimensions("posterior/density"), (std::vector<std::string>{"chain", "draw"}));
+  for (const char* variable : {"sample_stats/lp", "log_likelihood/records", "posterior_predictive/strain", "observed_data/strain", "prior/density"}) EXPECT_TRUE(file.has(variable)) << variable;
+  EXPECT_FALSE(fs::exists(dir / "a" / "posterior.journal"));
+
+  const auto again = run(dir, "sample case.toml --out a");
+  EXPECT_EQ(again.status, 0);
+  EXPECT_THAT(again.said, HasSubstr("sample: reused"));
+  // Another prior is another posterior, of the same runs.
+  const auto other = run(dir, "sample case.toml --out a --set parameter.density.prior=normal --set parameter.density.mean=13300 --set parameter.density.sd=30");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.said, HasSubstr("parameter.density"));
+  const auto fresh = run(dir, "sample case.toml --out a --fresh --set parameter.density.prior=normal --set parameter.density.mean=13300 --set parameter.density.sd=30");
+  EXPECT_EQ(fresh.status, 0) << fresh.said;
+  EXPECT_GE(read_json(dir / "a" / "posterior.json")["runs"]["reused"].get<int>(), 24);
+  EXPECT_LT(read_json(dir / "a" / "posterior.json")["parameters"][0]["sd"].get<double>(), 31);
+}
+
+TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
+  const auto dir = folder("sample_killed");
+  ASSERT_EQ(run(dir, "sample case.toml --out whole").status, 0);
+  const fs::path journal = dir / "killed" / "runs.journal";
+  std::uintmax_t seen = 0;
+  for (const int times : {3, 20}) {
+    const int status = stop_program(start_program(dir, {"sample", "case.toml", "--out", "killed", "--quiet", "--threads", "1"}), SIGKILL, times, [&] {
+      std::error_code none;
+      const auto size = fs::file_size(journal, none);
+      if (none || size == seen) return false;
+      seen = size;
+      return true;
+    });
+    ASSERT_TRUE(status != -1 && WIFSIGNALED(status)) << "it ended before it could be killed";
+  }
+  EXPECT_FALSE(fs::exists(dir / "killed" / "posterior.json"));
+  const auto last = run(dir, "sample case.toml --out killed --threads 2");
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
+}
+
+TEST(SampleVerb, SaysWhyAPosteriorIsNotToBeTrusted) {
+  const auto dir = folder("sample_short");
+  const auto out = run(dir, "sample case.toml --out a --set sampler.draws=50 --set sampler.warmup=50 --set emulator.rounds=1");
+  EXPECT_EQ(out.status, 4) << out.said;
+  const Json json = read_json(dir / "a" / "posterior.json");
+  EXPECT_FALSE(json["converged"].get<bool>());
+  EXPECT_THAT(out.said, HasSubstr(json["message"].get<std::string>()));
+}
