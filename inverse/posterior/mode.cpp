@@ -112,9 +112,9 @@ Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalM
   return by_u.asDiagonal() * m.covariance.topLeftCorner(d, d) * by_u.asDiagonal();
 }
 
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed) {
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed, double widening) {
   const Eigen::Index size = posterior.dimension(), d = posterior.box().size();
-  const Eigen::MatrixXd root = Cholesky(m.covariance).lower();
+  const Eigen::MatrixXd root = widening * Cholesky(m.covariance).lower();
   RandomStream random(seed, 0);
   Eigen::MatrixXd draws(size, Eigen::Index(n));
   Eigen::Index taken = 0;

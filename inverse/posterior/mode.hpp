@@ -29,7 +29,7 @@ double log_evidence(const LogPosterior& posterior, const LocalMode& mode);
 /// Covariance of theta (natural units), the parameters' block.
 Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& mode);
 
-/// Draws from the Gaussian about a mode that lie in the box: (dimension, n) of (u, k). Fewer where hardly any do.
-Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed);
+/// Draws from the Gaussian about a mode, `widening` times its deviations, that lie in the box: (dimension, n) of (u, k). Fewer where hardly any do.
+Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed, double widening = 1);
 
 }  // namespace calomel

@@ -12,6 +12,7 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t draws_of_a_round = 400;
+constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
 constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
 constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
 constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
@@ -113,7 +114,7 @@ void Fit::fill_box(std::uint64_t index) {
 
 void Fit::add_infill(int round) {
   const LogPosterior& posterior = *out_.posterior;
-  const Eigen::MatrixXd all = gaussian_draws(posterior, out_.modes[0], draws_of_a_round, in_.seed + std::uint64_t(round)).topRows(box_.size());
+  const Eigen::MatrixXd all = gaussian_draws(posterior, out_.modes[0], draws_of_a_round, in_.seed + std::uint64_t(round), infill_reach).topRows(box_.size());
   std::vector<Eigen::Index> allowed;
   for (Eigen::Index i = 0; i < all.cols(); ++i)
     if (posterior.emulator().variance(posterior.emulator().features(all.col(i), 0)) <= hard_variance) allowed.push_back(i);

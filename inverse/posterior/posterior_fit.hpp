@@ -20,7 +20,7 @@ struct EmulatorOptions {
   int fine_runs = 8;
   int round_coarse = 8;
   int round_fine = 3;
-  int rounds = 6;
+  int rounds = 12;
   double enough = 0.3;
   double stable = 0.25;
   std::string start = "auto";
