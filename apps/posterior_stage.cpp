@@ -285,6 +285,9 @@ ExitStatus Stages::sample() {
   json["status"] = trusted ? "done" : "not_to_be_trusted";
   json["product"] = study_.map.product == "physical" ? "physical" : "tuned";
   json["final"] = trusted;
+  // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
+  json["chains_converged"] = convergence.converged, json["converged"] = trusted;
+  json["message"] = !convergence.converged ? convergence.message : !fit.settled ? "the emulator " + fit.message : !check.holds ? check.sentence : convergence.message;
   json["mode"] = fit_json(fit, parameters);
   json["true_model_check"] = check_json(check, parameters);
   json["absorption"] = alarms;
