@@ -1,3 +1,18 @@
+# Headers from outside that most files see are parsed once, for the libraries and for the tests, whatever is installed; every file still includes what it uses.
+# Sources with options of their own do without: they could not read them.
+function(calomel_precompiled name)
+  cmake_parse_arguments(ARG "" "" "OPTIONS;LINKS;HEADERS" ${ARGN})
+  file(WRITE ${CMAKE_BINARY_DIR}/${name}.cpp "")
+  add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/${name}.cpp)
+  target_link_libraries(${name} PRIVATE fmt::fmt Eigen3::Eigen ${ARG_LINKS})
+  target_compile_features(${name} PRIVATE cxx_std_20)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers ${ARG_OPTIONS})
+  target_precompile_headers(${name} PRIVATE
+    <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <sstream>
+    <string> <vector> <fmt/format.h> <Eigen/Core> ${ARG_HEADERS})
+endfunction()
+calomel_precompiled(calomel_precompiled)
+
 # One static library a folder: calomel_library(mesh SOURCES a.cpp b.cpp LINKS calomel::base Eigen3::Eigen)
 function(calomel_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
@@ -9,11 +24,18 @@ function(calomel_library name)
   target_compile_features(calomel_${name} PUBLIC cxx_std_20)
   target_compile_options(calomel_${name} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
   target_link_libraries(calomel_${name} PUBLIC ${ARG_LINKS})
+  target_precompile_headers(calomel_${name} REUSE_FROM calomel_precompiled)
   set_property(GLOBAL APPEND PROPERTY CALOMEL_LIBRARIES calomel_${name})
 endfunction()
 
 # Test programs are compiled at -O1: what they compute is in the libraries, which are not.
 set(CALOMEL_TEST_OPTIONS -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers $<$<NOT:$<CONFIG:Debug>>:-O1>)
+
+macro(calomel_precompiled_tests)
+  find_package(GTest REQUIRED)
+  calomel_precompiled(calomel_precompiled_tests OPTIONS -fPIE $<$<NOT:$<CONFIG:Debug>>:-O1> LINKS GTest::gtest GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>)
+  set_target_properties(calomel_precompiled_tests PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+endmacro()
 
 # One test program a folder: calomel_test(unit_mesh SOURCES mesh_test.cpp LINKS calomel::mesh LABELS unit)
 # SETS_UP names a fixture that another test requires: that one runs after all of these.
@@ -25,9 +47,11 @@ function(calomel_test name)
     file(STRINGS ${source} uses REGEX CALOMEL_SOURCE_DIR)
     if(uses)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS CALOMEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+      set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
     endif()
   endforeach()
   target_link_libraries(test_${name} PRIVATE ${ARG_LINKS} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_precompile_headers(test_${name} REUSE_FROM calomel_precompiled_tests)
   include(GoogleTest)
   set(properties LABELS "${ARG_LABELS}")
   if(ARG_SETS_UP)
