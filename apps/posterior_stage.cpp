@@ -40,7 +40,7 @@ double first_half_width(const Parameter& p) {
   return 0.1 * (p.min > 0 ? std::log(p.max / p.min) : p.max - p.min);
 }
 
-/// "density sits 2.4 prior standard deviations below its handbook value: something else is missing"; empty where none does.
+/// A sentence for every parameter whose posterior lies more than `alarming` prior standard deviations from its prior's middle.
 std::vector<std::string> absorption(const std::vector<Parameter>& parameters, const Convergence& convergence) {
   std::vector<std::string> out;
   for (const auto& p : parameters)
@@ -111,15 +111,18 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
   const auto dims = [&](const std::string& last) { return many ? std::vector<std::string>{"condition", "sensor", last} : std::vector<std::string>{"sensor", last}; };
   const auto coordinates = [&](const PosteriorCoordinate& last) { return many ? std::vector<PosteriorCoordinate>{condition, sensor, last} : std::vector<PosteriorCoordinate>{sensor, last}; };
   const std::string unit = shape.unit == "strain" ? "1" : shape.unit;
+  const auto point_at = [&](std::size_t chain, std::size_t draw) {
+    Eigen::VectorXd q(Eigen::Index(result.coordinates.names.size()));
+    for (Eigen::Index k = 0; k < q.size(); ++k) q[k] = result.coordinates.at(chain, draw, std::size_t(k));
+    return fit.posterior->point(q);
+  };
 
   PosteriorGroup predictive{.name = "posterior_predictive", .chains = result.coordinates.chains, .draws = std::min(predictive_draws, result.coordinates.draws), .coordinates = coordinates(time), .variables = {}};
   PosteriorVariable strain{.name = "strain", .unit = unit, .dims = dims("time"), .values = {}};
   for (std::size_t c = 0; c < predictive.chains; ++c)
     for (std::size_t i = 0; i < predictive.draws; ++i) {
       const std::size_t draw = (i + 1) * result.coordinates.draws / predictive.draws - 1;
-      Eigen::VectorXd q(Eigen::Index(result.coordinates.names.size()));
-      for (Eigen::Index k = 0; k < q.size(); ++k) q[k] = result.coordinates.at(c, draw, std::size_t(k));
-      const auto at = fit.posterior->point(q);
+      const auto at = point_at(c, draw);
       const Eigen::VectorXd y = fit.history(at.u, at.beyond);
       strain.values.insert(strain.values.end(), y.begin(), y.end());
     }
@@ -140,9 +143,7 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
   PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = {}};
   for (std::size_t c = 0; c < likelihood.chains; ++c)
     for (std::size_t i = 0; i < likelihood.draws; ++i) {
-      Eigen::VectorXd q(Eigen::Index(result.coordinates.names.size()));
-      for (Eigen::Index k = 0; k < q.size(); ++k) q[k] = result.coordinates.at(c, i, std::size_t(k));
-      records.values.push_back(fit.posterior->density(fit.posterior->point(q)).log_likelihood);
+      records.values.push_back(fit.posterior->density(point_at(c, i)).log_likelihood);
     }
   likelihood.variables.push_back(std::move(records));
   return {std::move(likelihood), std::move(predictive), std::move(observed), std::move(prior)};

@@ -88,7 +88,6 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
     m.log_posterior = posterior.density(m.at).log_posterior();
     m.covariance = laplace(posterior, m.at);
     const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
-    for (Eigen::Index k = 0; k < posterior.box().size(); ++k) m.at_edge = m.at_edge || 1 - std::abs(m.at.u[k]) < sd[k];
     m.gradient = slope_at(posterior, m.at).cwiseProduct(sd).cwiseAbs().maxCoeff();
     const bool known = std::any_of(modes.begin(), modes.end(), [&](const LocalMode& other) {
       Eigen::VectorXd d = Eigen::VectorXd::Zero(sd.size());

@@ -16,7 +16,6 @@ struct LocalMode {
   double mode_density = 0;
   Eigen::MatrixXd covariance;  ///< of (u, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
   double gradient = 0;         ///< largest slope of the density along a coordinate, times its standard deviation
-  bool at_edge = false;        ///< a coordinate lies within a standard deviation of the box's edge
   int iterations = 0;
 };
 

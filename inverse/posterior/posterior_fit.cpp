@@ -51,8 +51,7 @@ class Fit {
   void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
   void choose_runs();
   void fit();
-  [[nodiscard]] bool near_edge() const { return out_.modes[0].at_edge && !at_bounds(out_.modes[0]); }
-  [[nodiscard]] bool at_bounds(const LocalMode& m) const;
+  [[nodiscard]] bool near_edge() const;
   [[nodiscard]] bool settled() const;
   [[nodiscard]] double coordinate(std::size_t k, double t) const { return in_.parameters[k].min > 0 ? std::log(t) : t; }
   [[nodiscard]] double natural(std::size_t k, double x) const { return in_.parameters[k].min > 0 ? std::exp(x) : x; }
@@ -136,15 +135,16 @@ void Fit::move_box() {
   out_.rounds.back().moved_box = true;
 }
 
-/// A mode at the edge of what the case allows stays there.
-bool Fit::at_bounds(const LocalMode& m) const {
+/// Whether the mode lies within a standard deviation of an edge of the box that is no bound of the case: at a bound it stays.
+bool Fit::near_edge() const {
+  const LocalMode& m = out_.modes[0];
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const auto i = Eigen::Index(k);
-    if (1 - m.at.u[i] < sd[i] && high_[k] < in_.parameters[k].max * (1 - 1e-9)) return false;
-    if (1 + m.at.u[i] < sd[i] && low_[k] > in_.parameters[k].min + 1e-9 * std::abs(in_.parameters[k].min)) return false;
+    if (1 - m.at.u[i] < sd[i] && high_[k] < in_.parameters[k].max * (1 - 1e-9)) return true;
+    if (1 + m.at.u[i] < sd[i] && low_[k] > in_.parameters[k].min + 1e-9 * std::abs(in_.parameters[k].min)) return true;
   }
-  return true;
+  return false;
 }
 
 bool Fit::settled() const {
@@ -191,10 +191,11 @@ void Fit::fit() {
   if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.unknowns) directions.unknowns = in_.unknowns(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
-  const Eigen::MatrixXd noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
+  out_.coefficients = regression.fit(outputs);
+  out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
-                          .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * noise}));
-  out_.posterior.emplace(box_, regression, regression.fit(outputs), *out_.errors, noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
+                          .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * out_.noise}));
+  out_.posterior.emplace(box_, regression, out_.coefficients, *out_.errors, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
   std::vector<Eigen::VectorXd> starts;
   const Eigen::MatrixXd spread = 0.8 * first_design(d, 8, in_.seed + 77);

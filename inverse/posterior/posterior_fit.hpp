@@ -100,6 +100,8 @@ struct PosteriorFit {
   std::vector<LocalMode> modes;  ///< best first
   std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
+  Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
+  Eigen::MatrixXd noise;         ///< numerical noise of one run of the finest mesh, (size, size)
   std::vector<PosteriorRound> rounds;
   std::vector<LevelError> levels;
   bool settled = false;

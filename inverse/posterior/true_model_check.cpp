@@ -30,18 +30,9 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
   }
   const auto records = in.run(thetas, level);
 
-  // What the emulator was taught by, on the grid, and the covariance of one run's numerical noise.
   const Decimation& grid = fit.errors->grid();
-  Eigen::MatrixXd histories(Eigen::Index(in.problem.shape.values()), Eigen::Index(fit.used.size()));
-  for (std::size_t i = 0; i < fit.used.size(); ++i) {
-    const auto& v = fit.runs[fit.used[i]].record.mean;
-    histories.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
-  }
-  const Eigen::MatrixXd outputs = grid.apply(histories), coefficients = emulator.fit(outputs);
-  const Eigen::MatrixXd noise = numerical_noise(grid, emulator.residuals(outputs), emulator.freedom());
-  const Eigen::VectorXd variance = noise.diagonal();
-  const Eigen::VectorXd sd = variance.cwiseSqrt();
-  const double independent = std::pow(variance.sum(), 2) / noise.squaredNorm();  // Satterthwaite (1946): of the sum of squares
+  const double noise_square = fit.noise.trace();
+  const double independent = std::pow(noise_square, 2) / fit.noise.squaredNorm();  // Satterthwaite (1946): of the sum of squares
 
   TrueModelCheck out;
   double sum = 0, shift = 0;
@@ -52,10 +43,10 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
     if (r.done) {
       const Eigen::VectorXd u = posterior.box().u(r.theta), x = emulator.level_features(u, r.level);
       const Eigen::VectorXd run = grid.apply(Eigen::Map<const Eigen::VectorXf>(records[i].mean.data(), Eigen::Index(records[i].mean.size())).cast<double>());
-      const Eigen::VectorXd difference = run - coefficients * x;
+      const Eigen::VectorXd difference = run - fit.coefficients * x;
       const double promised = emulator.variance(x) + emulator.noise_ratio()[std::size_t(r.level)];
       r.distance = difference.norm() / run.norm();
-      r.score = difference.squaredNorm() / (promised * variance.sum());
+      r.score = difference.squaredNorm() / (promised * noise_square);
       sum += r.score, ++done;
       if (r.level == 0) {
         // What this run in place of the emulator would do to the log likelihood there: the errors' covariance alone whitens.
