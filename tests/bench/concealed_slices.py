@@ -1,126 +1,214 @@
 #!/usr/bin/env python3
-"""Calibrations of box slices whose parameters are drawn at random and concealed. Needs Python 3 alone.
+"""Posteriors of box slices whose target and parameters are drawn at random and concealed. Needs Python 3 alone.
 
-  concealed_slices.py BUILD_DIR WORK_DIR CASE.toml [--draws 1,2,3] [--methods enc,spe,map] [--truth density,sound_speed,tensile_cutoff]
-                      [--set table.key=value]... [--name NAME] [--threads N] [--finished]
+  concealed_slices.py record    BUILD_DIR WORK_DIR --draws 1,2,3 [--element 0.3e-3] [--threads N]
+  concealed_slices.py calibrate BUILD_DIR WORK_DIR --draws 1,2,3 --name NAME [--verb "sample" | "calibrate --method map"] [--set table.key=value]... [--threads N]
+  concealed_slices.py table     WORK_DIR --draws 1,2,3 --name NAME [--answer posterior|map|enc|spe]
 
-CASE gives target, load, gauges and bounds. For each draw the parameters are drawn (density from 10 500 to 13 500, sound speed from 1200 to 1650, the logarithm of the
-cutoff from 5e4 to 8e5), and examples/recorder/make_recordings plays the experiment on 0.6 or 0.7 times the case's elements with other viscosities, another
-time step, a steel whose modulus is 1.5 % (sd) off, gauges 0.3 mm and gains 1 % off, pulses of unequal energy and coloured noise. Then every method calibrates. With --truth
-the records of CASE itself are used, made with these parameters. NAME tells studies of one WORK_DIR with other settings apart: they share records and campaigns. A call that is
-cut off goes on where it stopped; --finished calibrates nothing and tabulates what stands: distances from the truth in percent +- the method's own deviation, in brackets in deviations.
+For each draw a target is drawn (length 0.11 to 0.14 m, height 0.036 to 0.045 m, walls 3 to 5 mm, eight gauges, 0.3 ms) with the parameters (density from 12 500 to 14 000,
+sound speed from 1380 to 1520, the logarithm of the cutoff from 8e4 to 3e5) and the viscosity of the records (ln normal, 2000 Pa s, 0.6). make_recordings plays the experiment with
+elements of `--element`, another time step, a steel whose modulus is 1.5 % (sd) off, gauges 0.3 mm and gains 1 % off, eight pulses of unequal energy and coloured noise. NAME tells
+settings apart; all settings of one draw share the runs of its journal. A call that is cut off goes on where it stopped. `table` gives distances from the truth, in per cent and,
+in brackets, in the answer's own standard deviations; the impedance's deviation comes from the covariance of the answer.
 """
 import argparse
 import json
 import math
 import os
 import random
-import re
+import statistics
+import subprocess
 import sys
 
-from calibration_spread import answer, copy_missing, run
+CASE = """[case]
+name = "concealed slice {draw}"
+[geometry]
+kind = "box"
+length = {length:.4f}
+width = 0.10
+height = {height:.4f}
+walls = {{ front = {front:.4f}, rear = 0.005, side = 0.005, top = {top:.4f}, bottom = {bottom:.4f} }}
+rear = "non_reflecting"
+plane_strain = true
+element_size = 0.001
+[material.steel]
+density = 7960.0
+young = 193e9
+poisson = 0.29
+[material.mercury]
+law = "riemer"
+density = 13500.0
+sound_speed = 1450.0
+tensile_cutoff = 1.5e5
+[load]
+policy = "fixed"
+peak_pressure = {peak:.3e}
+[load.profile]
+center = [0.0, {middle:.4f}]
+widths = [1000.0, {width:.4f}]
+decay = 0.13
+buildup = 1.5
+buildup_length = 0.02
+exponent = 2.0
+[time]
+end = 0.3e-3
+output_interval = 1e-6
+[solver]
+precision = "single"
+{sensors}[recordings]
+file = "records_{draw}.nc"
+[parameter.tensile_cutoff]
+min = 0.0
+max = 1.5e6
+nominal = 1.5e5
+[parameter.density]
+min = 10000.0
+max = 16000.0
+nominal = 13500.0
+[parameter.sound_speed]
+min = 1000.0
+max = 2000.0
+nominal = 1450.0
+"""
+SENSOR = '[[sensor]]\nname = "{name}"\nposition = [{x:.4f}, 0.0, {z:.4f}]\ndirection = {direction}\ngauge_length = 0.002\n'
 
 
-def arguments():
-    p = argparse.ArgumentParser()
-    p.add_argument("build")
-    p.add_argument("work")
-    p.add_argument("case")
-    p.add_argument("--draws", default="1")
-    p.add_argument("--methods", default="enc,spe,map")
-    p.add_argument("--truth")
-    p.add_argument("--set", action="append", default=[], dest="overrides")
-    p.add_argument("--name", default="calibration")
-    p.add_argument("--threads", default="2")
-    p.add_argument("--finished", action="store_true")
-    return p.parse_args()
+def paths(work, draw):
+    return tuple(os.path.join(work, f"{what}_{draw}.{end}") for what, end in (("case", "toml"), ("truth", "toml"), ("records", "nc")))
 
 
-def drawn(draw, sensors, case_young):
-    """Parameters, and the truth file of make_recordings. Odd draws are recorded in one way, even ones in another."""
-    r = random.Random(draw)
-    truth = {"density": r.uniform(10500, 13500), "sound_speed": r.uniform(1200, 1650), "tensile_cutoff": math.exp(r.uniform(math.log(5e4), math.log(8e5)))}
-    young = case_young * (1 + 0.015 * r.gauss(0, 1))
-    way = {"element": 0.6, "safety": 0.7, "eta": 1000, "least": 0.15} if draw % 2 else {"element": 0.7, "safety": 0.9, "eta": 3000, "least": 0.08}
+def draw_slice(work, draw, element):
+    """Writes the case and the truth file of make_recordings; returns the true parameters."""
+    r = random.Random(f"concealed slices {draw}")
+    length, height = r.uniform(0.11, 0.14), r.uniform(0.036, 0.045)
+    front, top, bottom = (0.001 * r.choice((3, 4, 5)) for _ in range(3))
+    sensors = ""
+    for i, share in enumerate((0.12, 0.32, 0.52, 0.75)):
+        sensors += SENSOR.format(name=f"T{i + 1}", x=length * (share + r.uniform(-0.04, 0.04)), z=height, direction="[1, 0, 0]")
+    for i, share in enumerate((0.2, 0.45, 0.7)):
+        sensors += SENSOR.format(name=f"L{i + 1}", x=length * (share + r.uniform(-0.04, 0.04)), z=0, direction="[1, 0, 0]")
+    sensors += SENSOR.format(name="W", x=0, z=height * r.uniform(0.45, 0.65), direction="[0, 0, 1]")
+    case, truth_file, _ = paths(work, draw)
+    with open(case, "w") as f:
+        f.write(CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=r.uniform(20e6, 30e6), middle=height * r.uniform(0.45, 0.55),
+                            width=height * r.uniform(0.28, 0.4), sensors=sensors))
+    truth = {"density": r.uniform(12500, 14000), "sound_speed": r.uniform(1380, 1520), "tensile_cutoff": math.exp(r.uniform(math.log(8e4), math.log(3e5)))}
+    truth = {n: float(f"{v:.6g}") for n, v in truth.items()}
+    young, viscosity = 193e9 * (1 + 0.015 * r.gauss(0, 1)), 2000 * math.exp(0.6 * r.gauss(0, 1))
     lines = ["[parameter]"] + [f"{n} = {v:.6g}" for n, v in truth.items()]
-    lines += ["[experiment]", f"seed = {draw}", 'precision = "single"', f"element_size_ratio = {way['element']}", f"time_step_safety = {way['safety']}",
+    lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / 0.001:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}",
               "sample_interval = 1e-6", "energy_sd = 0.015", "noise_time = 5e-6", "resolution = 1e-8", "place_sd = 0.3e-3", "gain_sd = 0.01",
-              f'unlike = ["material.steel.young={young:.6g}", "material.mercury.regularising_viscosity={way["eta"]}", '
-              f'"material.mercury.least_mesh_viscosity={way["least"]}"]']
-    lines += ["[pulses]"] + [f"{s} = {r.choice((10, 12, 14))}" for s in sensors]
-    lines += ["[noise]"] + [f"{s} = {r.choice((5e-6, 5e-6, 5e-6, 12e-6))}" for s in sensors]
-    return {n: float(f"{v:.6g}") for n, v in truth.items()}, "\n".join(lines) + "\n"
+              f'unlike = ["material.steel.young={young:.6g}", "material.mercury.regularising_viscosity={viscosity:.6g}", "material.mercury.least_mesh_viscosity=0"]']
+    names = [line.split('"')[1] for line in sensors.splitlines() if line.startswith("name")]
+    lines += ["[pulses]"] + [f"{s} = 8" for s in names] + ["[noise]"] + [f"{s} = {r.choice((5e-6, 5e-6, 8e-6))}" for s in names]
+    with open(truth_file, "w") as f:
+        f.write("\n".join(lines) + "\n")
+    return truth | {"viscosity": viscosity}
 
 
-def study(args, recordings, base, out):
-    """The calibrations of one draw; campaign and surrogate stand in `base`, for every name."""
-    sets = [x for o in args.overrides for x in ("--set", o)]
+def call(command, log):
+    """Exit status 4, not to be trusted, is an answer too: the table tells it."""
+    with open(log, "a") as f:
+        f.write("$ " + " ".join(command) + "\n")
+        f.flush()
+        status = subprocess.run(command, stdout=f, stderr=f).returncode
+    if status not in (0, 4):
+        sys.exit(f"{' '.join(command)}: exit status {status}, see {log}")
+
+
+def record(args):
+    for draw in args.draws:
+        draw_slice(args.work, draw, args.element)
+        case, truth, records = paths(args.work, draw)
+        if not os.path.exists(records):
+            recorder = os.path.join(args.build, "examples", "recorder", "make_recordings")
+            call([recorder, case, truth, records + ".part"], os.path.join(args.work, "recordings.log"))
+            os.rename(records + ".part", records)
+
+
+def calibrate(args):
     program = os.path.join(args.build, "apps", "calomel")
-    common = ["--threads", args.threads, "--quiet"] + (["--set", f'recordings.file="{recordings}"'] if recordings else [])
-    log = os.path.join(args.work, "calibrations.log")
-    if not os.path.exists(os.path.join(base, "train.json")):
-        for verb in ("campaign", "train"):
-            run([program, verb, args.case, "--out", base] + common + sets, log)
-    os.makedirs(out, exist_ok=True)
-    copy_missing(base, out)
-    methods = [x for m in args.methods.split(",") for x in ("--method", m)]
-    run([program, "calibrate", args.case, "--out", out] + methods + common + sets, log)
-    copy_missing(out, base)
+    for draw in args.draws:
+        out = os.path.join(args.work, f"{draw}_{args.name}")
+        runs = os.path.join(args.work, f"runs_{draw}.journal")
+        os.makedirs(out, exist_ok=True)
+        if not os.path.exists(runs):
+            open(runs, "a").close()
+            os.remove(runs)
+        own = os.path.join(out, "runs.journal")
+        if os.path.exists(runs) and not os.path.exists(own):
+            os.link(runs, own)  # all settings of one draw share the runs
+        verb, *options = args.verb.split()
+        call([program, verb, paths(args.work, draw)[0], *options, "--out", out, "--threads", str(args.threads)] + [x for s in args.set for x in ("--set", s)],
+             os.path.join(out, "log"))
+        if os.path.exists(own) and not os.path.exists(runs):
+            os.link(own, runs)
 
 
-def print_table(found):
+def answer(out, name):
+    """Values, covariance and whether it is trusted."""
+    with open(os.path.join(out, name + ".json")) as f:
+        j = json.load(f)
+    if name == "posterior":
+        value = {p["name"]: p["mean"] for p in j["parameters"]}
+        names, covariance = list(j["mode"]["theta"]), j["mode"]["covariance"]
+        sd = {p["name"]: p["sd"] for p in j["parameters"]}
+        passes = j["converged"]
+    else:
+        value = j["theta"]
+        names, covariance = j.get("parameters", []), j.get("covariance", [])
+        sd = {n: math.sqrt(covariance[i][i]) for i, n in enumerate(names)}
+        passes = j["status"] == "done"
+    value["impedance"] = value["density"] * value["sound_speed"]
+    if covariance:
+        a, b = names.index("density"), names.index("sound_speed")
+        relative = covariance[a][a] / value["density"] ** 2 + covariance[b][b] / value["sound_speed"] ** 2 + 2 * covariance[a][b] / value["impedance"]
+        sd["impedance"] = value["impedance"] * math.sqrt(max(relative, 0))
+    return value, sd, passes, j
+
+
+def table(args):
     names = ("density", "sound_speed", "impedance", "tensile_cutoff")
-    print("\n| records | method | density | sound speed | ρc | σc (logarithm) | model runs | passes |\n|---|---|---|---|---|---|---|---|")
-    zs = {}
-    for (label, method), (r, truth) in found.items():
+    distances, scores = {n: [] for n in names}, {n: [] for n in names}
+    print("| draw | density | sound speed | ρc | ln σc | passes |\n|---|---|---|---|---|---|")
+    for draw in args.draws:
+        out = os.path.join(args.work, f"{draw}_{args.name}")
+        if not os.path.exists(os.path.join(out, args.answer + ".json")):
+            continue
+        truth = draw_slice(args.work, draw, args.element)
+        truth["impedance"] = truth["density"] * truth["sound_speed"]
+        value, sd, passes, _ = answer(out, args.answer)
         cells = []
         for n in names:
-            v, sd = r["value"][n], r["sd"].get(n, float("nan"))
-            if n == "tensile_cutoff":
-                off, dev, form = math.log(v / truth[n]), sd / v, "{:+.3f} ± {:.3f} ({:.1f})"
-            else:
-                off, dev, form = 100 * (v / truth[n] - 1), 100 * sd / truth[n], "{:+.1f} ± {:.1f} % ({:.1f})"
-            cells.append(form.format(off, dev, abs(off / dev)))
-            zs.setdefault(method, []).append(off / dev)
-        print(f"| {label} | {method.upper()} | " + " | ".join(cells) + f" | {r['model_runs']} | {'yes' if r['passes'] else 'no'} |")
-    for method, z in zs.items():
-        print(f"\n{method.upper()}: rms of z {math.sqrt(sum(x * x for x in z) / len(z)):.2f}, mean of abs z {sum(map(abs, z)) / len(z):.2f}, greatest {max(map(abs, z)):.1f}")
+            off = math.log(value[n] / truth[n]) * (1 if n == "tensile_cutoff" else 100)
+            dev = sd.get(n, math.nan) / value[n] * (1 if n == "tensile_cutoff" else 100)
+            distances[n].append(off), scores[n].append(off / dev)
+            cells.append(f"{off:+.3f} ± {dev:.3f} ({off / dev:+.1f})" if n == "tensile_cutoff" else f"{off:+.1f} ± {dev:.1f} % ({off / dev:+.1f})")
+        print(f"| {draw} | " + " | ".join(cells) + f" | {'yes' if passes else 'no'} |")
+    for n in names:
+        d, z = distances[n], scores[n]
+        if len(d) > 1:
+            rms = math.sqrt(statistics.fmean(x * x for x in d))
+            print(f"{n}: rms {rms:.3g}{'' if n == 'tensile_cutoff' else ' %'}; in deviations rms {math.sqrt(statistics.fmean(x * x for x in z)):.2f}, "
+                  f"mean {statistics.fmean(z):+.2f} ± {statistics.stdev(z) / math.sqrt(len(z)):.2f}")
 
 
 def main():
-    args = arguments()
-    args.work, args.build, args.case = (os.path.abspath(p) for p in (args.work, args.build, args.case))
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("what", choices=("record", "calibrate", "table"))
+    p.add_argument("places", nargs="+", metavar="BUILD_DIR WORK_DIR")
+    p.add_argument("--draws", required=True, type=lambda s: [int(x) for x in s.split(",")])
+    p.add_argument("--element", type=float, default=0.3e-3)
+    p.add_argument("--name", default="calibration")
+    p.add_argument("--verb", default="sample")
+    p.add_argument("--answer", default="posterior")
+    p.add_argument("--set", action="append", default=[])
+    p.add_argument("--threads", type=int, default=2)
+    args = p.parse_args()
+    args.work = os.path.abspath(args.places[-1])
+    args.build = os.path.abspath(args.places[0])
     os.makedirs(args.work, exist_ok=True)
-    text_of_case = open(args.case).read()
-    sensors = re.findall(r'\[\[sensor\]\]\s*\n\s*name\s*=\s*"([^"]+)"', text_of_case)
-    young = float(re.search(r"^young\s*=\s*([-+.\deE]+)", text_of_case, re.M).group(1))
-    work = []
-    if args.truth:
-        work.append(("the case's", None, dict(zip(("density", "sound_speed", "tensile_cutoff"), map(float, args.truth.split(","))))))
-    else:
-        for draw in map(int, args.draws.split(",")):
-            truth, text = drawn(draw, sensors, young)
-            recordings = os.path.join(args.work, f"records_{draw}.nc")
-            if not os.path.exists(recordings) and not args.finished:
-                path = os.path.join(args.work, f"truth_{draw}.toml")
-                with open(path, "w") as f:
-                    f.write(text)
-                recorder = os.path.join(args.build, "examples", "recorder", "make_recordings")
-                run([recorder, args.case, path, recordings + ".part"], os.path.join(args.work, "recordings.log"))
-                os.rename(recordings + ".part", recordings)
-            work.append((f"draw {draw}", recordings, truth))
-    found = {}
-    for label, recordings, truth in work:
-        truth["impedance"] = truth["density"] * truth["sound_speed"]
-        place = "own" if recordings is None else label.replace(" ", "_")
-        out = os.path.join(args.work, f"{place}_{args.name}")
-        if not args.finished:
-            study(args, recordings, os.path.join(args.work, place), out)
-        for m in args.methods.split(","):
-            if os.path.exists(os.path.join(out, m + ".json")):
-                found[label, m] = answer(out, m, truth), truth
-                print(label, m, "done", file=sys.stderr, flush=True)
-    print_table(found)
+    {"record": record, "calibrate": calibrate, "table": table}[args.what](args)
 
 
 if __name__ == "__main__":
