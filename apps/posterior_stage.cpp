@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "apps/interrupt.hpp"
+#include "apps/nested_fit.hpp"
 #include "apps/progress.hpp"
 #include "apps/stages.hpp"
 #include "apps/verbs.hpp"
@@ -14,8 +15,8 @@
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
 #include "inverse/feasibility.hpp"
-#include "inverse/identify.hpp"
-#include "inverse/map_search.hpp"
+#include "inverse/posterior/basin.hpp"
+#include "inverse/posterior/posterior_artefacts.hpp"
 #include "inverse/posterior/true_model_check.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
@@ -29,6 +30,8 @@ namespace {
 constexpr double box_of_viscosity = 1.8;  ///< half width of the box in its logarithm, in prior sds
 constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
 constexpr std::size_t predictive_draws = 25, prior_draws = 1000;
+constexpr double mesh_error_by_size = 80;      ///< over the local amplitude, per metre of element size: of the first order
+constexpr double least_surrogate_error = 0.1;  ///< over the local amplitude, in the search for the basin
 constexpr double alarming = 2;  ///< prior standard deviations from the handbook beyond which something else is taken to be missing
 
 /// Half width of the first box, of the parameter or its logarithm: what a polynomial of order two follows over half a millisecond (boxes of 4.5 % of density,
@@ -53,52 +56,6 @@ std::vector<std::string> absorption(const std::vector<Parameter>& parameters, co
         out.push_back(fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", p.name, std::abs(z), z > 0 ? "above" : "below"));
     }
   return out;
-}
-
-Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
-  const auto& best = fit.modes[0];
-  const auto density = fit.posterior->density(best.at);
-  const Eigen::MatrixXd covariance = parameter_covariance(*fit.posterior, best);
-  Json theta = Json::object(), sd = Json::object();
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    theta[parameters[k].name] = best.at.theta[k], sd[parameters[k].name] = std::sqrt(covariance(Eigen::Index(k), Eigen::Index(k)));
-  }
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < covariance.rows(); ++i) rows.push_back(std::vector<double>(covariance.row(i).begin(), covariance.row(i).end()));
-  Json rounds = Json::array(), levels = Json::array(), shares = Json::object(), others = Json::array();
-  for (const auto& r : fit.rounds) {
-    rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", named({.parameters = parameters}, r.theta)}, {"moved_sds", number(r.moved)},
-                      {"emulator_variance", number(r.variance)}, {"box_moved", r.moved_box}});
-  }
-  for (const auto& l : fit.levels) levels.push_back({{"runs", l.runs}, {"left_out", number(l.left_out)}, {"noise", number(l.noise)}});
-  for (const auto& [name, share] : fit.errors->shares()) shares[name] = number(share);
-  for (std::size_t i = 1; i < fit.modes.size(); ++i)
-    others.push_back({{"theta", named({.parameters = parameters}, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
-  return {{"theta", theta},
-          {"sd", sd},
-          {"covariance", rows},
-          {"beyond", best.at.beyond},
-          {"beyond_pull", fit.posterior->has_beyond() ? number((best.at.beyond - fit.posterior->beyond_prior().mean) / fit.posterior->beyond_prior().sd) : Json()},
-          {"log_likelihood", number(density.log_likelihood)},
-          {"log_prior", number(density.log_prior)},
-          {"log_evidence_laplace", number(log_evidence(*fit.posterior, best))},
-          {"chi2", number(density.chi2)},
-          {"values", fit.posterior->values()},
-          {"emulator_variance", number(density.variance)},
-          {"gradient", number(best.gradient)},
-          {"other_modes", others},
-          {"settled", fit.settled},
-          {"message", fit.message},
-          {"rounds", rounds},
-          {"levels", levels},
-          {"covariance_shares", shares}};
-}
-
-Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters) {
-  Json runs = Json::array();
-  for (const auto& r : check.runs)
-    runs.push_back({{"theta", named({.parameters = parameters}, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
-  return {{"holds", check.holds}, {"score", number(check.score)}, {"score_sd", number(check.score_sd)}, {"log_likelihood_shift", number(check.log_posterior_shift)}, {"sentence", check.sentence}, {"runs", runs}};
 }
 
 /// The emulator's histories at evenly spaced draws of every chain, the recorded means, draws from the priors.
@@ -168,10 +125,19 @@ std::vector<double> element_sizes(const StudyCase& study) {
   if (!study.emulator.element_sizes.empty()) return study.emulator.element_sizes;
   const auto own = study.forward.geometry.resolved().element_size;
   if (!own)
-    throw InputError({.problem = "the mesh comes from a file: the program cannot make a finer one, without which the posterior does not know the mesh's error",
-                      .key = "geometry.file",
-                      .suggestion = "calibrate it by enc, spe or map"});
+    return {0};  // of a mesh from a file there is no finer one
   return {*own, 0.5 * *own};
+}
+
+Eigen::MatrixXd gauge_positions(const StudyCase& study) {
+  Eigen::MatrixXd positions(Eigen::Index(study.forward.sensors.size()), 3);
+  for (std::size_t s = 0; s < study.forward.sensors.size(); ++s)
+    for (std::size_t i = 0; i < 3; ++i) positions(Eigen::Index(s), Eigen::Index(i)) = study.forward.sensors[s].position[i];
+  return positions;
+}
+
+double mesh_error(const StudyCase& study) {
+  return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
 }
 
 std::vector<double> Stages::basin(const CalibrationProgress& progress) {
@@ -182,18 +148,11 @@ std::vector<double> Stages::basin(const CalibrationProgress& progress) {
   const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
   const Archive archive = read_archive(command_.out / "campaign.nc");
   const Feasibility feasibility(archive);
-  const GuardedModel guarded(*surrogate, feasibility);
-  MapModels models = models_with_errors(model(), surrogate.get());
-  models.surrogate = &guarded;
-  MapOptions options = study_.map;
-  options.likelihood = likelihood_options();
-  const SearchSpace space(shape.parameters);
-  const Recordings records = recordings();
-  MapSearch search(problem(), records, *study_.recordings, models, options, space, command_.threads);
-  std::optional<Likelihood> likelihood(search.likelihood(nominal(shape), true));
-  const auto optima = search.global(likelihood, search.design(command_.seed), {}, progress);
-  if (optima.empty()) throw NumericsError("the surrogate gives no prediction anywhere in the parameters' bounds");
-  return space.theta(optima[0].x);
+  progress("basin", 0, 1);
+  auto found = find_basin(problem(), recordings(), *study_.recordings, study_.errors, GuardedModel(*surrogate, feasibility), gauge_positions(study_),
+                          std::max(least_surrogate_error, mesh_error(study_)), command_.seed, command_.threads);
+  progress("basin", 1, 1);
+  return found;
 }
 
 Provenance Stages::runs_provenance() const {
@@ -212,7 +171,7 @@ Provenance Stages::posterior_provenance() const {
           .inputs = {{"model", runs_provenance().identity()}, {"recordings", hash_file(study_.recordings_file())}}};
 }
 
-std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgress& progress) {
+std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgress& progress, const NestedFit* nested) {
   auto out = std::make_unique<CasePosterior>();
   const EmulatorOptions& e = study_.emulator;
   const auto parameters = posterior_parameters(study_, model().shape());
@@ -226,9 +185,7 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   out->inputs.reset(new PosteriorInputs{.problem = problem(), .recordings = out->records, .recording_options = *study_.recordings, .errors = study_.errors, .emulator = e});
   PosteriorInputs& in = *out->inputs;
   in.parameters = parameters, in.levels = out->runs->levels(), in.seed = command_.seed;
-  in.positions.resize(Eigen::Index(study_.forward.sensors.size()), 3);
-  for (std::size_t s = 0; s < study_.forward.sensors.size(); ++s)
-    for (std::size_t i = 0; i < 3; ++i) in.positions(Eigen::Index(s), Eigen::Index(i)) = study_.forward.sensors[s].position[i];
+  in.positions = gauge_positions(study_), in.mesh = mesh_error(study_), in.discrepancy = study_.map.product == "physical";
   LevelRuns* runs = out->runs.get();
   const auto told = [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); };
   in.run = [=, this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, command_.threads, told, &stop_requested()); };
@@ -245,6 +202,10 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
     for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
     say(fmt::format("sample: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
   };
+  if (nested) {
+    in.held = nested->held, in.nested_centre = nested->theta;
+    expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], study_.map);
+  }
   out->fit = fit_posterior(in);
   return out;
 }

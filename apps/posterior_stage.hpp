@@ -21,7 +21,13 @@ struct CasePosterior {
 /// Parameters of the posterior: the case's, with handbook priors for the physical product, and the viscosity where it has a prior and is none of them.
 std::vector<Parameter> posterior_parameters(const StudyCase& study, const ModelShape& shape);
 
-/// Element sizes of the emulator's meshes, finest last: those that are set, else the case's own and its half.
+/// Element sizes of the emulator's meshes, finest last: those that are set, else the case's own and its half; {0} for a mesh from a file, which has no other.
 std::vector<double> element_sizes(const StudyCase& study);
+
+/// (sensors, 3) [m].
+Eigen::MatrixXd gauge_positions(const StudyCase& study);
+
+/// errors.mesh or its default, for an emulator with one mesh.
+double mesh_error(const StudyCase& study);
 
 }  // namespace calomel

@@ -94,16 +94,18 @@ Provenance Stages::train_provenance() const {
 }
 
 Provenance Stages::calibration_provenance(const std::string& method) const {
-  const bool spe = method == "spe", map = method == "map";
+  if (method == "map") {
+    Provenance p = posterior_provenance();
+    p.stage = "map", p.options["map"] = echo(study_.map), p.options.erase("sampler");
+    if (!study_.map.compare_with.empty() && std::filesystem::exists(nested_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(nested_directory() / "map.json");
+    return p;
+  }
+  const bool spe = method == "spe";
   const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";  // SPE learns from the campaign itself
   Provenance p{.stage = method,
-               .options = {{method, spe ? echo(study_.spe) : map ? echo(study_.map) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
+               .options = {{method, spe ? echo(study_.spe) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
                .seed = command_.seed,
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
-  if (map) {
-    for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
-    if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
-  }
   if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
   if (draws_errors(method)) {
     p.options["map"]["unknowns"] = echo(study_.map.unknowns);
@@ -180,7 +182,8 @@ ExitStatus Stages::train(Asked asked) {
 
 ExitStatus Stages::calibrate(const std::string& method) {
   (void)problem();  // before any long work, so that wrong recordings are told at once
-  const auto upstream = method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
+  // The posterior makes what it needs by itself.
+  const auto upstream = method == "map" ? ExitStatus::done : method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
   if (needs_floor(method)) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
@@ -199,9 +202,9 @@ Calibration Stages::calibrated_by(const std::string& method, const Provenance& p
   const auto progress = stage_progress(method);
   return study_.file.locating([&]() -> Calibration {
     if (method == "spe") return calibrate_spe(provenance, progress);
+    if (method == "map") return calibrate_map(provenance, progress);
     const auto surrogate = load_surrogate(command_.out / "surrogate.nc");
     const Archive archive = read_archive(command_.out / "campaign.nc");
-    if (method == "map") return calibrate_map(provenance, *surrogate, archive, progress);
     return calibrate_enc(provenance, *surrogate, archive, progress);
   });
 }

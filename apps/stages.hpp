@@ -14,7 +14,7 @@
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
-#include "inverse/map.hpp"
+#include "inverse/map/map.hpp"
 #include "inverse/mesh_pairs.hpp"
 #include "inverse/problem.hpp"
 #include "inverse/spe.hpp"
@@ -67,7 +67,7 @@ class Stages {
   /// Where the emulator's first box stands, (n_parameters of the case); trains the surrogate first where that tells it.
   std::vector<double> basin(const CalibrationProgress& progress);
   /// The emulator and its posterior, the runs taken from and kept in runs.journal.
-  std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress);
+  std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress, const struct NestedFit* nested = nullptr);
   [[nodiscard]] Provenance runs_provenance() const;
   [[nodiscard]] Provenance posterior_provenance() const;
   /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
@@ -116,10 +116,10 @@ class Stages {
   ErrorsAt errors_at(const Surrogate* surrogate);
   SpeSummary calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress);
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
-  /// The MAP from the surrogate and floor.json; writes its artefacts.
-  MapSummary calibrate_map(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
+  /// The mode of the posterior on the emulator; writes its artefacts.
+  MapSummary calibrate_map(const Provenance& provenance, const CalibrationProgress& progress);
   /// map.compare_with from where the case stands.
-  [[nodiscard]] std::filesystem::path rival_directory() const;
+  [[nodiscard]] std::filesystem::path nested_directory() const;
   /// Says why runs of the campaign failed, if any did, and how well the boundary is known.
   void say_failures(const Archive& archive, const class Feasibility& feasibility) const;
   enum class Asked { by_user, upstream };

@@ -1,6 +1,8 @@
 #pragma once
 /// JSON values. Headers name `Json` through options.hpp; the files that make, read or copy one include this.
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "base/options.hpp"
 
@@ -14,5 +16,11 @@ Json echo(const O& options) {
   const_cast<O&>(options).visit(v);  // a visit that only reads
   return object;
 }
+
+/// JSON of finite numbers; null for the others.
+Json number(double x);
+Json numbers(std::span<const double> xs);
+/// Rows of numbers.
+Json matrix_json(const Eigen::MatrixXd& m);
 
 }  // namespace calomel

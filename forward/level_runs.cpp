@@ -4,13 +4,29 @@
 #include <cmath>
 
 #include "forward/campaign/campaign.hpp"
+#include "forward/mechanism/mechanism.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr double young_difference = 0.02;
+constexpr double part_of_range = 0.25;  ///< of a mechanism's key
+constexpr double rounding = 1e-5;       ///< of the histories: less is what single precision leaves
+constexpr double greatest_cost = 4;     ///< of a mechanism, over the base model
 const std::string young_key = "material.steel.young", element_key = "geometry.element_size";
+
+Eigen::VectorXd history(const RunRecord& r) { return Eigen::Map<const Eigen::VectorXf>(r.mean.data(), Eigen::Index(r.mean.size())).cast<double>(); }
+
+/// "mechanism.NAME.KEY" of a mechanism that the case does not enable: enables it with its default values.
+void enable(ForwardCase& c, const std::string& key) {
+  const std::string prefix = "mechanism.";
+  if (!key.starts_with(prefix)) return;
+  const std::string name = key.substr(prefix.size(), key.find('.', prefix.size()) - prefix.size());
+  if (std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [&](const auto& m) { return m.name == name; })) return;
+  const MechanismEntry& entry = mechanisms().get(name, key);
+  c.mechanisms.push_back({name, &entry, MechanismValues(entry.keys)});
+}
 
 /// The case on a mesh of this element size: walls of a given number of elements keep their elements' size where the mesh is finer.
 ForwardCase on_mesh(ForwardCase c, double element_size) {
@@ -58,7 +74,7 @@ RunRecord LevelRuns::evaluate(const RunPoint& point) const {
   if (rest.empty()) return evaluate_run(*models_[level], theta, false);
   ForwardCase changed = models_[level]->forward_case();
   try {
-    for (const auto& [key, value] : rest) changed.set_number(key, value);
+    for (const auto& [key, value] : rest) enable(changed, key), changed.set_number(key, value);
     return evaluate_run(BuiltInModel(std::move(changed), ensemble_, 1), theta, false);
   } catch (const InputError& e) {  // a gauge off the target
     return {.message = e.what()};
@@ -99,7 +115,7 @@ Eigen::MatrixXd LevelRuns::unknowns(std::span<const double> theta, double young_
     const auto &up = runs[i].record, &down = runs[i + 1].record;
     const auto values = Eigen::Index(shape.values());
     if (!up.done || !down.done) return Eigen::VectorXd::Zero(values);
-    return (Eigen::Map<const Eigen::VectorXf>(up.mean.data(), values) - Eigen::Map<const Eigen::VectorXf>(down.mean.data(), values)).cast<double>();
+    return history(up) - history(down);
   };
   const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), 1 + sensors);
@@ -111,6 +127,58 @@ Eigen::MatrixXd LevelRuns::unknowns(std::span<const double> theta, double young_
       directions.col(1 + s).segment(at, times) = by_place.segment(at, times);
     }
   return directions;
+}
+
+std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> theta, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
+  /// A key between two runs; the first is the base model's where it starts at its off value.
+  struct Difference {
+    std::size_t mechanism;
+    const MechanismKey* key;
+    double off, low, high;
+    std::size_t from, to;  ///< indices of the runs
+  };
+  const int level = std::min(1, levels() - 1);
+  std::vector<const Registry<MechanismEntry>::Row*> rows;
+  std::vector<Difference> differences;
+  std::vector<RunPoint> points{point(theta, level)};
+  for (const auto& row : calomel::mechanisms().rows()) {
+    const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
+    if (enabled || !row.entry.built() || row.entry.cost > greatest_cost) continue;
+    rows.push_back(&row);
+    for (const auto& key : row.entry.keys) {
+      if (!key.decides) continue;
+      const double off = case_.off_value(key), range = key.high - key.low;
+      Difference d{.mechanism = rows.size() - 1, .key = &key, .off = off, .low = off, .high = key.low + part_of_range * range, .from = 0, .to = 0};
+      if (std::isfinite(off) && off >= key.low) d.high = off + part_of_range * (key.high - off);
+      if (std::isfinite(off) && off > key.low) d.low = off - part_of_range * (off - key.low);
+      const auto with = [&](double value) {
+        points.push_back(points[0]);
+        points.back()["mechanism." + row.name + "." + key.name] = value;
+        return points.size() - 1;
+      };
+      if (d.low != off) d.from = with(d.low);
+      d.to = with(d.high);
+      differences.push_back(d);
+    }
+  }
+  const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
+  std::vector<MechanismDirections> out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    MechanismDirections m{.name = rows[i]->name, .like_the_mesh = rows[i]->entry.like_the_mesh};
+    for (const auto& d : differences) {
+      const auto &from = runs[d.from].record, &to = runs[d.to].record;
+      if (d.mechanism != i || !from.done || !to.done) continue;
+      const Eigen::VectorXd change = history(to) - history(from);
+      if (!(change.norm() > rounding * history(from).norm())) continue;  // it cannot show here
+      // An infinite value stands for none: such keys are counted by their inverse.
+      const bool finite = std::isfinite(d.off);
+      m.keys.push_back(finite ? d.key->name : "1/" + d.key->name), m.off.push_back(finite ? d.off : 0);
+      m.directions.conservativeResize(change.size(), Eigen::Index(m.keys.size()));
+      m.directions.rightCols(1) = change / (finite ? d.high - d.low : 1 / d.high - (std::isfinite(d.low) ? 1 / d.low : 0));
+    }
+    if (!m.keys.empty()) out.push_back(std::move(m));
+  }
+  return out;
 }
 
 }  // namespace calomel

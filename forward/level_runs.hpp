@@ -6,6 +6,7 @@
 
 #include "forward/built_in_model.hpp"
 #include "forward/emulator/run_store.hpp"
+#include "forward/mechanism_directions.hpp"
 
 namespace calomel {
 
@@ -31,6 +32,12 @@ class LevelRuns {
   /// or it is itself a parameter. Four runs of the next to finest mesh.
   Eigen::MatrixXd unknowns(std::span<const double> theta, double young_sd, double gauge_place_sd, int threads, const RunStore::Progress& progress = {},
                            const std::atomic<bool>* stop = nullptr);
+
+  /// What each built mechanism that the case does not enable would do at theta, by finite differences over a quarter of its keys' ranges on the next to finest
+  /// mesh: one run, or two where a key may be moved either way, a key. Mechanisms above four times the base model's cost, keys that change nothing, and those whose
+  /// runs fail are left out.
+  std::vector<MechanismDirections> mechanisms(std::span<const double> theta, int threads, const RunStore::Progress& progress = {},
+                                              const std::atomic<bool>* stop = nullptr);
 
  private:
   [[nodiscard]] RunPoint point(std::span<const double> theta, int level) const;

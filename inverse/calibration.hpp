@@ -35,7 +35,7 @@ struct Candidate {
   Score score;
 };
 
-enum class CalibrationStatus { not_run, done, no_candidate };
+enum class CalibrationStatus { not_run, done, not_settled, no_candidate };
 
 /// The outcome of a point calibration, before what is a method's own.
 struct Calibration {
@@ -49,6 +49,7 @@ struct Calibration {
   std::vector<Candidate> failed;                   ///< candidates replaced by another because the true model failed
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, mesh.used(): with the shift; empty where failed
   MeshCorrection mesh;                             ///< scores and objectives of all candidates are those with the shift
+  std::string scores_on;                           ///< which mesh scores and histories are on, in words, where `mesh` does not tell
   AnswerSpread spread;                             ///< of methods that draw it; MAP's covariance is its own
   std::vector<std::string> warnings;
   std::size_t evaluations = 0;       ///< of the surrogate
@@ -91,9 +92,6 @@ using RunObjective = std::function<double(std::span<const double> theta, std::sp
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
                           double cost_at_nominal, int threads, const CalibrationProgress& progress = {}, const RunObjective& value = {});
 
-/// JSON of finite numbers; null for the others.
-Json number(double x);
-Json numbers(std::span<const double> xs);
 /// {parameter: value}
 Json named(const ModelShape& shape, std::span<const double> theta);
 

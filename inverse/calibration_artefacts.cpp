@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "inverse/calibration.hpp"
@@ -92,14 +93,6 @@ Json mesh_json(const MeshCorrection& m, const Calibration& s, const Problem& pro
 
 }  // namespace
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
-
-Json numbers(std::span<const double> xs) {
-  Json j = Json::array();
-  for (const double x : xs) j.push_back(number(x));
-  return j;
-}
-
 Json named(const ModelShape& shape, std::span<const double> theta) {
   Json j = Json::object();
   for (std::size_t k = 0; k < theta.size(); ++k) j[shape.parameters[k].name] = theta[k];
@@ -111,7 +104,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   const auto average = [](const Candidate& c, double Score::*field) { return c.score.ok ? number(c.score.*field) : Json(); };
   const auto accuracy = [&](const Candidate& c) { return c.score.banded_sensors > 0 ? average(c, &Score::accuracy) : Json(); };
   Json j;
-  j["status"] = s.status == CalibrationStatus::done ? "done" : s.status == CalibrationStatus::no_candidate ? "no_candidate" : "not_run";
+  j["status"] = s.status == CalibrationStatus::done ? "done" : s.status == CalibrationStatus::not_settled ? "not_settled" : s.status == CalibrationStatus::no_candidate ? "no_candidate" : "not_run";
   j["message"] = s.message;
   j["theta"] = named(shape, s.theta);
   j["nominal"] = named(shape, s.nominal);
@@ -130,7 +123,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["nrmse"] = average(s.best, &Score::nrmse), j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
   j["delta1"] = average(s.best, &Score::delta1), j["delta2"] = average(s.best, &Score::delta2);
   j["nominal_delta1"] = average(s.at_nominal, &Score::delta1), j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
-  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.mesh.scores_on();
+  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.scores_on.empty() ? s.mesh.scores_on() : s.scores_on;
   if (const Json z = impedance(shape, s); !z.is_null()) j["impedance"] = z;
   j["candidates"] = Json::array(), j["failed_candidates"] = Json::array();
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape));

@@ -1,10 +1,9 @@
 #include "inverse/posterior/error_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-
-#include "inverse/likelihood/likelihood.hpp"
 
 namespace calomel {
 
@@ -12,6 +11,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double local_time = 25e-6;  ///< [s] over which local variances change
+constexpr double arrival_share = 0.05;  ///< of a gauge's greatest value
+constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< of the discrepancy, over the scale of its prior
 constexpr double least_noise = 1e-3;       ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
 
 auto block(Eigen::MatrixXd& m, const Decimation& grid, std::size_t i) {
@@ -70,8 +71,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
     add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel));
   }
-  if (o.discrepancy > 0)
-    add("discrepancy", o.discrepancy * o.discrepancy * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, matern32(o.discrepancy_time)));
+  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, mesh_kernel));
 }
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
@@ -114,23 +114,37 @@ std::vector<std::pair<std::string, double>> ErrorModel::shares() const {
   return out;
 }
 
-Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const std::function<double(double seconds)>& kernel) {
+TimeKernel matern32(double time) {
+  return [time](double t) {
+    const double r = std::sqrt(3.0) * t / time;
+    return (1 + r) * std::exp(-r);
+  };
+}
+
+double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp(-t / 30e-6); }
+
+namespace {
+
+/// Root mean square of `amplitude` over the local time, (size).
+Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude) {
   const Eigen::VectorXd t = grid.times();
   Eigen::VectorXd sd(t.size());
-  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     for (Eigen::Index a = at; a < at + n; ++a) {
-      sensor[std::size_t(a)] = Eigen::Index(problem.observations[i].sensor);
-      double squares = 0, weight = 0;
-      for (Eigen::Index b = at; b < at + n; ++b) {
-        const double w = std::exp(-0.5 * std::pow((t[b] - t[a]) / local_time, 2));
-        squares += w * amplitude[b] * amplitude[b], weight += w;
-      }
-      sd[a] = std::sqrt(squares / weight);
+      const Eigen::ArrayXd w = (-0.5 * ((t.segment(at, n).array() - t[a]) / local_time).square()).exp();
+      sd[a] = std::sqrt((w * amplitude.segment(at, n).array().square()).sum() / w.sum());
     }
   }
+  return sd;
+}
+
+/// sd_a sd_b share(gauges) kernel(times).
+Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& sd, const Eigen::MatrixXd& positions, double distance, const TimeKernel& kernel) {
+  const Eigen::VectorXd t = grid.times();
+  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    std::fill_n(sensor.begin() + std::ptrdiff_t(grid.offset(i)), grid.windows(i).size(), Eigen::Index(problem.observations[i].sensor));
   const auto share = [&](Eigen::Index a, Eigen::Index b) {
     if (a == b) return 1.0;
     return positions.rows() ? std::exp(-(positions.row(a) - positions.row(b)).norm() / distance) : 0.0;
@@ -139,6 +153,49 @@ Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, co
   for (Eigen::Index a = 0; a < t.size(); ++a)
     for (Eigen::Index b = 0; b < t.size(); ++b) c(a, b) = sd[a] * sd[b] * share(sensor[std::size_t(a)], sensor[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
   return c;
+}
+
+}  // namespace
+
+Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
+                              const TimeKernel& kernel) {
+  return process(problem, grid, local_amplitude(grid, amplitude), positions, distance, kernel);
+}
+
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
+                                  const TimeKernel& kernel) {
+  Eigen::VectorXd sd = local_amplitude(grid, data);
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
+    for (Eigen::Index a = at; a < at + n && std::abs(data[a]) <= arrival_share * peak; ++a) sd[a] = 0;
+  }
+  return process(problem, grid, sd, positions, distance, kernel);
+}
+
+std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
+  std::vector<WeightedErrors> out;
+  if (!(o.discrepancy > 0)) {
+    out.push_back({plain});
+    return out;
+  }
+  double total = 0;
+  for (std::size_t i = 0; i < scales_of_prior.size(); ++i) {
+    const double s = scales_of_prior[i], below = i > 0 ? scales_of_prior[i - 1] : s, above = i + 1 < scales_of_prior.size() ? scales_of_prior[i + 1] : s;
+    const double weight = std::exp(-0.5 * s * s) * (above - below);
+    total += weight;
+    if (s == 0) {
+      out.push_back({plain, std::log(weight)});
+      continue;
+    }
+    for (const double time : o.discrepancy_times) {
+      const double scale = s * o.discrepancy;
+      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o.discrepancy_distance, matern32(time))}),
+                     std::log(weight / double(o.discrepancy_times.size())), scale});
+    }
+  }
+  for (auto& w : out) w.log_weight -= std::log(total);
+  return out;
 }
 
 Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom) {

@@ -29,8 +29,9 @@ struct ErrorOptions {
   double beyond_sd = 0.25;
   double beyond_rest = 0.5;
   double record_noise = 2;
-  double discrepancy = 0;
-  double discrepancy_time = 15e-6;
+  std::optional<double> mesh;
+  double discrepancy = 0.1;
+  std::vector<double> discrepancy_times{15e-6, 40e-6};
   double discrepancy_distance = 0.03;
 
   template <class V>
@@ -47,11 +48,22 @@ struct ErrorOptions {
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
     v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
     v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator"});
-    v("discrepancy", discrepancy, {.range = between(0, 1), .doc = "sd of what the model leaves out over the local amplitude of the mean record"});
-    v("discrepancy_time", discrepancy_time, {.unit = "s", .range = above(0), .doc = "its correlation time (Matern 3/2)"});
-    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
+    v("mesh", mesh,
+      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element size"});
+    v("discrepancy", discrepancy,
+      {.range = between(0, 1), .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; marginalised"});
+    v("discrepancy_times", discrepancy_times, {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
+    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it and the mesh's error, exp(-distance)"});
   }
 };
+
+/// Correlation along a record by the distance in time [s].
+using TimeKernel = std::function<double(double seconds)>;
+/// Matern 3/2, of physics left out.
+TimeKernel matern32(double time);
+/// Of the mesh's error, 0.3 exp(-t / 3 us) + 0.7 exp(-t / 30 us): as between elements of 2 and 1 mm on a box slice, whose correlation is 0.94, 0.71,
+/// 0.64, 0.39, 0.10 at 1, 5, 10, 20, 40 us.
+double mesh_kernel(double seconds);
 
 /// A Gaussian error, (size, size) on the coarse grid.
 struct ErrorTerm {
@@ -64,6 +76,7 @@ struct ErrorDirections {
   Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
   Eigen::MatrixXd unknowns;         ///< (values, k): by one sd of each nuisance of target and gauges
   Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
+  double mesh = 0;                  ///< error of the mesh over the local amplitude that is taken for granted, where there is one mesh only
 };
 
 /// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
@@ -98,9 +111,24 @@ class ErrorModel {
 };
 
 /// Covariance of a process along each record with the local root mean square of `amplitude` (size) over 25 us as its sd and `kernel` as its correlation in
-/// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing.
+/// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it
+/// like one place.
 Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const std::function<double(double seconds)>& kernel);
+                              const TimeKernel& kernel);
+
+/// The same of the mean records' amplitude, 0 before the first arrival (the first value beyond 5 % of the gauge's greatest): a discrepancy of scale 1.
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
+                                  const TimeKernel& kernel);
+
+/// One hypothesis about the errors, and the logarithm of its prior weight.
+struct WeightedErrors {
+  ErrorModel errors;
+  double log_weight = 0;
+  double discrepancy = 0;  ///< its scale
+};
+
+/// `plain` with a discrepancy of each of a few scales, 0 among them, and correlation times; weights of the half-normal prior by the trapezium rule. They sum to 1.
+std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions);
 
 /// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
 /// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes slowly. Full rank, (size, size).

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "base/linear_algebra.hpp"
 
@@ -17,37 +18,52 @@ const std::string beyond_name = "beyond";
 
 }  // namespace
 
-LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const ErrorModel& errors,
+LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<WeightedErrors>& errors,
                            const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond)
     : box_(std::move(box)), emulator_(std::move(emulator)), priors_(std::move(priors)), beyond_(beyond), has_beyond_(emulator_.levels() > 1 && beyond.sd > 0),
-      freedom_(errors.freedom()) {
-  const auto n = Eigen::Index(errors.grid().size());
-  expect(coefficients.rows() == n && noise.rows() == n && noise.cols() == n && priors_.size() == std::size_t(box_.size()),
+      free_(std::size_t(box_.size())), held_(Eigen::VectorXd::Zero(box_.size())), coefficients_(coefficients) {
+  const Eigen::Index n = coefficients.rows();
+  expect(!errors.empty() && noise.rows() == n && noise.cols() == n && priors_.size() == std::size_t(box_.size()),
          "emulator, noise and priors belong to the records and the box");
-  const Cholesky factor(errors.covariance());
-  if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
-  const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
-  const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
-  ratio_ = eigen.values.cwiseMax(0.0);
-  whitener_ = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
-  data_ = whitener_ * errors.data();
-  coefficients_ = whitener_ * coefficients;
-  const double half_log_det = factor.half_log_determinant(), p = double(n);
-  log_norm_ = std::isinf(freedom_) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det
-                                   : std::lgamma((freedom_ + p) / 2) - std::lgamma(freedom_ / 2) - 0.5 * p * std::log(freedom_ * std::numbers::pi) - half_log_det;
+  std::iota(free_.begin(), free_.end(), Eigen::Index(0));
+  for (const auto& [model, log_weight, scale] : errors) {
+    expect(Eigen::Index(model.grid().size()) == n, "all hypotheses are about the same records");
+    const Cholesky factor(model.covariance());
+    if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
+    const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
+    const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
+    Hypothesis h{.log_weight = log_weight, .freedom = model.freedom(), .log_norm = 0, .whitener = {}, .data = {}, .coefficients = {}, .ratio = eigen.values.cwiseMax(0.0)};
+    h.whitener = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+    h.data = h.whitener * model.data();
+    h.coefficients = h.whitener * coefficients;
+    const double half_log_det = factor.half_log_determinant(), p = double(n);
+    h.log_norm = std::isinf(h.freedom) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det
+                                       : std::lgamma((h.freedom + p) / 2) - std::lgamma(h.freedom / 2) - 0.5 * p * std::log(h.freedom * std::numbers::pi) - half_log_det;
+    hypotheses_.push_back(std::move(h));
+  }
+}
+
+LogPosterior LogPosterior::held(const std::vector<std::pair<Eigen::Index, double>>& values) const {
+  LogPosterior out = *this;
+  for (const auto& [k, value] : values) {
+    std::vector<double> theta = box_.theta(held_);
+    theta[std::size_t(k)] = value;
+    out.held_[k] = box_.u(theta)[k];
+    std::erase(out.free_, k);
+  }
+  return out;
 }
 
 std::vector<std::string> LogPosterior::names() const {
   std::vector<std::string> names;
-  for (const auto& p : box_.parameters()) names.push_back(p.name);
+  for (const auto k : free_) names.push_back(box_.parameters()[std::size_t(k)].name);
   if (has_beyond_) names.push_back(beyond_name);
   return names;
 }
 
 LogPosterior::Point LogPosterior::point(const Eigen::VectorXd& q) const {
-  Point p;
-  p.u = (0.5 * q.head(box_.size()).array()).tanh();  // 2 logistic(q) - 1
-  p.beyond = has_beyond_ ? q[box_.size()] : emulator_.levels() > 1 ? beyond_.mean : 0;
+  Point p{.u = held_, .beyond = has_beyond_ ? q[q.size() - 1] : emulator_.levels() > 1 ? beyond_.mean : 0, .theta = {}};
+  p.u(free_) = (0.5 * q.head(Eigen::Index(free_.size())).array()).tanh().matrix();  // 2 logistic(q) - 1
   p.theta = box_.theta(p.u);
   return p;
 }
@@ -55,45 +71,87 @@ LogPosterior::Point LogPosterior::point(const Eigen::VectorXd& q) const {
 Eigen::VectorXd LogPosterior::q(std::span<const double> theta, double beyond) const {
   Eigen::VectorXd q(dimension());
   const Eigen::VectorXd u = box_.u(theta).cwiseMax(-1 + edge).cwiseMin(1 - edge);
-  q.head(box_.size()) = 2 * u.array().atanh();
-  if (has_beyond_) q[box_.size()] = beyond;
+  q.head(Eigen::Index(free_.size())) = 2 * u(free_).array().atanh();
+  if (has_beyond_) q[q.size() - 1] = beyond;
   return q;
+}
+
+LogPosterior::Point LogPosterior::moved(const Point& from, Eigen::Index k, double by) const {
+  Point p = from;
+  if (k < Eigen::Index(free_.size()))
+    p.u[free_[std::size_t(k)]] += by, p.theta = box_.theta(p.u);
+  else
+    p.beyond += by;
+  return p;
+}
+
+LogPosterior::Likelihood LogPosterior::likelihood(const Hypothesis& h, const Eigen::VectorXd& residual, double variance) const {
+  Likelihood l{.value = 0, .chi2 = 0, .weight = 1, .spread = 1 + variance * h.ratio.array(), .weighed = {}};
+  l.weighed = residual.array() / l.spread;
+  l.chi2 = (residual.array() * l.weighed).sum();
+  const double p = double(residual.size()), log_spread = l.spread.log().sum();
+  if (std::isinf(h.freedom)) {
+    l.value = h.log_norm - 0.5 * log_spread - 0.5 * l.chi2;
+  } else {
+    l.value = h.log_norm - 0.5 * log_spread - 0.5 * (h.freedom + p) * std::log1p(l.chi2 / h.freedom);
+    l.weight = (h.freedom + p) / (h.freedom + l.chi2);
+  }
+  return l;
 }
 
 LogPosterior::Density LogPosterior::density(const Point& at) const {
   Density out;
-  const Eigen::Index d = box_.size(), n = dimension();
+  const auto f = Eigen::Index(free_.size()), n = dimension();
   const Eigen::VectorXd x = emulator_.features(at.u, at.beyond), hx = emulator_.inverse() * x;
-  const Eigen::MatrixXd dx = emulator_.features_slope(at.u, at.beyond).leftCols(n);
-  const double v = x.dot(hx);
-  const Eigen::VectorXd r = data_ - coefficients_ * x;
-  const Eigen::ArrayXd spread = 1 + v * ratio_.array();
-  const Eigen::ArrayXd weighed = r.array() / spread;
-  out.variance = v, out.chi2 = (r.array() * weighed).sum();
-  const double log_spread = spread.log().sum();
-  double weight = 1;  // d log L / d(-chi2 / 2)
-  if (std::isinf(freedom_)) {
-    out.log_likelihood = log_norm_ - 0.5 * log_spread - 0.5 * out.chi2;
-  } else {
-    out.log_likelihood = log_norm_ - 0.5 * log_spread - 0.5 * (freedom_ + double(values())) * std::log1p(out.chi2 / freedom_);
-    weight = (freedom_ + double(values())) / (freedom_ + out.chi2);
+  const Eigen::MatrixXd all = emulator_.features_slope(at.u, at.beyond);
+  Eigen::MatrixXd dx(all.rows(), n);
+  dx.leftCols(f) = all(Eigen::all, free_);
+  if (has_beyond_) dx.col(f) = all.col(all.cols() - 1);
+  out.variance = x.dot(hx);
+
+  std::vector<Eigen::VectorXd> gradients;
+  std::vector<double> logs;
+  std::size_t best = 0;
+  double chi2 = 0;
+  for (const auto& h : hypotheses_) {
+    const Likelihood l = likelihood(h, h.data - h.coefficients * x, out.variance);
+    const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.spread).sum());
+    gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
+    logs.push_back(l.value + h.log_weight);
+    if (logs.size() == 1 || logs.back() > logs[best]) best = logs.size() - 1, chi2 = l.chi2;
   }
-  const double by_v = 0.5 * (weight * (weighed.square() * ratio_.array()).sum() - (ratio_.array() / spread).sum());
-  out.likelihood_gradient = dx.transpose() * (weight * (coefficients_.transpose() * weighed.matrix()) + 2 * by_v * hx);
+  double sum = 0;
+  for (const double l : logs) sum += std::exp(l - logs[best]);
+  out.log_likelihood = logs[best] + std::log(sum), out.chi2 = chi2;
+  out.likelihood_gradient = Eigen::VectorXd::Zero(n);
+  for (std::size_t j = 0; j < logs.size(); ++j) {
+    out.weights.push_back(std::exp(logs[j] - logs[best]) / sum);
+    out.likelihood_gradient += out.weights[j] * gradients[j];
+  }
 
   out.prior_gradient = Eigen::VectorXd::Zero(n);
   const Eigen::VectorXd by_u = box_.slope(at.u);
-  for (Eigen::Index k = 0; k < d; ++k) {
+  for (Eigen::Index i = 0; i < f; ++i) {
+    const Eigen::Index k = free_[std::size_t(i)];
     const double t = at.theta[std::size_t(k)];
     out.log_prior += priors_[std::size_t(k)].log_density(t);
-    out.prior_gradient[k] = priors_[std::size_t(k)].log_density_slope(t) * by_u[k];
+    out.prior_gradient[i] = priors_[std::size_t(k)].log_density_slope(t) * by_u[k];
   }
   if (has_beyond_) {
     const double z = (at.beyond - beyond_.mean) / beyond_.sd;
     out.log_prior += -0.5 * z * z - std::log(beyond_.sd * std::sqrt(2 * std::numbers::pi));
-    out.prior_gradient[d] = -z / beyond_.sd;
+    out.prior_gradient[f] = -z / beyond_.sd;
   }
   return out;
+}
+
+double LogPosterior::log_likelihood_of(const Eigen::VectorXd& prediction, double variance) const {
+  std::vector<double> logs;
+  for (const auto& h : hypotheses_) logs.push_back(h.log_weight + likelihood(h, h.data - h.whitener * prediction, variance).value);
+  const double best = *std::max_element(logs.begin(), logs.end());
+  double sum = 0;
+  for (const double l : logs) sum += std::exp(l - best);
+  return best + std::log(sum);
 }
 
 double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const {
@@ -106,36 +164,53 @@ double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::V
   }
   Eigen::VectorXd by_u = density.likelihood_gradient + density.prior_gradient;
   const Eigen::VectorXd slope = box_.slope(at.u);
-  for (Eigen::Index k = 0; k < box_.size(); ++k) {
+  for (Eigen::Index i = 0; i < Eigen::Index(free_.size()); ++i) {
+    const Eigen::Index k = free_[std::size_t(i)];
     const Parameter& p = box_.parameters()[std::size_t(k)];
+    const double u = at.u[k], theta = at.theta[std::size_t(k)];
     const bool log_coordinate = p.min > 0;
     // Density by u: log |d theta / d u| = log theta + const for a logarithmic coordinate; the mode of a lognormal prior is that of the logarithm.
     if (jacobian ? log_coordinate : p.prior == "lognormal") {
-      value += std::log(at.theta[std::size_t(k)]);
-      by_u[k] += slope[k] / at.theta[std::size_t(k)];
+      value += std::log(theta);
+      by_u[i] += slope[k] / theta;
     }
     if (jacobian) {  // log |d u / d q| = log((1 - u^2) / 2), and the half width
-      value += std::log(0.5 * (1 - at.u[k] * at.u[k])) + std::log(slope[k] / (log_coordinate ? at.theta[std::size_t(k)] : 1));
-      by_u[k] += -2 * at.u[k] / (1 - at.u[k] * at.u[k]);
+      value += std::log(0.5 * (1 - u * u)) + std::log(slope[k] / (log_coordinate ? theta : 1));
+      by_u[i] += -2 * u / (1 - u * u);
     }
+    if (gradient) by_u[i] *= 0.5 * (1 - u * u);
   }
-  if (gradient) {
-    *gradient = by_u;
-    gradient->head(box_.size()).array() *= 0.5 * (1 - at.u.array().square());
-  }
+  if (gradient) *gradient = by_u;
   return value;
 }
 
 double LogPosterior::log_density(const Eigen::VectorXd& q, Eigen::VectorXd* gradient) const { return transform(q, true, gradient); }
 double LogPosterior::mode_density(const Eigen::VectorXd& q, Eigen::VectorXd* gradient) const { return transform(q, false, gradient); }
 
-Eigen::VectorXd LogPosterior::whitened_residual(const Point& at) const {
-  const Eigen::VectorXd x = emulator_.features(at.u, at.beyond);
-  return (data_ - coefficients_ * x).array() / (1 + emulator_.variance(x) * ratio_.array()).sqrt();
+std::size_t LogPosterior::likeliest(const Point& at) const {
+  if (hypotheses_.size() == 1) return 0;
+  const auto weights = density(at).weights;
+  return std::size_t(std::max_element(weights.begin(), weights.end()) - weights.begin());
 }
 
-Eigen::MatrixXd LogPosterior::whiten(const Eigen::MatrixXd& directions, double variance) const {
-  return (1 + variance * ratio_.array()).rsqrt().matrix().asDiagonal() * (whitener_ * directions);
+Eigen::VectorXd LogPosterior::whitened_residual(const Point& at) const {
+  const Hypothesis& h = hypotheses_[likeliest(at)];
+  const Eigen::VectorXd x = emulator_.features(at.u, at.beyond);
+  return (h.data - h.coefficients * x).array() / (1 + emulator_.variance(x) * h.ratio.array()).sqrt();
+}
+
+Eigen::MatrixXd LogPosterior::whiten(const Eigen::MatrixXd& directions, const Point& at) const {
+  const Hypothesis& h = hypotheses_[likeliest(at)];
+  const double variance = emulator_.variance(emulator_.features(at.u, at.beyond));
+  return (1 + variance * h.ratio.array()).rsqrt().matrix().asDiagonal() * (h.whitener * directions);
+}
+
+Eigen::MatrixXd LogPosterior::jacobian(const Point& at) const {
+  const Eigen::MatrixXd all = coefficients_ * emulator_.features_slope(at.u, at.beyond);
+  Eigen::MatrixXd out(all.rows(), dimension());
+  out.leftCols(Eigen::Index(free_.size())) = all(Eigen::all, free_);
+  if (has_beyond_) out.col(out.cols() - 1) = all.col(all.cols() - 1);
+  return out;
 }
 
 }  // namespace calomel

@@ -40,18 +40,19 @@ Eigen::VectorXd slope_at(const LogPosterior& posterior, const LogPosterior::Poin
   const auto density = posterior.density(at);
   Eigen::VectorXd g = density.likelihood_gradient + density.prior_gradient;
   const Eigen::VectorXd by_u = posterior.box().slope(at.u);
-  for (Eigen::Index k = 0; k < posterior.box().size(); ++k)
-    if (posterior.box().parameters()[std::size_t(k)].prior == "lognormal") g[k] += by_u[k] / at.theta[std::size_t(k)];
+  for (Eigen::Index i = 0; i < Eigen::Index(posterior.free().size()); ++i) {
+    const Eigen::Index k = posterior.free()[std::size_t(i)];
+    if (posterior.box().parameters()[std::size_t(k)].prior == "lognormal") g[i] += by_u[k] / at.theta[std::size_t(k)];
+  }
   return g;
 }
 
-LogPosterior::Point moved(const LogPosterior& posterior, const LogPosterior::Point& from, Eigen::Index k, double by) {
-  LogPosterior::Point p = from;
-  if (k < posterior.box().size())
-    p.u[k] += by, p.theta = posterior.box().theta(p.u);
-  else
-    p.beyond += by;
-  return p;
+/// Coordinates of the curvature, (dimension).
+Eigen::VectorXd coordinates(const LogPosterior& posterior, const LogPosterior::Point& at) {
+  Eigen::VectorXd x(posterior.dimension());
+  x.head(Eigen::Index(posterior.free().size())) = at.u(posterior.free());
+  if (posterior.has_beyond()) x[x.size() - 1] = at.beyond;
+  return x;
 }
 
 /// Covariance by the curvature from central differences of the exact gradient. A direction along which the density does not fall within the box is given
@@ -60,7 +61,7 @@ Eigen::MatrixXd laplace(const LogPosterior& posterior, const LogPosterior::Point
   const Eigen::Index n = posterior.dimension();
   Eigen::MatrixXd curvature(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
-    curvature.col(k) = -(slope_at(posterior, moved(posterior, at, k, step)) - slope_at(posterior, moved(posterior, at, k, -step))) / (2 * step);
+    curvature.col(k) = -(slope_at(posterior, posterior.moved(at, k, step)) - slope_at(posterior, posterior.moved(at, k, -step))) / (2 * step);
   const SymmetricEigen eigen = symmetric_eigen(0.5 * (curvature + curvature.transpose()));
   const Eigen::VectorXd least = Eigen::VectorXd::Constant(n, 3.0);  // 1 / (2^2 / 12): the variance of a uniform over the box
   return eigen.vectors * eigen.values.cwiseMax(least).cwiseInverse().asDiagonal() * eigen.vectors.transpose();
@@ -90,9 +91,7 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
     const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
     m.gradient = slope_at(posterior, m.at).cwiseProduct(sd).cwiseAbs().maxCoeff();
     const bool known = std::any_of(modes.begin(), modes.end(), [&](const LocalMode& other) {
-      Eigen::VectorXd d = Eigen::VectorXd::Zero(sd.size());
-      d.head(m.at.u.size()) = other.at.u - m.at.u, d.tail(sd.size() - m.at.u.size()).array() += other.at.beyond - m.at.beyond;
-      return d.cwiseQuotient(sd).cwiseAbs().maxCoeff() < same_mode;
+      return (coordinates(posterior, other.at) - coordinates(posterior, m.at)).cwiseQuotient(sd).cwiseAbs().maxCoeff() < same_mode;
     });
     if (!known) modes.push_back(std::move(m));
   }
@@ -102,27 +101,33 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
 
 double log_evidence(const LogPosterior& posterior, const LocalMode& m) {
   const auto n = double(posterior.dimension());
-  return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + Cholesky(m.covariance).half_log_determinant() + posterior.box().slope(m.at.u).array().abs().log().sum();
+  return m.log_posterior + 0.5 * n * std::log(2 * std::numbers::pi) + Cholesky(m.covariance).half_log_determinant() +
+         posterior.box().slope(m.at.u)(posterior.free()).array().abs().log().sum();
 }
 
 Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& m) {
-  const Eigen::Index d = posterior.box().size();
-  const Eigen::VectorXd by_u = posterior.box().slope(m.at.u);
-  return by_u.asDiagonal() * m.covariance.topLeftCorner(d, d) * by_u.asDiagonal();
+  const auto f = Eigen::Index(posterior.free().size());
+  const Eigen::VectorXd by_u = posterior.box().slope(m.at.u)(posterior.free());
+  return by_u.asDiagonal() * m.covariance.topLeftCorner(f, f) * by_u.asDiagonal();
 }
 
 Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m, std::size_t n, std::uint64_t seed, double widening) {
-  const Eigen::Index size = posterior.dimension(), d = posterior.box().size();
+  const Eigen::Index d = posterior.box().size();
+  const auto f = Eigen::Index(posterior.free().size());
   const Eigen::MatrixXd root = widening * Cholesky(m.covariance).lower();
+  const Eigen::VectorXd middle = coordinates(posterior, m.at);
   RandomStream random(seed, 0);
-  Eigen::MatrixXd draws(size, Eigen::Index(n));
+  Eigen::MatrixXd draws(d + 1, Eigen::Index(n));
+  draws.topRows(d).colwise() = m.at.u, draws.row(d).setConstant(m.at.beyond);
   Eigen::Index taken = 0;
-  Eigen::VectorXd middle(size), z(size);
-  middle.head(d) = m.at.u, middle.tail(size - d).setConstant(m.at.beyond);
+  Eigen::VectorXd z(middle.size());
   for (std::size_t trial = 0; trial < 100 * n && taken < draws.cols(); ++trial) {
     for (auto& x : z) x = random.normal();
     const Eigen::VectorXd at = middle + root * z;
-    if (at.head(d).cwiseAbs().maxCoeff() <= 1) draws.col(taken++) = at;
+    if (at.head(f).cwiseAbs().maxCoeff() > 1) continue;
+    for (Eigen::Index i = 0; i < f; ++i) draws(posterior.free()[std::size_t(i)], taken) = at[i];
+    if (posterior.has_beyond()) draws(d, taken) = at[f];
+    ++taken;
   }
   return draws.leftCols(taken);
 }

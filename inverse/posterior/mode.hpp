@@ -14,7 +14,7 @@ struct LocalMode {
   LogPosterior::Point at;
   double log_posterior = 0;    ///< log likelihood + log prior there
   double mode_density = 0;
-  Eigen::MatrixXd covariance;  ///< of (u, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
+  Eigen::MatrixXd covariance;  ///< of (u of the free parameters, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
   double gradient = 0;         ///< largest slope of the density along a coordinate, times its standard deviation
   int iterations = 0;
 };
@@ -25,10 +25,11 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
 /// Logarithm of the evidence by Laplace: log L + log prior of theta at the mode + log of the Gaussian's volume in theta (and k).
 double log_evidence(const LogPosterior& posterior, const LocalMode& mode);
 
-/// Covariance of theta (natural units), the parameters' block.
+/// Covariance of theta (natural units), of the free parameters.
 Eigen::MatrixXd parameter_covariance(const LogPosterior& posterior, const LocalMode& mode);
 
-/// Draws from the Gaussian about a mode, `widening` times its deviations, that lie in the box: (dimension, n) of (u, k). Fewer where hardly any do.
+/// Draws from the Gaussian about a mode, `widening` times its deviations, that lie in the box: (n_parameters + 1, n), u of all parameters and k.
+/// Fewer where hardly any do.
 Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& mode, std::size_t n, std::uint64_t seed, double widening = 1);
 
 }  // namespace calomel

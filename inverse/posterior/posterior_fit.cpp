@@ -15,6 +15,7 @@ constexpr std::size_t draws_of_a_round = 400;
 constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
 constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
 constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
+constexpr double room = 0.3;           ///< half widths of the box between a nested hypothesis and its edge
 constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
 
 class Fit {
@@ -52,6 +53,8 @@ class Fit {
   void choose_runs();
   void fit();
   [[nodiscard]] bool near_edge() const;
+  [[nodiscard]] bool near_edge(const LogPosterior& posterior, const LocalMode& m) const;
+  [[nodiscard]] Eigen::MatrixXd draws_of(const LogPosterior& posterior, const LocalMode& m, std::uint64_t seed) const;
   [[nodiscard]] bool settled() const;
   [[nodiscard]] double coordinate(std::size_t k, double t) const { return in_.parameters[k].min > 0 ? std::log(t) : t; }
   [[nodiscard]] double natural(std::size_t k, double x) const { return in_.parameters[k].min > 0 ? std::exp(x) : x; }
@@ -70,7 +73,10 @@ void Fit::lay_box(std::span<const double> centre, std::span<const double> half_w
     const double least = coordinate(k, p.min), most = coordinate(k, p.max), w = std::min(half_width[k], 0.5 * (most - least));
     // Within the bounds, and of its whole width where they allow it.
     const double x = std::clamp(coordinate(k, std::clamp(centre[k], p.min, p.max)), least + w, most - w);
-    low_.push_back(std::max(p.min, natural(k, x - w))), high_.push_back(std::min(p.max, natural(k, x + w)));
+    double low = x - w, high = x + w;
+    const auto& nested = out_.nested_modes.empty() ? in_.nested_centre : out_.nested_modes[0].at.theta;
+    if (!nested.empty()) low = std::min(low, coordinate(k, nested[k]) - room * w), high = std::max(high, coordinate(k, nested[k]) + room * w);
+    low_.push_back(std::max(p.min, natural(k, low))), high_.push_back(std::min(p.max, natural(k, high)));
   }
   box_ = EmulatorBox(in_.parameters, low_, high_);
 }
@@ -111,14 +117,23 @@ void Fit::fill_box(std::uint64_t index) {
   if (!at.empty()) make(design(Eigen::all, at), level);
 }
 
-void Fit::add_infill(int round) {
-  const LogPosterior& posterior = *out_.posterior;
-  const Eigen::MatrixXd all = gaussian_draws(posterior, out_.modes[0], draws_of_a_round, in_.seed + std::uint64_t(round), infill_reach).topRows(box_.size());
+/// Draws from the Gaussian about a mode at which the emulator is not hopeless, (n_parameters, n).
+Eigen::MatrixXd Fit::draws_of(const LogPosterior& posterior, const LocalMode& m, std::uint64_t seed) const {
+  const Eigen::MatrixXd all = gaussian_draws(posterior, m, draws_of_a_round, seed, infill_reach).topRows(box_.size());
   std::vector<Eigen::Index> allowed;
   for (Eigen::Index i = 0; i < all.cols(); ++i)
     if (posterior.emulator().variance(posterior.emulator().features(all.col(i), 0)) <= hard_variance) allowed.push_back(i);
-  const Eigen::MatrixXd draws = allowed.empty() ? all : Eigen::MatrixXd(all(Eigen::all, allowed));
-  const auto points = infill(posterior.emulator(), draws, in_.emulator.round_coarse, in_.emulator.round_fine);
+  return allowed.empty() ? all : Eigen::MatrixXd(all(Eigen::all, allowed));
+}
+
+void Fit::add_infill(int round) {
+  const std::uint64_t seed = in_.seed + std::uint64_t(round);
+  Eigen::MatrixXd draws = draws_of(*out_.posterior, out_.modes[0], seed);
+  if (out_.nested) {
+    const Eigen::MatrixXd nested = draws_of(*out_.nested, out_.nested_modes[0], seed), both = (Eigen::MatrixXd(draws.rows(), draws.cols() + nested.cols()) << draws, nested).finished();
+    draws = both;
+  }
+  const auto points = infill(out_.posterior->emulator(), draws, in_.emulator.round_coarse, in_.emulator.round_fine);
   if (!points.level.empty()) make(points.u, points.level);
 }
 
@@ -135,16 +150,20 @@ void Fit::move_box() {
   out_.rounds.back().moved_box = true;
 }
 
-/// Whether the mode lies within a standard deviation of an edge of the box that is no bound of the case: at a bound it stays.
-bool Fit::near_edge() const {
-  const LocalMode& m = out_.modes[0];
+/// Whether a mode lies within a standard deviation of an edge of the box that is no bound of the case: at a bound it stays.
+bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
-  for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
-    const auto i = Eigen::Index(k);
-    if (1 - m.at.u[i] < sd[i] && high_[k] < in_.parameters[k].max * (1 - 1e-9)) return true;
-    if (1 + m.at.u[i] < sd[i] && low_[k] > in_.parameters[k].min + 1e-9 * std::abs(in_.parameters[k].min)) return true;
+  for (std::size_t i = 0; i < posterior.free().size(); ++i) {
+    const Eigen::Index k = posterior.free()[i];
+    const Parameter& p = in_.parameters[std::size_t(k)];
+    if (1 - m.at.u[k] < sd[Eigen::Index(i)] && high_[std::size_t(k)] < p.max * (1 - 1e-9)) return true;
+    if (1 + m.at.u[k] < sd[Eigen::Index(i)] && low_[std::size_t(k)] > p.min + 1e-9 * std::abs(p.min)) return true;
   }
   return false;
+}
+
+bool Fit::near_edge() const {
+  return near_edge(*out_.posterior, out_.modes[0]) || (out_.nested && near_edge(*out_.nested, out_.nested_modes[0]));
 }
 
 bool Fit::settled() const {
@@ -189,21 +208,31 @@ void Fit::fit() {
   // Errors where the answer stands: at the box's middle first, at the last mode later.
   const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
   if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
+  directions.mesh = in_.levels > 1 ? 0 : in_.mesh;
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.unknowns) directions.unknowns = in_.unknowns(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
                           .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * out_.noise}));
-  out_.posterior.emplace(box_, regression, out_.coefficients, *out_.errors, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
+  out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};
+  out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
-  std::vector<Eigen::VectorXd> starts;
   const Eigen::MatrixXd spread = 0.8 * first_design(d, 8, in_.seed + 77);
-  for (Eigen::Index i = 0; i < spread.cols(); ++i) starts.push_back(out_.posterior->q(box_.theta(spread.col(i)), in_.errors.beyond));
-  for (const auto& m : out_.modes) starts.push_back(out_.posterior->q(box_.nearest(m.at.theta), m.at.beyond));
+  const auto search = [&](const LogPosterior& posterior, const std::vector<LocalMode>& known) {
+    std::vector<Eigen::VectorXd> starts;
+    for (Eigen::Index i = 0; i < spread.cols(); ++i) starts.push_back(posterior.q(box_.theta(spread.col(i)), in_.errors.beyond));
+    for (const auto& m : known) starts.push_back(posterior.q(box_.nearest(m.at.theta), m.at.beyond));
+    auto modes = find_modes(posterior, starts);
+    if (modes.empty()) throw NumericsError("no mode of the posterior was found on the emulator");
+    return modes;
+  };
   const auto before = out_.modes;
-  out_.modes = find_modes(*out_.posterior, starts);
-  if (out_.modes.empty()) throw NumericsError("no mode of the posterior was found on the emulator");
+  out_.modes = search(*out_.posterior, before);
+  if (!in_.held.empty()) {
+    out_.nested.emplace(out_.posterior->held(in_.held));
+    out_.nested_modes = search(*out_.nested, out_.nested_modes);
+  }
   const LocalMode& best = out_.modes[0];
 
   PosteriorRound round{.theta = best.at.theta, .sd = best.covariance.diagonal().cwiseSqrt()};

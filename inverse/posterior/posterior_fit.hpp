@@ -65,6 +65,11 @@ struct PosteriorInputs {
   std::function<Eigen::MatrixXd(std::span<const double> theta)> unknowns;
   std::vector<double> centre;      ///< (n_parameters) of the first box
   std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
+  bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
+  double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
+  /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
+  std::vector<std::pair<Eigen::Index, double>> held;
+  std::vector<double> nested_centre;
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
 };
@@ -96,8 +101,11 @@ struct LevelError {
 
 struct PosteriorFit {
   std::optional<LogPosterior> posterior;
-  std::optional<ErrorModel> errors;
+  std::optional<ErrorModel> errors;          ///< without a discrepancy
+  std::vector<WeightedErrors> hypotheses;    ///< of the posterior: `errors`, and with a discrepancy of each scale and correlation time
   std::vector<LocalMode> modes;  ///< best first
+  std::optional<LogPosterior> nested;  ///< with PosteriorInputs::held, on the same emulator and under the same errors
+  std::vector<LocalMode> nested_modes;
   std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)

@@ -49,10 +49,8 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
       r.score = difference.squaredNorm() / (promised * noise_square);
       sum += r.score, ++done;
       if (r.level == 0) {
-        // What this run in place of the emulator would do to the log likelihood there: the errors' covariance alone whitens.
-        LogPosterior::Point at{.u = u, .beyond = fit.modes[0].at.beyond, .theta = r.theta};
-        const Eigen::VectorXd residual = posterior.whitened_residual(at), moved = residual - posterior.whiten(difference, emulator.variance(emulator.features(u, at.beyond)));
-        shift += std::pow(0.5 * (residual.squaredNorm() - moved.squaredNorm()), 2), ++shifts;
+        const double variance = emulator.variance(x);  // of the same mesh, so that the two differ by the run alone
+        shift += std::pow(posterior.log_likelihood_of(run, variance) - posterior.log_likelihood_of(fit.coefficients * x, variance), 2), ++shifts;
       }
     }
     out.runs.push_back(std::move(r));

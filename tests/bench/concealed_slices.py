@@ -7,7 +7,8 @@
 
 For each draw a target is drawn (length 0.11 to 0.14 m, height 0.036 to 0.045 m, walls 3 to 5 mm, eight gauges, 0.3 ms) with the parameters (density from 12 500 to 14 000,
 sound speed from 1380 to 1520, the logarithm of the cutoff from 8e4 to 3e5) and the viscosity of the records (ln normal, 2000 Pa s, 0.6). make_recordings plays the experiment with
-elements of `--element`, another time step, a steel whose modulus is 1.5 % (sd) off, gauges 0.3 mm and gains 1 % off, eight pulses of unequal energy and coloured noise. NAME tells
+elements of `--element`, another time step, a steel whose modulus is 1.5 % (sd) off, an energy of all pulses 1.5 %, gauges 0.3 mm and gains 1 % off, eight pulses of unequal energy and
+coloured noise. NAME tells
 settings apart; all settings of one draw share the runs of its journal. A call that is cut off goes on where it stopped. `table` gives distances from the truth, in per cent and,
 in brackets, in the answer's own standard deviations; the impedance's deviation comes from the covariance of the answer.
 """
@@ -90,15 +91,17 @@ def draw_slice(work, draw, element):
     sensors += SENSOR.format(name="W", x=0, z=height * r.uniform(0.45, 0.65), direction="[0, 0, 1]")
     case, truth_file, _ = paths(work, draw)
     with open(case, "w") as f:
-        f.write(CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=r.uniform(20e6, 30e6), middle=height * r.uniform(0.45, 0.55),
+        f.write(CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=(peak := r.uniform(20e6, 30e6)), middle=height * r.uniform(0.45, 0.55),
                             width=height * r.uniform(0.28, 0.4), sensors=sensors))
     truth = {"density": r.uniform(12500, 14000), "sound_speed": r.uniform(1380, 1520), "tensile_cutoff": math.exp(r.uniform(math.log(8e4), math.log(3e5)))}
     truth = {n: float(f"{v:.6g}") for n, v in truth.items()}
     young, viscosity = 193e9 * (1 + 0.015 * r.gauss(0, 1)), 2000 * math.exp(0.6 * r.gauss(0, 1))
+    peak *= 1 + 0.015 * r.gauss(0, 1)
     lines = ["[parameter]"] + [f"{n} = {v:.6g}" for n, v in truth.items()]
     lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / 0.001:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}",
               "sample_interval = 1e-6", "energy_sd = 0.015", "noise_time = 5e-6", "resolution = 1e-8", "place_sd = 0.3e-3", "gain_sd = 0.01",
-              f'unlike = ["material.steel.young={young:.6g}", "material.mercury.regularising_viscosity={viscosity:.6g}", "material.mercury.least_mesh_viscosity=0"]']
+              f'unlike = ["material.steel.young={young:.6g}", "material.mercury.regularising_viscosity={viscosity:.6g}", "material.mercury.least_mesh_viscosity=0", '
+              f'"load.peak_pressure={peak:.6g}"]']
     names = [line.split('"')[1] for line in sensors.splitlines() if line.startswith("name")]
     lines += ["[pulses]"] + [f"{s} = 8" for s in names] + ["[noise]"] + [f"{s} = {r.choice((5e-6, 5e-6, 8e-6))}" for s in names]
     with open(truth_file, "w") as f:

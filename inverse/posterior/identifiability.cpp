@@ -1,4 +1,4 @@
-#include "inverse/identify.hpp"
+#include "inverse/posterior/identifiability.hpp"
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ Combination combination(const char* name, double value, double relative_sd) {
 }  // namespace
 
 Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data,
-                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd, double widening) {
+                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd) {
   Identification out;
   int rho = -1, c = -1;
   const auto positive = [&](std::size_t k) { return theta[k] > 0; };
@@ -78,7 +78,7 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     d.exponents.cwiseAbs().maxCoeff(&largest);
     if (d.exponents[largest] < 0) d.exponents = -d.exponents;
     d.value = std::exp((d.exponents.array() * value.array().log()).sum());
-    d.data_sd = eigen.values[k] > 1e-12 ? std::sqrt(widening / eigen.values[k]) : std::numeric_limits<double>::infinity();
+    d.data_sd = eigen.values[k] > 1e-12 ? std::sqrt(1 / eigen.values[k]) : std::numeric_limits<double>::infinity();
     d.sd = std::sqrt(std::max(0.0, d.exponents.dot(spread * d.exponents)));
     d.prior_sd = std::sqrt((d.exponents.array() * before.array()).square().sum());
     d.text = powers(names, d.exponents);

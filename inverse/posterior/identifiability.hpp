@@ -12,7 +12,7 @@ namespace calomel {
 struct Direction {
   Eigen::VectorXd exponents;  ///< unit vector over the positive parameters
   double value = 0;           ///< of the product of powers
-  double sd = 0;              ///< of its logarithm, posterior, widened
+  double sd = 0;              ///< of its logarithm, posterior
   double data_sd = 0;         ///< by the data alone; infinity where they say nothing
   double prior_sd = 0;        ///< before the data
   std::string text;           ///< "density^0.71 sound_speed^0.70"
@@ -33,8 +33,8 @@ struct Identification {
 };
 
 /// data, prior: Gauss-Newton curvatures of -log likelihood and -log prior by the parameters (n, n), in their own units; covariance: of the posterior, the
-/// same units; prior_sd: (n). `widening`: factor in the covariance over the inverse curvature.
+/// same units; prior_sd: (n).
 Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data, const Eigen::MatrixXd& covariance,
-                        const Eigen::VectorXd& prior_sd, double widening);
+                        const Eigen::VectorXd& prior_sd);
 
 }  // namespace calomel

@@ -1,4 +1,4 @@
-#include "inverse/screening.hpp"
+#include "inverse/posterior/score_test.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/json.hpp"
 #include "base/linear_algebra.hpp"
-#include "inverse/calibration.hpp"
+#include "base/nan.hpp"
 
 namespace calomel {
 
@@ -32,21 +32,20 @@ Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
   return span;
 }
 
-class Screen {
+class Tests {
  public:
-  Screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& nothing_missing)
-      : likelihood_(likelihood), fitted_(span_of(jacobian)) {
-    expect(jacobian.rows() == residual.size() && likelihood.errors().size() == residual.size(), "residual and secants are of the likelihood's values");
-    residual_ = beside(likelihood.errors().whiten(residual));
-    freedom_ = double(residual.size() - fitted_.cols());
-    if (nothing_missing.cols() > 0) others_ = beside(likelihood.errors().whiten(nothing_missing));
+  Tests(const LogPosterior& posterior, const LogPosterior::Point& at, const Decimation& grid, const Eigen::MatrixXd& nothing_missing)
+      : posterior_(posterior), at_(at), grid_(grid), fitted_(span_of(posterior.whiten(posterior.jacobian(at), at))) {
+    residual_ = beside(posterior.whitened_residual(at));
+    freedom_ = double(residual_.size() - fitted_.cols());
+    if (nothing_missing.cols() > 0) others_ = beside(posterior.whiten(nothing_missing, at));
   }
   [[nodiscard]] double scale() const { return residual_.squaredNorm() / freedom_; }
 
-  [[nodiscard]] ScreenedMechanism of(const LeftOut& l) const {
-    ScreenedMechanism out{.name = l.name, .counts = !l.like_the_mesh};
+  [[nodiscard]] ScoreTest of(const MechanismDirections& l) const {
+    ScoreTest out{.name = l.name, .counts = !l.like_the_mesh};
     expect(std::size_t(l.directions.cols()) == l.keys.size() && l.off.size() == l.keys.size(), "every direction has a key");
-    const Eigen::MatrixXd whitened = likelihood_.errors().whiten(likelihood_.grid().apply(l.directions)), free = beside(whitened);
+    const Eigen::MatrixXd whitened = posterior_.whiten(grid_.apply(l.directions), at_), free = beside(whitened);
     std::vector<Eigen::Index> seen;
     for (Eigen::Index k = 0; k < free.cols(); ++k)
       if (free.col(k).norm() > nothing * whitened.col(k).norm() && whitened.col(k).norm() > 0) seen.push_back(k);
@@ -61,10 +60,10 @@ class Screen {
     if (!(rest > 0) || !(of_rest > 0)) return out;
     out.f = ratio(span, residual_);
     if (others_.cols() > 0) {
-      out.f_of_pairs = 0;
-      for (Eigen::Index i = 0; i < others_.cols(); ++i) out.f_of_pairs += ratio(span, others_.col(i)) / double(others_.cols());
+      out.f_of_runs = 0;
+      for (Eigen::Index i = 0; i < others_.cols(); ++i) out.f_of_runs += ratio(span, others_.col(i)) / double(others_.cols());
     }
-    out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f / std::max(1.0, out.f_of_pairs)));
+    out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f / std::max(1.0, out.f_of_runs)));
     if (out.directions < unit.cols()) return out;  // its keys are not told apart
     const Eigen::MatrixXd inverse = inverse_symmetric(unit.transpose() * unit);
     const Eigen::VectorXd best = inverse * (unit.transpose() * residual_);
@@ -83,14 +82,16 @@ class Screen {
     return part / of_part / ((r.squaredNorm() - part) / (freedom_ - of_part));
   }
   [[nodiscard]] Eigen::MatrixXd beside(const Eigen::MatrixXd& m) const { return m - fitted_ * (fitted_.transpose() * m); }
-  const Likelihood& likelihood_;
+  const LogPosterior& posterior_;
+  const LogPosterior::Point& at_;
+  const Decimation& grid_;
   Eigen::MatrixXd fitted_;
   Eigen::VectorXd residual_;
   Eigen::MatrixXd others_;  ///< whitened residuals at which nothing was missing, (values, k)
   double freedom_ = 0;
 };
 
-std::string numbers_of(const ScreenedMechanism& m) {
+std::string numbers_of(const ScoreTest& m) {
   std::string s;
   for (const auto& k : m.keys) s += fmt::format("{}{} {:.3g} ± {:.2g}", s.empty() ? "" : ", ", k.name, k.value, k.sd);
   return s.empty() ? "" : ", to first order " + s;
@@ -98,22 +99,22 @@ std::string numbers_of(const ScreenedMechanism& m) {
 
 }  // namespace
 
-Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian, const std::vector<LeftOut>& left_out,
-                 const Eigen::MatrixXd& nothing_missing) {
-  const Screen test(likelihood, residual, jacobian, nothing_missing);
-  Screening out{.scale = test.scale()};
+ScoreTests score_tests(const LogPosterior& posterior, const LogPosterior::Point& at, const Decimation& grid, const std::vector<MechanismDirections>& left_out,
+                       const Eigen::MatrixXd& nothing_missing) {
+  const Tests test(posterior, at, grid, nothing_missing);
+  ScoreTests out{.scale = test.scale()};
   for (const auto& l : left_out) out.mechanisms.push_back(test.of(l));
   std::stable_sort(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& a, const auto& b) { return a.p_value < b.p_value; });
   const auto counted = std::count_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
   if (counted == 0) return out;
   const auto& first = *std::find_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
   out.p_value = std::min(1.0, double(counted) * first.p_value);
-  out.stands_out = out.p_value < least_screening_p;
+  out.stands_out = out.p_value < least_score_p;
   std::string names;
   for (const auto& m : out.mechanisms)
     if (m.counts) names += (names.empty() ? "" : ", ") + m.name;
-  const std::string of_pairs = nothing_missing.cols() > 0 ? fmt::format(", {:.2g} at pairs of runs where nothing is missing", first.f_of_pairs) : "";
-  const std::string outcome = fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first.f, first.directions, of_pairs, out.p_value, counted);
+  const std::string of_runs = nothing_missing.cols() > 0 ? fmt::format(", {:.2g} at runs where nothing is missing", first.f_of_runs) : "";
+  const std::string outcome = fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first.f, first.directions, of_runs, out.p_value, counted);
   if (!out.stands_out)
     out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
                                out.p_value);
@@ -124,9 +125,9 @@ Screening screen(const Likelihood& likelihood, const Eigen::VectorXd& residual, 
   return out;
 }
 
-LeftOut gauge_gains(const Problem& problem, const std::vector<double>& history) {
+MechanismDirections gauge_gains(const Problem& problem, const std::vector<double>& history) {
   const auto n = Eigen::Index(problem.shape.times.size());
-  LeftOut out{.name = gains};
+  MechanismDirections out{.name = gains};
   out.directions = Eigen::MatrixXd::Zero(Eigen::Index(history.size()), Eigen::Index(problem.observations.size()));
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
@@ -137,12 +138,12 @@ LeftOut gauge_gains(const Problem& problem, const std::vector<double>& history) 
   return out;
 }
 
-Json screening_json(const Screening& s) {
+Json score_tests_json(const ScoreTests& s) {
   Json all = Json::array();
   for (const auto& m : s.mechanisms) {
     Json keys = Json::object();
     for (const auto& k : m.keys) keys[k.name] = {{"value", number(k.value)}, {"sd", number(k.sd)}};
-    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"f_of_pairs", number(m.f_of_pairs)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
+    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"f_of_runs", number(m.f_of_runs)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
   }
   return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
 }

@@ -1,0 +1,164 @@
+#include "inverse/map/map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/linear_algebra.hpp"
+#include "base/nan.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t most_candidates = 4;  ///< modes that are run in the true model
+
+/// The finest mesh at the modes and at the nominal point.
+void run_candidates(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
+  const LogPosterior& posterior = *fit.posterior;
+  const Clock clock;
+  const auto n = in.problem.shape.parameters.size();
+  std::vector<LogPosterior::Point> points;
+  for (std::size_t i = 0; i < std::min(fit.modes.size(), most_candidates); ++i) points.push_back(fit.modes[i].at);
+  LogPosterior::Point at_nominal{.u = {}, .beyond = fit.modes[0].at.beyond, .theta = out.nominal};
+  for (std::size_t k = n; k < in.parameters.size(); ++k) at_nominal.theta.push_back(*in.parameters[k].nominal);
+  at_nominal.u = posterior.box().u(at_nominal.theta);
+  points.push_back(at_nominal);
+  Eigen::MatrixXd thetas(posterior.box().size(), Eigen::Index(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(points[i].theta.data(), thetas.rows());
+  const auto records = in.run(thetas, std::vector<int>(points.size(), 0));
+
+  std::vector<std::vector<double>> histories(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool is_nominal = i + 1 == points.size();
+    const auto& p = points[i];
+    Candidate c{.theta = {p.theta.begin(), p.theta.begin() + std::ptrdiff_t(n)}};
+    const double prior = log_prior(posterior.priors(), p.theta);
+    c.objective_surrogate = is_nominal && !posterior.box().contains(p.theta) ? nan : posterior.density(p).log_posterior();
+    if (records[i].done) {
+      histories[i].assign(records[i].mean.begin(), records[i].mean.end());
+      c.score = score(in.problem, histories[i]);
+      const Eigen::VectorXd run = fit.errors->grid().apply(Eigen::Map<const Eigen::VectorXd>(histories[i].data(), Eigen::Index(histories[i].size())));
+      double value = posterior.log_likelihood_of(run, 1) + prior;
+      if (posterior.has_beyond()) value += posterior.density(points[0]).log_prior - log_prior(posterior.priors(), points[0].theta);
+      if (std::isfinite(value)) c.objective_model = value;
+    }
+    c.message = records[i].message;
+    if (is_nominal)
+      out.at_nominal = std::move(c), out.nominal_values = std::move(histories[i]);
+    else
+      (c.objective_model ? out.candidates : out.failed).push_back(std::move(c));
+  }
+  out.model_runs = points.size(), out.model_s = clock.seconds();
+  if (out.candidates.empty()) {
+    out.status = CalibrationStatus::no_candidate, out.best = out.failed[0], out.theta = out.best.theta;
+    out.message = "the true model failed at every mode: " + out.best.message;
+    return;
+  }
+  out.best = out.candidates[0], out.theta = out.best.theta;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (out.calibrated.empty() && i + 1 < points.size()) out.calibrated = histories[i];
+  out.status = fit.settled ? CalibrationStatus::done : CalibrationStatus::not_settled;
+}
+
+std::vector<Nuisance> nuisances_of(const PosteriorInputs& in, const PosteriorFit& fit) {
+  const LocalMode& m = fit.modes[0];
+  const Eigen::MatrixXd covariance = parameter_covariance(*fit.posterior, m);
+  std::vector<Nuisance> out;
+  for (std::size_t k = in.problem.shape.parameters.size(); k < in.parameters.size(); ++k) {
+    const Parameter& p = in.parameters[k];
+    Nuisance x{.name = p.name, .value = m.at.theta[k], .sd = std::sqrt(covariance(Eigen::Index(k), Eigen::Index(k)))};
+    if (p.prior == "lognormal") x.prior_value = std::exp(*p.mu), x.prior_sd = *p.sigma * x.prior_value, x.pull = std::log(x.value / x.prior_value) / *p.sigma;
+    out.push_back(std::move(x));
+  }
+  if (fit.posterior->has_beyond()) {
+    const auto& prior = fit.posterior->beyond_prior();
+    const Eigen::Index last = m.covariance.rows() - 1;
+    out.push_back({"beyond", m.at.beyond, std::sqrt(m.covariance(last, last)), prior.mean, prior.sd, (m.at.beyond - prior.mean) / prior.sd});
+  }
+  return out;
+}
+
+/// What the data pin: the precision of the posterior, nuisances marginalised, less that of the prior.
+Identification identification_of(const PosteriorInputs& in, const PosteriorFit& fit, const Eigen::MatrixXd& covariance) {
+  const auto& parameters = in.problem.shape.parameters;
+  const auto n = Eigen::Index(parameters.size());
+  Eigen::MatrixXd data = inverse_symmetric(covariance);
+  Eigen::VectorXd prior_sd(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Prior& prior = fit.posterior->priors()[std::size_t(k)];
+    prior_sd[k] = prior.scale();
+    if (prior.kind() != "uniform") data(k, k) -= 1 / std::pow(prior_sd[k], 2);
+  }
+  const auto& theta = fit.modes[0].at.theta;
+  return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd);
+}
+
+/// The emulator's residuals at its runs, on the grid, as of finest runs: what a fit leaves where nothing is missing.
+Eigen::MatrixXd residuals_of_runs(const PosteriorFit& fit) {
+  const auto n = Eigen::Index(fit.used.size());
+  Eigen::MatrixXd histories(Eigen::Index(fit.runs[fit.used[0]].record.mean.size()), n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& v = fit.runs[fit.used[std::size_t(i)]].record.mean;
+    histories.col(i) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
+  }
+  return fit.posterior->emulator().residuals(fit.errors->grid().apply(histories));
+}
+
+void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
+  const auto& noise = fit.errors->noise();
+  if (!fit.settled) out.warnings.push_back("the emulator " + fit.message);
+  if (!out.check.holds) out.warnings.push_back(out.check.sentence);
+  if (!out.fit.adequate) out.warnings.push_back(out.fit.sentence);
+  for (const auto& x : out.nuisances)
+    if (std::abs(x.pull) > 1)
+      out.warnings.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations of what was known of it: something is missing that it takes up", x.name, x.value, std::abs(x.pull)));
+  for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
+    const Parameter& p = in.problem.shape.parameters[k];
+    const double sd = std::sqrt(out.covariance(Eigen::Index(k), Eigen::Index(k))), room = std::min(out.theta[k] - p.min, p.max - out.theta[k]);
+    if (room < 1e-3 * (p.max - p.min))
+      out.warnings.push_back(fmt::format("{} = {:.6g} sits on a bound: the data would have it outside, or do not determine it", p.name, out.theta[k]));
+    else if (room < 2 * sd)
+      out.warnings.push_back(fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));
+  }
+  if (noise.split_half > 2) out.warnings.push_back(fmt::format("early and late pulses differ {:.2g} times more than independent pulses would: the records drift", noise.split_half));
+}
+
+}  // namespace
+
+MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std::string& product,
+                   const std::function<std::vector<MechanismDirections>(std::span<const double>)>& left_out, const NestedModel* nested) {
+  const LogPosterior& posterior = *fit.posterior;
+  const LocalMode& mode = fit.modes[0];
+  MapSummary out;
+  out.objective = {"log_posterior", true, {}};
+  out.product = product;
+  out.nominal = nominal(in.problem.shape);
+  out.warnings = in.problem.warnings;
+  out.scores_on = in.levels > 1 ? "the emulator's finest mesh" : "the case's own mesh";
+  run_candidates(out, in, fit);
+
+  const auto n = Eigen::Index(in.problem.shape.parameters.size());
+  const auto density = posterior.density(mode.at);
+  out.covariance = parameter_covariance(posterior, mode).topLeftCorner(n, n);
+  out.nuisances = nuisances_of(in, fit);
+  out.log_likelihood = density.log_likelihood, out.log_prior = density.log_prior;
+  out.log_evidence_laplace = log_evidence(posterior, mode);
+  out.fit = goodness_of_fit(posterior, mode, fit.hypotheses[posterior.likeliest(mode.at)].errors, fit.coefficients, fit.noise);
+  out.identification = identification_of(in, fit, out.covariance);
+  out.check = check_by_true_model(in, fit, in.emulator.check_coarse, in.emulator.check_fine);
+  std::vector<MechanismDirections> directions;
+  if (out.trusted()) directions.push_back(gauge_gains(in.problem, out.calibrated));
+  if (left_out)
+    for (auto& d : left_out(out.theta)) directions.push_back(std::move(d));
+  if (left_out && !directions.empty()) out.score_tests = score_tests(posterior, mode.at, fit.errors->grid(), directions, residuals_of_runs(fit));
+  out.adequate = out.fit.adequate && !(out.score_tests && out.score_tests->stands_out);
+  if (nested && fit.nested) out.nested = compare_nested(fit, *nested);
+  warn(out, in, fit);
+  if (out.status != CalibrationStatus::no_candidate)
+    out.message = fmt::format("log posterior {:.6g} on the emulator, which {}; {}", density.log_posterior(), fit.message, out.fit.sentence);
+  return out;
+}
+
+}  // namespace calomel

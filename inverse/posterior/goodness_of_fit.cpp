@@ -1,0 +1,60 @@
+#include "inverse/posterior/goodness_of_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+#include "base/nan.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double least_p_value = 0.01;
+constexpr double told_apart = 0.8;  ///< chi-squared over its expectation below which the covariance is called too wide
+
+/// The share of replicated data that would fit worse: chi-squared, or F for the multivariate t.
+double tail(double chi2, double freedom, double of_scale) {
+  if (!(freedom > 0)) return nan;
+  if (std::isinf(of_scale)) return boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), chi2));
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(freedom, of_scale), chi2 / freedom));
+}
+
+/// The chi-squared at which tail() comes to least_p_value.
+double critical(double freedom, double of_scale) {
+  if (std::isinf(of_scale)) return boost::math::quantile(boost::math::complement(boost::math::chi_squared(freedom), least_p_value));
+  return freedom * boost::math::quantile(boost::math::complement(boost::math::fisher_f(freedom, of_scale), least_p_value));
+}
+
+}  // namespace
+
+GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mode, const ErrorModel& errors, const Eigen::MatrixXd& coefficients,
+                              const Eigen::MatrixXd& noise) {
+  GoodnessOfFit out;
+  const auto density = posterior.density(mode.at);
+  const Eigen::MatrixXd covariance = errors.covariance() + density.variance * noise;
+  const Eigen::VectorXd variance = covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd residual = errors.data() - coefficients * posterior.emulator().features(mode.at.u, mode.at.beyond);
+  const double p = double(residual.size()), parameters = double(posterior.dimension()), of_scale = posterior.freedom(mode.at);
+  out.values = std::size_t(residual.size());
+  out.chi2 = density.chi2;
+  out.effective_data = p * p / (unit.asDiagonal() * covariance * unit.asDiagonal()).squaredNorm();
+  out.effective_chi2 = out.effective_data * (residual.array().square() / variance.array()).mean();
+  const double freedom = p - parameters, effective = std::max(1.0, out.effective_data - parameters);
+  out.p_value = tail(out.chi2, freedom, of_scale);
+  out.effective_p_value = tail(out.effective_chi2, effective, of_scale);
+  out.adequate = out.p_value >= least_p_value && out.effective_p_value >= least_p_value;
+  const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", out.chi2, out.values,
+                                          parameters, out.p_value, out.effective_chi2, out.effective_data, out.effective_p_value);
+  out.sentence = out.adequate ? "the records do not contradict the fit: " + numbers : "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
+  if (freedom > 0) out.chi2_critical = critical(freedom, of_scale);
+  if (out.adequate && freedom > 0 && out.chi2 < told_apart * freedom)
+    out.sentence += fmt::format("; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not seen what adds less than {:.3g} to it",
+                                std::sqrt(freedom / out.chi2), out.chi2_critical, out.chi2_critical - out.chi2);
+  return out;
+}
+
+}  // namespace calomel

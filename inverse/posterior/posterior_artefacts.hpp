@@ -1,0 +1,12 @@
+#pragma once
+/// What the artefacts tell of a fit of the posterior and of its check by the true model.
+#include "inverse/posterior/posterior_fit.hpp"
+#include "inverse/posterior/true_model_check.hpp"
+
+namespace calomel {
+
+/// Mode, covariance, evidence, rounds, levels and shares of the errors' covariance; theta by name.
+Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters);
+Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters);
+
+}  // namespace calomel
