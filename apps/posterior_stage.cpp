@@ -111,13 +111,15 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
 std::vector<Parameter> posterior_parameters(const StudyCase& study, const ModelShape& shape) {
   auto parameters = study.map.product == "physical" ? with_handbook_priors(shape.parameters) : shape.parameters;
   const auto& e = study.emulator;
-  const bool there = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
-  if (!there && e.viscosity_sd > 0) {
-    Parameter p{.name = "regularising_viscosity", .key = viscosity_key, .prior = "lognormal"};
-    p.nominal = e.viscosity, p.mu = std::log(e.viscosity), p.sigma = e.viscosity_sd;
-    p.min = e.viscosity * std::exp(-widest_viscosity * e.viscosity_sd), p.max = e.viscosity * std::exp(widest_viscosity * e.viscosity_sd);
+  const auto nuisance = [&](const char* name, const char* key, double median, double sd, double widest) {
+    if (sd <= 0 || std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == key; })) return;
+    Parameter p{.name = name, .key = key, .prior = "lognormal"};
+    p.nominal = median, p.mu = std::log(median), p.sigma = sd;
+    p.min = median * std::exp(-widest * sd), p.max = median * std::exp(widest * sd);
     parameters.push_back(std::move(p));
-  }
+  };
+  nuisance("regularising_viscosity", viscosity_key, e.viscosity, e.viscosity_sd, widest_viscosity);
+  nuisance("young", young_key, study.forward.steel.young, study.errors.young_sd, widest_young);
   return parameters;
 }
 
@@ -189,13 +191,12 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   LevelRuns* runs = out->runs.get();
   const auto told = [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); };
   in.run = [=, this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, command_.threads, told, &stop_requested()); };
-  if (study_.errors.young_sd > 0 || study_.errors.gauge_place_sd > 0)
-    in.unknowns = [=, this](std::span<const double> theta) {
-      return runs->unknowns(theta, study_.errors.young_sd, study_.errors.gauge_place_sd, command_.threads, told, &stop_requested());
-    };
+  if (study_.errors.gauge_place_sd > 0)
+    in.gauge_places = [=, this](std::span<const double> theta) { return runs->gauge_places(theta, study_.errors.gauge_place_sd, command_.threads, told, &stop_requested()); };
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     in.centre.push_back(k < centre.size() ? centre[k] : *parameters[k].nominal);
-    in.half_width.push_back(parameters[k].key == viscosity_key && k >= centre.size() ? box_of_viscosity * e.viscosity_sd : first_half_width(parameters[k]));
+    const bool nuisance = k >= centre.size();
+    in.half_width.push_back(!nuisance ? first_half_width(parameters[k]) : (parameters[k].key == viscosity_key ? box_of_viscosity : box_of_young) * *parameters[k].sigma);
   }
   in.round_done = [this, &parameters = in.parameters](const PosteriorRound& r) {
     std::string at;

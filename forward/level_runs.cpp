@@ -10,11 +10,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double young_difference = 0.02;
 constexpr double part_of_range = 0.25;  ///< of a mechanism's key
 constexpr double rounding = 1e-5;       ///< of the histories: less is what single precision leaves
 constexpr double greatest_cost = 4;     ///< of a mechanism, over the base model
-const std::string young_key = "material.steel.young", element_key = "geometry.element_size";
+const std::string element_key = "geometry.element_size";
 
 Eigen::VectorXd history(const RunRecord& r) { return Eigen::Map<const Eigen::VectorXf>(r.mean.data(), Eigen::Index(r.mean.size())).cast<double>(); }
 
@@ -30,6 +29,7 @@ void enable(ForwardCase& c, const std::string& key) {
 
 /// The case on a mesh of this element size: walls of a given number of elements keep their elements' size where the mesh is finer.
 ForwardCase on_mesh(ForwardCase c, double element_size) {
+  if (element_size == 0) return c;
   const auto own = c.geometry.resolved().element_size;
   if (!own)
     throw InputError({.problem = "the mesh comes from a file, so that there is none of another element size",
@@ -88,43 +88,33 @@ std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::
     const auto theta = thetas.col(Eigen::Index(i));
     points.push_back(point({theta.data(), std::size_t(theta.size())}, level[i]));
   }
-  const auto cost = [](const RunPoint& p) { return 1 / p.at(element_key); };
+  const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
   std::vector<RunRecord> records;
   for (auto& r : store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop)) records.push_back(std::move(r.record));
   return records;
 }
 
-Eigen::MatrixXd LevelRuns::unknowns(std::span<const double> theta, double young_sd, double gauge_place_sd, int threads, const RunStore::Progress& progress,
-                                    const std::atomic<bool>* stop) {
+Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
   const int level = std::min(1, levels() - 1);
-  const double young = case_.number(young_key), shift = std::max(gauge_place_sd, 0.5 * element_size(level));
+  const double shift = std::max(sd, 0.5 * element_size(level));
   const ModelShape& shape = model(level).shape();
-  const bool sought = std::any_of(parameters_.begin(), parameters_.end(), [](const Parameter& p) { return p.key == young_key; });
-  std::vector<RunPoint> points(4, point(theta, level));
-  for (const std::size_t i : {0, 1}) {
-    const double sign = i == 0 ? 1 : -1;
-    if (!sought) points[i][young_key] = (1 + sign * young_difference) * young;
+  std::vector<RunPoint> points(2, point(theta, level));
+  for (const std::size_t i : {0, 1})
     for (const auto& s : case_.sensors) {
       const double length = std::hypot(s.direction[0], s.direction[1], s.direction[2]);
       for (std::size_t x = 0; x < 3; ++x)
-        if (s.direction[x] != 0) points[2 + i]["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + sign * shift * s.direction[x] / length;
+        if (s.direction[x] != 0) points[i]["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + (i == 0 ? 1 : -1) * shift * s.direction[x] / length;
     }
-  }
   const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
-  const auto difference = [&](std::size_t i) -> Eigen::VectorXd {
-    const auto &up = runs[i].record, &down = runs[i + 1].record;
-    const auto values = Eigen::Index(shape.values());
-    if (!up.done || !down.done) return Eigen::VectorXd::Zero(values);
-    return history(up) - history(down);
-  };
+  const auto &up = runs[0].record, &down = runs[1].record;
   const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
-  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), 1 + sensors);
-  if (!sought) directions.col(0) = young_sd / (2 * young_difference) * difference(0);
-  const Eigen::VectorXd by_place = gauge_place_sd / (2 * shift) * difference(2);
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), sensors);
+  if (!up.done || !down.done) return directions;
+  const Eigen::VectorXd by_place = sd / (2 * shift) * (history(up) - history(down));
   for (std::size_t c = 0; c < shape.conditions.size(); ++c)
     for (Eigen::Index s = 0; s < sensors; ++s) {
       const auto at = Eigen::Index(shape.at(c, std::size_t(s), 0));
-      directions.col(1 + s).segment(at, times) = by_place.segment(at, times);
+      directions.col(s).segment(at, times) = by_place.segment(at, times);
     }
   return directions;
 }

@@ -10,12 +10,14 @@
 
 namespace calomel {
 
-/// Dotted key of the regularising viscosity.
+/// Dotted keys of the regularising viscosity and of the steel's Young modulus.
 inline constexpr const char* viscosity_key = "material.mercury.regularising_viscosity";
+inline constexpr const char* young_key = "material.steel.young";
 
 class LevelRuns {
  public:
-  /// `parameters`: what a theta holds, by key; where the viscosity is none of them it is `viscosity` [Pa s] in every run. element_sizes: finest last [m].
+  /// `parameters`: what a theta holds, by key; where the viscosity is none of them it is `viscosity` [Pa s] in every run. element_sizes: finest last [m]; 0 for the
+  /// mesh that the case itself has.
   /// All outlive the object. Errors: InputError for a mesh that cannot be made, naming `emulator.element_sizes`, e.g. for one from a file.
   LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, std::vector<Parameter> parameters, std::vector<double> element_sizes, double viscosity,
             RunStore& store);
@@ -27,12 +29,9 @@ class LevelRuns {
   /// Records of the columns of thetas (n_parameters, n), each on its level's mesh.
   std::vector<RunRecord> run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, int threads, const RunStore::Progress& progress = {},
                              const std::atomic<bool>* stop = nullptr);
-  /// Changes of the ensemble mean at theta by one sd of each unknown, (values, 1 + gauges): the steel's Young modulus, common to all gauges, by a central
-  /// difference of 2 %; the place of each gauge along its direction, by one of half an element or the sd, whichever is more. A column of 0 where its runs failed
-  /// or it is itself a parameter. Four runs of the next to finest mesh.
-  Eigen::MatrixXd unknowns(std::span<const double> theta, double young_sd, double gauge_place_sd, int threads, const RunStore::Progress& progress = {},
-                           const std::atomic<bool>* stop = nullptr);
-
+  /// Changes of the ensemble mean at theta by one sd of each gauge's place along its direction, (values, gauges), by a central difference of half an element or
+  /// the sd, whichever is more. Columns of 0 where the runs failed. Two runs of the next to finest mesh.
+  Eigen::MatrixXd gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress = {}, const std::atomic<bool>* stop = nullptr);
   /// What each built mechanism that the case does not enable would do at theta, by finite differences over a quarter of its keys' ranges on the next to finest
   /// mesh: one run, or two where a key may be moved either way, a key. Mechanisms above four times the base model's cost, keys that change nothing, and those whose
   /// runs fail are left out.

@@ -54,7 +54,7 @@ void summarise(AnswerSpread& s, const std::vector<Parameter>& parameters, const 
   }
   Eigen::MatrixXd flat = s.covariance;
   flat.diagonal() += 1e-12 * prior_sd.cwiseAbs2();
-  s.combinations = identify(parameters, answer, inverse(flat), s.covariance, prior_sd, 1).combinations;
+  s.combinations = identify(parameters, answer, inverse(flat), s.covariance, prior_sd).combinations;
   std::string list;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double sd = std::sqrt(s.covariance(k, k));
@@ -84,15 +84,6 @@ void widen(AnswerSpread& s, const std::vector<Parameter>& parameters, const std:
   if (s.inflation > 1) s.sentence += ", by which the drawn ones are widened: the mesh's error varies from place to place more than the pairs tell";
 }
 
-Json matrix_json(const Eigen::MatrixXd& m) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
 
 Json combinations_json(std::span<const Combination> combinations) {
   Json all = Json::array();

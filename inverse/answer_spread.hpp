@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/identify.hpp"
+#include "inverse/posterior/identifiability.hpp"
 
 namespace calomel {
 
@@ -44,8 +44,6 @@ void widen(AnswerSpread& spread, const std::vector<Parameter>& parameters, const
 /// parameters, covariance, sd, log_sd, combinations and spread: keys of METHOD.json; {} where no draws were asked for.
 Json spread_json(const AnswerSpread& spread, const std::vector<Parameter>& parameters);
 
-/// Rows of numbers; null for those that are not finite.
-Json matrix_json(const Eigen::MatrixXd& m);
 /// name, value, low, high and relative_sd of each.
 Json combinations_json(std::span<const Combination> combinations);
 

@@ -9,7 +9,7 @@
 #include "forward/campaign/added_runs.hpp"
 #include "inverse/likelihood/likelihood.hpp"
 #include "inverse/recordings.hpp"
-#include "inverse/screening.hpp"
+#include "inverse/posterior/score_test.hpp"
 
 namespace calomel {
 
@@ -29,7 +29,7 @@ struct MapModels {
   std::function<Eigen::MatrixXd(std::span<const double> theta)> unknown_directions;
   Eigen::MatrixXd unknowns;   ///< these at the best explanation, set by the search
   /// What mechanisms that the model does not have would do to its values at a point; empty: none is looked for.
-  std::function<std::vector<LeftOut>(std::span<const double> theta)> left_out;
+  std::function<std::vector<MechanismDirections>(std::span<const double> theta)> left_out;
   bool has_finer = false;     ///< whether there is a finer mesh
   Eigen::MatrixXd positions;  ///< (sensors, 3) [m] of the gauges, or empty
 };

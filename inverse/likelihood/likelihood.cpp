@@ -61,15 +61,6 @@ Eigen::MatrixXd along_records(const Eigen::VectorXd& variance, const Decimation&
 
 }  // namespace
 
-TimeKernel matern32(double time) {
-  return [time](double t) {
-    const double r = std::sqrt(3.0) * t / time;
-    return (1 + r) * std::exp(-r);
-  };
-}
-
-double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp(-t / 30e-6); }
-
 ErrorDistribution::ErrorDistribution(const Eigen::MatrixXd& covariance, double freedom) : variance_(covariance.diagonal()), freedom_(freedom) {
   expect(covariance.rows() > 0 && covariance.rows() == covariance.cols() && freedom > 0, "a covariance is square");
   if (!(variance_.minCoeff() > 0)) throw NumericsError("the covariance of the data has a variance that is not positive");
@@ -228,41 +219,6 @@ double Likelihood::log_likelihood(std::span<const double> theta, std::span<const
 
 Eigen::VectorXd Likelihood::gradient(std::span<const double> theta, std::span<const double> history) const {
   return grid_.pull_back(-errors_->gradient(residual(theta, history)));
-}
-
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
-                                  double distance, const TimeKernel& kernel) {
-  constexpr double arrival_share = 0.05, local_time = 25e-6;
-  const Eigen::VectorXd t = grid.times();
-  Eigen::VectorXd amplitude = Eigen::VectorXd::Zero(t.size());
-  std::vector<std::size_t> of(std::size_t(t.size()));
-  for (std::size_t i = 0; i < grid.observations(); ++i) {
-    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
-    bool arrived = false;
-    for (Eigen::Index a = at; a < at + n; ++a) {
-      of[std::size_t(a)] = i;
-      arrived = arrived || std::abs(data[a]) > arrival_share * peak;
-      if (!arrived) continue;
-      double squares = 0, weight = 0;
-      for (Eigen::Index b = at; b < at + n; ++b) {
-        const double w = std::exp(-0.5 * std::pow((t[b] - t[a]) / local_time, 2));
-        squares += w * data[b] * data[b], weight += w;
-      }
-      amplitude[a] = std::sqrt(squares / weight);
-    }
-  }
-  const auto share = [&](std::size_t i, std::size_t j) {
-    const std::size_t a = problem.observations[i].sensor, b = problem.observations[j].sensor;
-    if (a == b) return 1.0;
-    if (positions.rows() == 0) return 0.0;
-    return std::exp(-(positions.row(Eigen::Index(a)) - positions.row(Eigen::Index(b))).norm() / distance);
-  };
-  Eigen::MatrixXd c(t.size(), t.size());
-  for (Eigen::Index a = 0; a < t.size(); ++a)
-    for (Eigen::Index b = 0; b < t.size(); ++b)
-      c(a, b) = amplitude[a] * amplitude[b] * share(of[std::size_t(a)], of[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
-  return c;
 }
 
 }  // namespace calomel

@@ -12,6 +12,7 @@
 #include "base/options.hpp"
 #include "inverse/likelihood/mesh_error.hpp"
 #include "inverse/likelihood/replicate_noise.hpp"
+#include "inverse/posterior/error_model.hpp"
 
 namespace calomel {
 
@@ -147,17 +148,5 @@ class Likelihood {
   double noise_trace_ = 0, noise_freedom_ = 0;
   std::optional<ErrorDistribution> errors_;
 };
-
-/// Covariance of a discrepancy of scale 1, (size, size): A_i A_j k(|t_i - t_j|) exp(-distance of the gauges / distance), A the local root mean
-/// square of the mean record, 0 before the first arrival (the first value beyond 5 % of the gauge's greatest). positions: (sensors, 3) [m];
-/// without them gauges share nothing. Conditions share it like one place.
-using TimeKernel = std::function<double(double seconds)>;
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
-                                  double distance, const TimeKernel& kernel);
-/// k of physics left out: Matern 3/2.
-TimeKernel matern32(double time);
-/// k of the mesh's error, 0.3 exp(-t / 3 us) + 0.7 exp(-t / 30 us): as between elements of 2 and 1 mm on a box slice, whose correlation is 0.94, 0.71,
-/// 0.64, 0.39, 0.10 at 1, 5, 10, 20, 40 us.
-double mesh_kernel(double seconds);
 
 }  // namespace calomel

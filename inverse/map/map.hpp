@@ -36,6 +36,17 @@ struct MapOptions {
       {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the next to finest mesh, about two dozen"});
     v("compare_with", compare_with,
       {.doc = "output directory of a finished MAP of the same records by a model with fewer of these parameters, relative to the case: gives the Bayes factor of the two on one emulator and one covariance"});
+    for (const char* gone : {"starts", "design", "candidates", "separation", "polish", "polish_runs", "secant"})
+      v.renamed(gone, "the mode is found on the emulator, by [emulator] start, coarse_runs, fine_runs and rounds");
+    for (const char* gone : {"added_runs", "mesh_pairs"}) v.renamed(gone, "the runs are those of [emulator]: element_sizes, coarse_runs, fine_runs, rounds");
+    v.renamed("mesh_beyond", "errors.beyond");
+    v.renamed("mesh_beyond_sd", "errors.beyond_sd");
+    v.renamed("mesh_error", "errors.mesh");
+    v.renamed("stable", "emulator.stable");
+    v.renamed("widen", "nothing is multiplied afterwards: what the errors hold is told by [errors]");
+    v.renamed("likelihood", "[errors]: values, band, energy_scale_sd, gain_sd, baseline, coherent_noise for all methods");
+    v.renamed("discrepancy", "errors.discrepancy, errors.discrepancy_times, errors.discrepancy_distance");
+    v.renamed("unknowns", "errors.young_sd, errors.gauge_place_sd");
   }
 };
 

@@ -63,9 +63,9 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   add("gain", std::move(gain));
   add("energy scale", energy * energy.transpose());
   add("pulse energy", own_energy * own_energy.transpose());
-  if (directions.unknowns.size()) {
-    const Eigen::MatrixXd moved = grid_.apply(directions.unknowns);
-    add("steel and gauge places", moved * moved.transpose());
+  if (directions.gauge_places.size()) {
+    const Eigen::MatrixXd moved = grid_.apply(directions.gauge_places);
+    add("gauge places", moved * moved.transpose());
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);

@@ -42,7 +42,7 @@ struct ErrorOptions {
     v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
-    v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's; marginalised to first order"});
+    v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order follows over a record; 0 holds it"});
     v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
     v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
@@ -74,7 +74,7 @@ struct ErrorTerm {
 /// What moves the model's values to first order, on its own output times.
 struct ErrorDirections {
   Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
-  Eigen::MatrixXd unknowns;         ///< (values, k): by one sd of each nuisance of target and gauges
+  Eigen::MatrixXd gauge_places;     ///< (values, gauges): by one sd of each gauge's place
   Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
   double mesh = 0;                  ///< error of the mesh over the local amplitude that is taken for granted, where there is one mesh only
 };

@@ -210,7 +210,7 @@ void Fit::fit() {
   if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
   directions.mesh = in_.levels > 1 ? 0 : in_.mesh;
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
-  if (in_.unknowns) directions.unknowns = in_.unknowns(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
+  if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)

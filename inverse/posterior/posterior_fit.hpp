@@ -61,8 +61,8 @@ struct PosteriorInputs {
   Eigen::MatrixXd positions;          ///< (sensors, 3) [m], or empty
   /// Runs the columns of thetas (n_parameters, n), each on its level's mesh, 0 the finest.
   std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level)> run;
-  /// Changes of the model's values by one sd of each unknown of target and gauges, (values, k); empty: none.
-  std::function<Eigen::MatrixXd(std::span<const double> theta)> unknowns;
+  /// Changes of the model's values by one sd of each gauge's place, (values, gauges); empty: none.
+  std::function<Eigen::MatrixXd(std::span<const double> theta)> gauge_places;
   std::vector<double> centre;      ///< (n_parameters) of the first box
   std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product

@@ -42,7 +42,7 @@ struct Lines {
     const ErrorModel model(problem, recordings, recording_options, with, {}, {});
     const Eigen::MatrixXd outputs = model.grid().apply(histories);
     const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
-    return {box, e, e.fit(outputs), model, numerical_noise(model.grid(), e.residuals(outputs), e.freedom()), {Prior(parameters[0]), Prior(parameters[1])},
+    return {box, e, e.fit(outputs), {{model}}, numerical_noise(model.grid(), e.residuals(outputs), e.freedom()), {Prior(parameters[0]), Prior(parameters[1])},
             {with.beyond, with.beyond_sd}};
   }
 };

@@ -1,11 +1,15 @@
-// What mechanisms that a case does not have would do, against runs of cases that have them.
-#include "apps/left_out.hpp"
+// The meshes of an emulator: what mechanisms that a case does not have would do, against runs of cases that have them.
+#include "forward/level_runs.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+
+#include "base/provenance.hpp"
 
 #include "tests/unit/forward/small_case.hpp"
+#include "tests/scratch.hpp"
 
 namespace calomel {
 namespace {
@@ -19,44 +23,49 @@ Eigen::VectorXd mean_of(const std::string& more) {
   return Eigen::Map<const Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size()));
 }
 
-std::vector<LeftOut> of_case(const std::string& more) {
+std::vector<MechanismDirections> of_case(const std::string& more) {
   CaseFile file = CaseFile::from_text(small_case_text(more));
-  return left_out_directions(BuiltInModel(ForwardCase::read(file), {.pulses = 1}), {}, 2);
+  static int number = 0;  // a store of its own for each case
+  const auto folder = scratch_file("runs" + std::to_string(++number));
+  std::filesystem::create_directories(folder);
+  RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, folder);
+  const ForwardCase c = ForwardCase::read(file);
+  return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).mechanisms({}, 2);
 }
 
-const LeftOut* find(const std::vector<LeftOut>& all, const std::string& name) {
+const MechanismDirections* find(const std::vector<MechanismDirections>& all, const std::string& name) {
   const auto at = std::find_if(all.begin(), all.end(), [&](const auto& l) { return l.name == name; });
   return at == all.end() ? nullptr : &*at;
 }
 
-Eigen::VectorXd column(const LeftOut& l, const std::string& key) {
+Eigen::VectorXd column(const MechanismDirections& l, const std::string& key) {
   const auto at = std::find(l.keys.begin(), l.keys.end(), key);
   EXPECT_NE(at, l.keys.end()) << key;
   return l.directions.col(at - l.keys.begin());
 }
 
-TEST(LeftOut, DirectionsAreTheSecantsOfCasesThatHaveTheMechanism) {
+TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
   const auto all = of_case("");
-  const LeftOut* beam = find(all, "beam_profile");
+  const MechanismDirections* beam = find(all, "beam_profile");
   ASSERT_NE(beam, nullptr);
   const auto with = [](const std::string& line) { return mean_of("[mechanism.beam_profile]\nenabled = true\n" + line + "\n"); };
   const Eigen::VectorXd by_offset = (with("offset_z = 0.00125") - with("offset_z = -0.00125")) / 0.0025;
   ASSERT_GT(by_offset.norm(), 0);
   EXPECT_LT((column(*beam, "offset_z") - by_offset).norm(), 1e-9 * by_offset.norm());
-  const LeftOut* viscous = find(all, "liquid_viscosity");
+  const MechanismDirections* viscous = find(all, "liquid_viscosity");
   ASSERT_NE(viscous, nullptr);
   const double zeta = 1 + 0.25 * 9999;  // one-sided: 0 is the least
   const Eigen::VectorXd by_zeta = (mean_of("[mechanism.liquid_viscosity]\nenabled = true\nzeta = " + std::to_string(zeta) + "\n") - mean_of("")) / zeta;
   EXPECT_LT((column(*viscous, "zeta") - by_zeta).norm(), 1e-6 * by_zeta.norm());
 }
 
-TEST(LeftOut, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
+TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   const auto all = of_case("[mechanism.beam_profile]\nenabled = true\noffset_z = 0.001\n");
   EXPECT_EQ(find(all, "beam_profile"), nullptr);
   EXPECT_EQ(find(all, "bubbly_liquid"), nullptr);
   EXPECT_EQ(find(all, "nonlinear_eos"), nullptr);  // not built
   const auto plain = of_case("");
-  const LeftOut* beam = find(plain, "beam_profile");
+  const MechanismDirections* beam = find(plain, "beam_profile");
   ASSERT_NE(beam, nullptr);
   EXPECT_EQ(std::count(beam->keys.begin(), beam->keys.end(), "offset_y"), 0);  // a slice has no sideways
   EXPECT_TRUE(find(plain, "sensor_response") && find(plain, "structural_damping"));
