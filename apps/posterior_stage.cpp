@@ -29,6 +29,7 @@ namespace {
 
 constexpr double box_of_viscosity = 1.8;  ///< half width of the box in its logarithm, in prior sds
 constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
+constexpr double box_of_young = 2.5, widest_young = 5;  ///< the same of the steel\'s modulus
 constexpr std::size_t predictive_draws = 25, prior_draws = 1000;
 constexpr double mesh_error_by_size = 80;      ///< over the local amplitude, per metre of element size: of the first order
 constexpr double least_surrogate_error = 0.1;  ///< over the local amplitude, in the search for the basin

@@ -11,7 +11,7 @@
 #include "forward/forward_case.hpp"
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc.hpp"
-#include "inverse/map.hpp"
+#include "inverse/map/map.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/recordings.hpp"
 #include "inverse/spe/options.hpp"
