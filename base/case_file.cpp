@@ -317,6 +317,11 @@ void CaseFile::Reader::operator()(const char* key, std::vector<std::string>& val
   if (value.size() < info.least_size) fail_size(key, info.least_size, value.size());
 }
 
+void CaseFile::Reader::renamed(const char* key, const char* instead) {
+  if (!table_ || !table_->contains(key)) return;
+  throw file_.located(InputError({.problem = "this key is no longer read", .key = path_.empty() ? key : path_ + '.' + key, .suggestion = fmt::format("take it out: {}", instead)}));
+}
+
 void CaseFile::Reader::finish(std::span<const std::string> extra) {
   if (!table_) return;
   known_.insert(known_.end(), extra.begin(), extra.end());

@@ -107,6 +107,8 @@ class CaseFile::Reader {
     known_.push_back(key);
     file_.read(path_.empty() ? std::string(key) : path_ + '.' + key, options);
   }
+  /// Errors: InputError, saying "take it out: " and `instead`, when the table has the key.
+  void renamed(const char* key, const char* instead);
   /// Errors: InputError for the first key of the table that no field and no `extra` claimed.
   void finish(std::span<const std::string> extra);
 

@@ -9,7 +9,8 @@
 ///
 /// Fields may be bool, int, double, std::string, std::optional<double>, std::array<double, N>,
 /// std::vector<double>, std::vector<int>, std::vector<std::string>; a nested Options joins through
-/// `v.table("profile", profile, "doc")`. Optional members: `validate() const` throws InputError for what spans fields.
+/// `v.table("profile", profile, "doc")`. A key that is no longer read stays known by `v.renamed("old", "new = 1 | 2 says it now")`: a case that has it is
+/// refused with those words. Optional members: `validate() const` throws InputError for what spans fields.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -77,6 +78,7 @@ class EchoVisitor {
     EchoVisitor inner(table(key));
     options.visit(inner);
   }
+  void renamed(const char*, const char*) {}
 
  private:
   /// The empty object that now stands at the key.
@@ -120,6 +122,7 @@ class NumberVisitor {
     options.visit(*this);
     prefix_ = outer;
   }
+  void renamed(const char*, const char*) {}
 
  private:
   std::string path_, prefix_;
@@ -140,6 +143,7 @@ class ReferenceVisitor {
     options.visit(inner);
     markdown += inner.markdown;
   }
+  void renamed(const char*, const char*) {}
 
  private:
   /// `write` echoes the default.

@@ -33,6 +33,7 @@ struct Load {
     v("peak_pressure", peak_pressure, {.unit = "Pa", .range = above(0), .doc = "peak"});
     v("pulses", pulses, {.range = at_least(1), .doc = "number"});
     v("quiet", quiet, {.doc = "say little"});
+    v.renamed("silent", "load.quiet = true | false says it now");
     v("energy", energy, {.unit = "J", .range = above(0), .doc = "deposited"});
     v("exclude", exclude, {.doc = "sensors"});
     v.table("profile", profile, "shape");
@@ -79,6 +80,16 @@ TEST(CaseFile, SaysValueAndRange) {
   EXPECT_THAT(m, HasSubstr("-3"));
   EXPECT_THAT(m, HasSubstr("> 0"));
   EXPECT_THAT(m, HasSubstr("[Pa]"));
+}
+
+TEST(CaseFile, SaysWhatToWriteInPlaceOfAKeyThatIsGone) {
+  const auto m = message_of("[load]\npulses = 2\nsilent = true\n");
+  EXPECT_THAT(m, HasSubstr("case.toml:3:"));
+  EXPECT_THAT(m, HasSubstr("load.silent"));
+  EXPECT_THAT(m, HasSubstr("no longer read"));
+  EXPECT_THAT(m, HasSubstr("take it out: load.quiet = true | false says it now"));
+  EXPECT_THAT(message_of("[load]\nsilnt = true\n"), testing::Not(HasSubstr("silent")));  // nor is it proposed
+  EXPECT_EQ(echo(Load{}).contains("silent"), false);
 }
 
 TEST(CaseFile, RejectsWrongTypes) {
