@@ -66,12 +66,7 @@ void Stages::compare() {
   say(comparison_text(comparison));
 }
 
-bool Stages::draws_errors(const std::string& method) const { return (method == "enc" && study_.enc.draws > 0) || (method == "spe" && study_.spe.draws > 0); }
-
-bool Stages::needs_floor(const std::string& method) const {
-  const bool drawn = draws_errors(method) && study_.campaign.floor;  // without one the energies' scatter stands for it
-  return study_.map.likelihood.floor > 0 && (method == "map" || drawn || (method == "enc" && study_.enc.needs_likelihood()));
-}
+bool Stages::needs_floor(const std::string& method) const { return method == "map" && study_.map.likelihood.floor > 0; }
 
 LikelihoodOptions Stages::likelihood_options() const {
   LikelihoodOptions options = study_.map.likelihood;
@@ -100,51 +95,33 @@ MapModels Stages::models_with_errors(const ForwardModel& true_model, const Surro
   return models;
 }
 
-Likelihood Stages::likelihood_at_nominal(const Surrogate& surrogate) {
-  return likelihood_at(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models_with_errors(model(), &surrogate),
-                       nominal(problem().shape), true);
-}
-
-ErrorsAt Stages::errors_at(const Surrogate* surrogate) {
-  return [this, surrogate](std::span<const double> theta, const MeshError& mesh, const RefinedModel::Variance& surrogate_variance) {
-    const RememberingModel once(model());
-    MapModels models = models_with_errors(once, surrogate);
-    models.mesh = mesh.with_records_beyond(study_.map.mesh_beyond, study_.map.mesh_beyond_sd), models.surrogate_variance = surrogate_variance;
-    const UnknownOptions& unknowns = study_.map.unknowns;
-    if (unknowns.young_sd > 0 || unknowns.gauge_place_sd > 0) models.unknowns = unknown_directions(model(), theta, unknowns, command_.threads);
-    return answer_errors(problem(), recordings(), *study_.recordings, likelihood_options(), study_.map.discrepancy.distance, models, theta);
-  };
-}
-
 EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
   const Feasibility feasibility(archive);
   say_failures(archive, feasibility);
-  std::optional<Likelihood> likelihood;
-  if (study_.enc.needs_likelihood()) likelihood.emplace(likelihood_at_nominal(surrogate));
-  auto added = added_runs("enc", false, study_.enc.mesh_pairs > 0);
-  const EncRuns runs{run_source(added, progress), archive, study_.enc.draws > 0 ? errors_at(&surrogate) : ErrorsAt(),
-                     [&](std::span<const double> theta) { return surrogate.error_variance(theta); }};
-  const auto summary =
-      run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress, likelihood ? &*likelihood : nullptr, &runs);
+  const auto summary = run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress,
+                               mesh_correction("enc", study_.enc.mesh_correction, progress));
   write_enc(summary, problem(), provenance, command_.out);
-  say_mesh("enc", summary);
+  if (!summary.mesh.sentence.empty()) say("enc: " + summary.mesh.sentence);
   if (!summary.agreement.sentence.empty()) say("enc: " + summary.agreement.sentence);
   return summary;
-}
-
-void Stages::say_mesh(const std::string& method, const Calibration& summary) const {
-  if (!summary.mesh.sentence.empty()) say(method + ": " + summary.mesh.sentence);
-  if (!summary.spread.sentence.empty()) say(method + ": " + summary.spread.sentence);
 }
 
 SpeSummary Stages::calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress) {
   const Archive archive = read_archive(command_.out / "campaign.nc");
   say_failures(archive, Feasibility(archive));
-  auto added = added_runs("spe", study_.spe.zoom > 0, study_.spe.mesh_pairs > 0);
+  const MeshCorrection* correction = mesh_correction("spe", study_.spe.mesh_correction, progress);
+  auto added = added_runs("spe", study_.spe.zoom > 0, false);
   const RunSource source = run_source(added, progress);
-  const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, &source, study_.spe.draws > 0 ? errors_at(nullptr) : ErrorsAt());
+  MakeRuns make_runs;
+  if (source.run)
+    make_runs = [&source](const Eigen::MatrixXd& thetas) {
+      std::vector<RunRecord> records;
+      for (auto& r : source.run(thetas, std::vector<bool>(std::size_t(thetas.cols())))) records.push_back(std::move(r.working));
+      return records;
+    };
+  const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, make_runs, correction);
   write_spe(summary, problem(), provenance, command_.out);
-  say_mesh("spe", summary);
+  if (!summary.mesh.sentence.empty()) say("spe: " + summary.mesh.sentence);
   return summary;
 }
 

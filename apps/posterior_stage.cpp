@@ -243,10 +243,15 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   in.round_done = [this, &parameters = in.parameters](const PosteriorRound& r) {
     std::string at;
     for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
-    say(fmt::format("sample: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
+    say(fmt::format("emulator: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
   };
   out->fit = fit_posterior(in);
   return out;
+}
+
+const CasePosterior& Stages::case_posterior(const CalibrationProgress& progress) {
+  if (!posterior_) posterior_ = fit_case_posterior(progress);
+  return *posterior_;
 }
 
 ExitStatus Stages::sample() {
@@ -257,7 +262,7 @@ ExitStatus Stages::sample() {
     return read_json(command_.out / "posterior.json").value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
   const auto progress = stage_progress("sample");
-  const auto made = study_.file.locating([&] { return fit_case_posterior(progress); });
+  const CasePosterior* made = study_.file.locating([&] { return &case_posterior(progress); });
   const PosteriorFit& fit = made->fit;
   const auto& parameters = made->inputs->parameters;
   say("sample: the emulator " + fit.message);

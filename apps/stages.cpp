@@ -104,10 +104,10 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
     for (const auto& parameter : study_.forward.parameters) p.options["parameter"][parameter.name] = echo(parameter);
     if (!study_.map.compare_with.empty() && std::filesystem::exists(rival_directory() / "map.json")) p.inputs["map.compare_with"] = hash_file(rival_directory() / "map.json");
   }
-  if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
-  if (draws_errors(method)) {
-    p.options["map"]["unknowns"] = echo(study_.map.unknowns);
-    for (const char* key : {"mesh_error", "mesh_beyond", "mesh_beyond_sd"}) p.options["map"][key] = echo(study_.map)[key];
+  if (((method == "enc" && study_.enc.mesh_correction) || (spe && study_.spe.mesh_correction)) && corrects_mesh()) {
+    const Json posterior = posterior_provenance().options;
+    for (const char* key : {"product", "emulator", "errors", "parameter"})
+      if (posterior.contains(key)) p.options[key] = posterior[key];
   }
   if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;

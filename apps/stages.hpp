@@ -11,6 +11,7 @@
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/added_runs.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
+#include "forward/emulator/mesh_correction.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
@@ -68,6 +69,13 @@ class Stages {
   std::vector<double> basin(const CalibrationProgress& progress);
   /// The emulator and its posterior, the runs taken from and kept in runs.journal.
   std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress);
+  /// It, fitted once for all that is done in this call.
+  const CasePosterior& case_posterior(const CalibrationProgress& progress);
+  /// Whether the emulator has a mesh that the case's own can be corrected by; otherwise `why`, if it is given, is told the reason.
+  [[nodiscard]] bool corrects_mesh(std::string* why = nullptr) const;
+  /// For `method`: finest mesh of the emulator less the case's own, taught by the posterior's runs, once for all methods of this call. Null when it is not
+  /// `wanted` or, saying so in a line, when the emulator has no other mesh. Errors: InputError naming emulator.element_sizes when the case's own is none of them.
+  const MeshCorrection* mesh_correction(const std::string& method, bool wanted, const CalibrationProgress& progress);
   [[nodiscard]] Provenance runs_provenance() const;
   [[nodiscard]] Provenance posterior_provenance() const;
   /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
@@ -94,8 +102,6 @@ class Stages {
   RunSource run_source(AddedStage& stage, const CalibrationProgress& progress);
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
-  /// Whether `method` draws errors of records and model for its standard deviations.
-  [[nodiscard]] bool draws_errors(const std::string& method) const;
   /// Hash of floor.json among the inputs of METHOD.json: of what is read of it, or of its bytes where METHOD.json was written by programs that took these.
   [[nodiscard]] std::string floor_input(const std::string& method) const;
   /// Sets aside floor.json if it is of before there were comparisons, and with it the calibrations that were made from it.
@@ -108,12 +114,6 @@ class Stages {
   [[nodiscard]] Recordings recordings();
   /// [map.likelihood] with what the case's elements decide.
   [[nodiscard]] LikelihoodOptions likelihood_options() const;
-  /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
-  Likelihood likelihood_at_nominal(const Surrogate& surrogate);
-  /// The summary of a calibration with pairs of meshes says what they did, and how sure its answer is where that was drawn.
-  void say_mesh(const std::string& method, const Calibration& summary) const;
-  /// The errors at a point for the standard deviations of ENC and SPE: those of MAP. `surrogate` outlives it, null: there is none.
-  ErrorsAt errors_at(const Surrogate* surrogate);
   SpeSummary calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress);
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The MAP from the surrogate and floor.json; writes its artefacts.
@@ -140,6 +140,8 @@ class Stages {
   StudyCase study_;
   std::unique_ptr<BuiltInModel> model_;
   std::optional<Problem> problem_;
+  std::shared_ptr<CasePosterior> posterior_;  ///< once it was asked for, as the next
+  std::optional<MeshCorrection> correction_;
   std::set<std::string> begun_;  ///< stages that this call has come to: --fresh sets nothing of them aside again
 };
 

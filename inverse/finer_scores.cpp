@@ -6,11 +6,6 @@
 
 namespace calomel {
 
-std::string MeshCorrection::scores_on() const {
-  if (!used()) return "the case's own mesh";
-  return beyond == 0 ? "half the element size" : fmt::format("half the element size, and {:.3g} of that difference beyond", beyond);
-}
-
 std::vector<double> FinerScores::finer(std::span<const double> theta, std::span<const double> values) const {
   const Eigen::VectorXd d = mesh_.difference(theta);
   std::vector<double> y(values.begin(), values.end());
@@ -27,8 +22,8 @@ void FinerScores::see(std::span<const double> theta, std::span<const double> val
 
 void FinerScores::put_into(Calibration& out) const {
   if (mesh_.empty()) return;
-  MeshCorrection& m = out.mesh;
-  m.pairs = int(mesh_.pairs()), m.beyond = 0;
+  CorrectionReport& m = out.mesh;
+  m.used = true, m.scores_on = "half the element size";
   m.best = out.best.score, m.at_nominal = out.at_nominal.score;
   m.calibrated = out.calibrated, m.nominal_values = out.nominal_values;
   if (!out.calibrated.empty()) {
@@ -40,7 +35,7 @@ void FinerScores::put_into(Calibration& out) const {
     const auto seen = scores_.find(c.theta);
     c.score = seen == scores_.end() ? Score{} : seen->second;
   }
-  m.sentence = fmt::format("accuracy, mae and histories are those on half the element size, as {} pairs of runs tell it; `working_mesh` holds those of the case's own", m.pairs);
+  m.sentence = fmt::format("accuracy, mae and histories are those on half the element size, as {} pairs of runs tell it; `working_mesh` holds those of the case's own", mesh_.pairs());
 }
 
 }  // namespace calomel

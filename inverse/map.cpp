@@ -183,8 +183,6 @@ Eigen::MatrixXd MapRun::mesh_covariance() {
 
 /// Scores and histories as the calibrations that correct for the mesh have them.
 void MapRun::show_on_finer_mesh() {
-  out_.mesh.wanted = models_.add_runs && models_.has_finer ? options_.mesh_pairs : int(current_.mesh.pairs()), out_.mesh.settled = out_.refinement.stable;
-  if (!out_.refinement.rounds.empty()) out_.mesh.failed = out_.refinement.rounds.back().pairs - int(current_.mesh.pairs());
   finer_.put_into(out_);
 }
 

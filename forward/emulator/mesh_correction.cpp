@@ -14,7 +14,9 @@ Eigen::VectorXd clamped(const Eigen::VectorXd& u) { return u.cwiseMax(-1.0).cwis
 
 MeshCorrection::MeshCorrection(EmulatorBox box, const MultilevelRegression& regression, const Eigen::MatrixXd& histories, int working_level,
                                std::vector<double> fixed_fine, std::vector<double> fixed_working)
-    : box_(std::move(box)), regression_(regression), directions_(regression.fit(histories)), level_(working_level), fine_(std::move(fixed_fine)), working_(std::move(fixed_working)) {
+    : box_(std::move(box)), regression_(regression), level_(working_level), fine_(std::move(fixed_fine)), working_(std::move(fixed_working)) {
+  expect(histories.cols() == regression.size(), "every run of the regression has a history");
+  directions_ = regression.fit(histories);
   expect(level_ >= 0 && level_ < regression.levels(), "the working mesh is one of the emulator's");
   expect(fine_.size() == working_.size() && Eigen::Index(fine_.size()) <= box_.size(), "either mesh has the same numbers beside the parameters");
 }

@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   const int bytes = instruction_set() == InstructionSet::avx512 ? 64 : instruction_set() == InstructionSet::avx2 ? 32 : 16;
   const double peak = peak_arithmetic<float>(bytes, 1) * 1e9;
   row("the product at the peak of this instruction set: the bound", product / peak, product);
-  row("histories written, then scored", seconds_of([&] { (void)objective.costs(b.problem, model.means(points, 1), points); }) / n, 0);
+  row("histories written, then scored", seconds_of([&] { (void)objective.costs(b.problem, model.means(points, 1)); }) / n, 0);
   for (const auto isa : instruction_sets()) {
     const BatchScorer by(b.problem, basis, isa);
     const double each = seconds_of([&] { (void)by.score(coefficients); }) / n;
