@@ -173,9 +173,11 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
   const Provenance provenance{.stage = "added_runs", .seed = 1};
   const auto from = [](AddedRuns& added, std::atomic<bool>* stop) -> MakeRuns {
     return [&added, stop](const Eigen::MatrixXd& thetas) {
+      const auto told = [&](std::size_t, std::size_t) {
+        if (stop) *stop = added.made() >= 20;
+      };
       std::vector<RunRecord> records;
-      const auto runs = added.run(thetas, std::vector<bool>(std::size_t(thetas.cols())), 1, [&](std::size_t, std::size_t) { *stop = *stop || added.made() == 20; }, stop);
-      for (const auto& r : runs) records.push_back(r.working);
+      for (const auto& r : added.run(thetas, std::vector<bool>(std::size_t(thetas.cols())), 1, told, stop)) records.push_back(r.working);
       return records;
     };
   };
@@ -186,13 +188,8 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
     EXPECT_THROW((void)whole(from(added, &stop)), Interrupted);
     first = added.made();
   }
-  std::atomic<bool> never = false;
   AddedRuns added(c.working, nullptr, provenance, directory);
-  const auto resumed = whole([&](const Eigen::MatrixXd& thetas) {
-    auto records = from(added, &never)(thetas);
-    never = false;
-    return records;
-  });
+  const auto resumed = whole(from(added, nullptr));
   EXPECT_EQ(resumed.theta, expected.theta);
   EXPECT_EQ(resumed.calibrated, expected.calibrated);
   EXPECT_GE(added.reused(), first);
