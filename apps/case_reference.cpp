@@ -110,7 +110,7 @@ std::string case_reference() {
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
   s += table<MapOptions>("[map]", "map", "Maximum a posteriori by least squares.");
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
-  s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md). MAP, ENC and SPE still read `[map.likelihood]`.");
+  s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md). MAP still reads `[map.likelihood]`.");
   s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");

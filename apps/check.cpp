@@ -17,7 +17,6 @@ namespace calomel {
 
 namespace {
 
-const Json::json_pointer floor_input_pointer("/provenance/inputs/floor.json");
 
 }  // namespace
 
@@ -99,30 +98,7 @@ Provenance Stages::floor_provenance() const {
   return {.stage = "floor", .options = std::move(options), .seed = command_.seed, .inputs = study_.model_inputs()};
 }
 
-std::string Stages::floor_input(const std::string& method) const {
-  const auto floor = command_.out / "floor.json", summary = command_.out / (method + ".json");
-  const std::string bytes = hash_file(floor);
-  if (std::filesystem::exists(summary) && read_json(summary).value(floor_input_pointer, "") == bytes) return bytes;
-  return floor_hash(read_json(floor));
-}
-
-void Stages::set_old_floor_aside() const {
-  // It does not tell how it was measured. What was made from it gives way with it: the user changed nothing and must not be asked for --fresh.
-  const auto floor = command_.out / "floor.json";
-  if (!std::filesystem::exists(floor) || read_json(floor).contains("comparisons")) return;
-  const std::string bytes = hash_file(floor);
-  say("floor.json in " + command_.out.string() + " is of an earlier form and is measured anew");
-  for (const char* method : {"map", "enc"}) {
-    const auto summary = command_.out / (std::string(method) + ".json");
-    if (!std::filesystem::exists(summary) || read_json(summary).value(floor_input_pointer, "") != bytes) continue;
-    say(std::string(method) + ".json, made from it, is set aside");
-    set_aside(summary), set_aside(command_.out / (std::string(method) + ".nc"));
-  }
-  set_aside(floor);
-}
-
 void Stages::need_floor() {
-  set_old_floor_aside();
   if (!due(floor_provenance(), {"floor.json"}, Asked::upstream)) return;
   say("no repeatability floor in " + command_.out.string() + ": measuring it first");
   measure_floor();

@@ -24,7 +24,8 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Calibration
   std::optional<NestedFit> nested;  // before any long work, so that a wrong one is told at once
   if (!study_.map.compare_with.empty())
     nested = read_nested_fit(nested_directory(), posterior_parameters(study_, model().shape()), model().shape().parameters.size(), study_.map, hash_file(study_.recordings_file()));
-  const auto made = fit_case_posterior(progress, nested ? &*nested : nullptr);
+  const auto with_nested = nested ? fit_case_posterior(progress, &*nested) : nullptr;
+  const CasePosterior* made = nested ? with_nested.get() : &case_posterior(progress);
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
   if (study_.map.screen)
     left_out = [&](std::span<const double>) {

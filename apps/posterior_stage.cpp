@@ -174,16 +174,22 @@ Provenance Stages::posterior_provenance() const {
           .inputs = {{"model", runs_provenance().identity()}, {"recordings", hash_file(study_.recordings_file())}}};
 }
 
+RunStore& Stages::run_store() {
+  if (!runs_) {
+    const auto journal = command_.out / "runs.journal";
+    if (command_.fresh && std::filesystem::exists(journal) && journal_identity(journal) != runs_provenance().identity()) set_aside(journal);
+    runs_ = std::make_unique<RunStore>(runs_provenance(), command_.out);
+  }
+  return *runs_;
+}
+
 std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgress& progress, const NestedFit* nested) {
   auto out = std::make_unique<CasePosterior>();
   const EmulatorOptions& e = study_.emulator;
   const auto parameters = posterior_parameters(study_, model().shape());
   const auto centre = basin(progress);
   const EnsembleOptions ensemble{.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd};
-  const auto journal = command_.out / "runs.journal";
-  if (command_.fresh && std::filesystem::exists(journal) && journal_identity(journal) != runs_provenance().identity()) set_aside(journal);
-  out->store = std::make_unique<RunStore>(runs_provenance(), command_.out);
-  out->runs = std::make_unique<LevelRuns>(study_.forward, ensemble, parameters, element_sizes(study_), e.viscosity, *out->store);
+  out->runs = std::make_unique<LevelRuns>(study_.forward, ensemble, parameters, element_sizes(study_), e.viscosity, run_store());
   out->records = recordings();
   out->inputs.reset(new PosteriorInputs{.problem = problem(), .recordings = out->records, .recording_options = *study_.recordings, .errors = study_.errors, .emulator = e});
   PosteriorInputs& in = *out->inputs;
@@ -202,7 +208,7 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   in.round_done = [this, &parameters = in.parameters](const PosteriorRound& r) {
     std::string at;
     for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
-    say(fmt::format("sample: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
+    say(fmt::format("emulator: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance));
   };
   if (nested) {
     in.held = nested->held, in.nested_centre = nested->theta;
@@ -210,6 +216,11 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   }
   out->fit = fit_posterior(in);
   return out;
+}
+
+const CasePosterior& Stages::case_posterior(const CalibrationProgress& progress) {
+  if (!posterior_) posterior_ = fit_case_posterior(progress);
+  return *posterior_;
 }
 
 ExitStatus Stages::sample() {
@@ -220,7 +231,7 @@ ExitStatus Stages::sample() {
     return read_json(command_.out / "posterior.json").value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
   const auto progress = stage_progress("sample");
-  const auto made = study_.file.locating([&] { return fit_case_posterior(progress); });
+  const CasePosterior* made = study_.file.locating([&] { return &case_posterior(progress); });
   const PosteriorFit& fit = made->fit;
   const auto& parameters = made->inputs->parameters;
   say("sample: the emulator " + fit.message);
@@ -255,7 +266,7 @@ ExitStatus Stages::sample() {
   json["mode"] = fit_json(fit, parameters);
   json["true_model_check"] = check_json(check, parameters);
   json["absorption"] = alarms;
-  json["runs"] = {{"made", made->store->made()}, {"reused", made->store->reused()}, {"held", made->store->size()}, {"element_sizes", element_sizes(study_)}};
+  json["runs"] = {{"made", run_store().made()}, {"reused", run_store().reused()}, {"held", run_store().size()}, {"element_sizes", element_sizes(study_)}};
   write_posterior(command_.out / "posterior.nc", groups, provenance);
   write_json(command_.out / "posterior.json", json);
   remove_journal(journal);

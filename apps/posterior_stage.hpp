@@ -9,10 +9,9 @@
 
 namespace calomel {
 
-/// The run store, the meshes and what a fit works on. It refers to itself: made in place, never copied.
+/// The meshes and what a fit works on. It refers to itself: made in place, never copied.
 struct CasePosterior {
   Recordings records;
-  std::unique_ptr<RunStore> store;
   std::unique_ptr<LevelRuns> runs;
   std::unique_ptr<PosteriorInputs> inputs;
   PosteriorFit fit;

@@ -106,12 +106,11 @@ Provenance Stages::calibration_provenance(const std::string& method) const {
                .options = {{method, spe ? echo(study_.spe) : echo(study_.enc)}, {"recordings", echo(*study_.recordings)}},
                .seed = command_.seed,
                .inputs = {{learnt_from, hash_file(command_.out / learnt_from)}, {"recordings", hash_file(study_.recordings_file())}}};
-  if (draws_errors(method) || (method == "enc" && study_.enc.needs_likelihood())) p.options["map"]["likelihood"] = echo(study_.map.likelihood);
-  if (draws_errors(method)) {
-    p.options["map"]["unknowns"] = echo(study_.map.unknowns);
-    for (const char* key : {"mesh_error", "mesh_beyond", "mesh_beyond_sd"}) p.options["map"][key] = echo(study_.map)[key];
+  if (((method == "enc" && study_.enc.mesh_correction) || (spe && study_.spe.mesh_correction)) && corrects_mesh()) {
+    const Json posterior = posterior_provenance().options;
+    for (const char* key : {"product", "emulator", "errors", "parameter"})
+      if (posterior.contains(key)) p.options[key] = posterior[key];
   }
-  if (needs_floor(method)) p.inputs["floor.json"] = floor_input(method);
   return p;
 }
 
@@ -184,7 +183,6 @@ ExitStatus Stages::calibrate(const std::string& method) {
   (void)problem();  // before any long work, so that wrong recordings are told at once
   // The posterior makes what it needs by itself.
   const auto upstream = method == "map" ? ExitStatus::done : method == "spe" ? campaign(Asked::upstream) : train(Asked::upstream);
-  if (needs_floor(method)) need_floor();
   const auto provenance = calibration_provenance(method);
   if (!due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
     say(method + ": reused");

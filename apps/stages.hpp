@@ -9,26 +9,19 @@
 #include "apps/command_line.hpp"
 #include "apps/study_case.hpp"
 #include "forward/built_in_model.hpp"
-#include "forward/campaign/added_runs.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
+#include "forward/emulator/mesh_correction.hpp"
+#include "forward/emulator/run_store.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration.hpp"
 #include "inverse/enc.hpp"
 #include "inverse/map/map.hpp"
-#include "inverse/mesh_pairs.hpp"
 #include "inverse/problem.hpp"
 #include "inverse/spe.hpp"
 
 namespace calomel {
 
 struct Provenance;  // base/provenance.hpp
-
-/// Runs added beside the campaign, and the finer model of their pairs; both empty where none are added.
-struct AddedStage {
-  std::string method;  ///< that asks for them
-  std::unique_ptr<BuiltInModel> finer;
-  std::unique_ptr<AddedRuns> runs;
-};
 
 class Stages {
  public:
@@ -68,7 +61,16 @@ class Stages {
   std::vector<double> basin(const CalibrationProgress& progress);
   /// The emulator and its posterior, the runs taken from and kept in runs.journal.
   std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress, const struct NestedFit* nested = nullptr);
+  /// It, fitted once for all that is done in this call.
+  const CasePosterior& case_posterior(const CalibrationProgress& progress);
+  /// Whether the emulator has a mesh that the case's own can be corrected by; otherwise `why`, if it is given, is told the reason.
+  [[nodiscard]] bool corrects_mesh(std::string* why = nullptr) const;
+  /// For `method`: finest mesh of the emulator less the case's own, taught by the posterior's runs, once for all methods of this call. Null when it is not
+  /// `wanted` or, saying so in a line, when the emulator has no other mesh. Errors: InputError naming emulator.element_sizes when the case's own is none of them.
+  const MeshCorrection* mesh_correction(const std::string& method, bool wanted, const CalibrationProgress& progress);
   [[nodiscard]] Provenance runs_provenance() const;
+  /// The journal of all runs of the true model beside the campaign, opened at the first call. With --fresh one of other settings is set aside first.
+  RunStore& run_store();
   [[nodiscard]] Provenance posterior_provenance() const;
   /// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
   void compare();
@@ -87,33 +89,10 @@ class Stages {
   [[nodiscard]] std::vector<std::string> cost(const ModelDescription& d);
   void say_floor(const RepeatabilityFloor& floor) const;
   [[nodiscard]] Provenance floor_provenance() const;
-  [[nodiscard]] Provenance added_provenance() const;
-  /// The journal of added runs: opened where runs are added by themselves (`alone`) or paired with a finer mesh that can be made.
-  AddedStage added_runs(const std::string& method, bool alone, bool paired);
-  /// What a calibration asks for its runs, nothing where none are added. `stage` outlives it. The runs stand in added_runs.nc.
-  RunSource run_source(AddedStage& stage, const CalibrationProgress& progress);
   /// Makes floor.json first, saying so, where there is none of this model.
   void need_floor();
-  /// Whether `method` draws errors of records and model for its standard deviations.
-  [[nodiscard]] bool draws_errors(const std::string& method) const;
-  /// Hash of floor.json among the inputs of METHOD.json: of what is read of it, or of its bytes where METHOD.json was written by programs that took these.
-  [[nodiscard]] std::string floor_input(const std::string& method) const;
-  /// Sets aside floor.json if it is of before there were comparisons, and with it the calibrations that were made from it.
-  void set_old_floor_aside() const;
-  /// Whether `method` needs floor.json.
-  [[nodiscard]] bool needs_floor(const std::string& method) const;
-  /// What a likelihood is told of the models' errors; both outlive it; `surrogate` may be null.
-  MapModels models_with_errors(const ForwardModel& true_model, const Surrogate* surrogate);
   /// Recordings of the model's sensors, without the warnings, which were said before.
   [[nodiscard]] Recordings recordings();
-  /// [map.likelihood] with what the case's elements decide.
-  [[nodiscard]] LikelihoodOptions likelihood_options() const;
-  /// The likelihood of the mean records, with the errors as the surrogate has them at the nominal parameters.
-  Likelihood likelihood_at_nominal(const Surrogate& surrogate);
-  /// The summary of a calibration with pairs of meshes says what they did, and how sure its answer is where that was drawn.
-  void say_mesh(const std::string& method, const Calibration& summary) const;
-  /// The errors at a point for the standard deviations of ENC and SPE: those of MAP. `surrogate` outlives it, null: there is none.
-  ErrorsAt errors_at(const Surrogate* surrogate);
   SpeSummary calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress);
   EncSummary calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress);
   /// The mode of the posterior on the emulator; writes its artefacts.
@@ -140,6 +119,9 @@ class Stages {
   StudyCase study_;
   std::unique_ptr<BuiltInModel> model_;
   std::optional<Problem> problem_;
+  std::unique_ptr<RunStore> runs_;
+  std::shared_ptr<CasePosterior> posterior_;  ///< once it was asked for, as the next
+  std::optional<MeshCorrection> correction_;
   std::set<std::string> begun_;  ///< stages that this call has come to: --fresh sets nothing of them aside again
 };
 

@@ -82,12 +82,11 @@ double BatchScorer::product_operations() const {
 }
 
 BatchCost::BatchCost(const Problem& problem, const ForwardModel& model, const Objective& objective) : problem_(problem), model_(model), objective_(objective) {
-  if (objective.of_histories) return;
   if (const HistoryBasis basis = model.basis(); !basis.empty()) scorer_.emplace(problem, basis);
 }
 
 std::vector<double> BatchCost::operator()(const Eigen::MatrixXd& points) const {
-  return scorer_ ? objective_.costs(scorer_->score(model_.coefficients(points))) : objective_.costs(problem_, model_.means(points, 1), points);
+  return scorer_ ? objective_.costs(scorer_->score(model_.coefficients(points))) : objective_.costs(problem_, model_.means(points, 1));
 }
 
 }  // namespace calomel

@@ -39,8 +39,7 @@ class BatchScorer {
   std::vector<AlignedLine> directions_, rows_;  ///< as ScorePanels
 };
 
-/// The cost of an objective on a model, for many points at once: by a BatchScorer where the objective is one of scores and the model has a basis, else of the
-/// model's histories.
+/// The cost of an objective on a model, for many points at once: by a BatchScorer where the model has a basis, else of its histories.
 class BatchCost {
  public:
   /// All outlive the object.

@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/answer_spread.hpp"
-#include "inverse/mesh_correction.hpp"
+#include "inverse/correction_report.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
 #include "inverse/problem.hpp"
 
 namespace calomel {
 
-struct Provenance;  // base/provenance.hpp
+struct Provenance;     // base/provenance.hpp
+class MeshCorrection;  // forward/emulator/mesh_correction.hpp
 
 /// A point that a search proposes.
 struct Proposal {
@@ -33,6 +33,7 @@ struct Candidate {
   std::optional<double> objective_model;  ///< empty: the true model failed there
   std::string message;                    ///< why it failed
   Score score;
+  bool inside_emulator = true;  ///< where predictions are corrected for the mesh: the point lies in the box in which that is known
 };
 
 enum class CalibrationStatus { not_run, done, not_settled, no_candidate };
@@ -47,10 +48,8 @@ struct Calibration {
   Candidate best, at_nominal;                      ///< as the true model has them
   std::vector<Candidate> candidates;               ///< best by the true model first; failed ones only when no other was left
   std::vector<Candidate> failed;                   ///< candidates replaced by another because the true model failed
-  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, mesh.used(): with the shift; empty where failed
-  MeshCorrection mesh;                             ///< scores and objectives of all candidates are those with the shift
-  std::string scores_on;                           ///< which mesh scores and histories are on, in words, where `mesh` does not tell
-  AnswerSpread spread;                             ///< of methods that draw it; MAP's covariance is its own
+  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, corrected where mesh.used; empty where failed
+  CorrectionReport mesh;                           ///< where used, scores and objectives of all candidates are those with the correction
   std::vector<std::string> warnings;
   std::size_t evaluations = 0;       ///< of the surrogate
   std::size_t model_runs = 0;        ///< of the true model
@@ -92,6 +91,13 @@ using RunObjective = std::function<double(std::span<const double> theta, std::sp
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
                           double cost_at_nominal, int threads, const CalibrationProgress& progress = {}, const RunObjective& value = {});
 
+/// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
+double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
+
+/// Fills out.mesh of a calibration that was decided with this correction: its histories and scores without it, and a sentence; marks the candidates outside the
+/// emulator's box, with a warning where the answer is one. An empty correction changes nothing. out.mesh.without is the caller's.
+void report_correction(Calibration& out, const Problem& problem, const MeshCorrection& correction);
+
 /// {parameter: value}
 Json named(const ModelShape& shape, std::span<const double> theta);
 
@@ -99,7 +105,7 @@ Json named(const ModelShape& shape, std::span<const double> theta);
 Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const Provenance& provenance);
 
 /// Writes METHOD.nc, then METHOD.json with `json`, into `out_dir`. METHOD.nc: time; calibrated, nominal
-/// (condition, sensor, time), where pairs of meshes were used calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean, band_low, band_high (condition, sensor, record_time).
+/// (condition, sensor, time), where predictions are corrected for the mesh calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean, band_low, band_high (condition, sensor, record_time).
 void write_calibration(const std::string& method, const Calibration& calibration, const Problem& problem, const Json& json, const Provenance& provenance,
                        const std::filesystem::path& out_dir);
 

@@ -11,11 +11,12 @@ namespace calomel {
 
 namespace {
 
-Json candidate(const Candidate& c, const ModelShape& shape) {
+Json candidate(const Candidate& c, const ModelShape& shape, bool corrected) {
   Json j{{"theta", named(shape, c.theta)},
          {"objective_surrogate", number(c.objective_surrogate)},
          {"objective_model", c.objective_model ? number(*c.objective_model) : Json()}};
   if (c.score.ok) j["accuracy"] = number(c.score.accuracy), j["mae"] = number(c.score.mae);
+  if (corrected) j["inside_emulator"] = c.inside_emulator;
   if (!c.message.empty()) j["message"] = c.message;
   return j;
 }
@@ -75,14 +76,10 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
   return all;
 }
 
-Json mesh_json(const MeshCorrection& m, const Calibration& s, const Problem& problem) {
+Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem) {
   const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
-  Json rounds = Json::array();
-  for (const auto& r : m.rounds) rounds.push_back({{"pairs", r.pairs}, {"theta", named(problem.shape, r.theta)}, {"moved", number(r.moved)}});
-  Json j{{"pairs", m.pairs}, {"failed_pairs", m.failed}, {"beyond", m.beyond}, {"settled", m.settled}, {"rounds", rounds}, {"sentence", m.sentence}};
-  if (!m.used()) return j;
-  j["relative_difference"] = s.calibrated.empty() ? Json() : number(m.difference);
-  if (!m.without.empty()) j["theta_without_shift"] = named(problem.shape, m.without);
+  Json j{{"sentence", m.sentence}, {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)}};
+  if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape, m.without);
   j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
                        {"mae", of(m.best, &Score::mae)},
                        {"nominal_accuracy", of(m.at_nominal, &Score::accuracy)},
@@ -123,16 +120,14 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["nrmse"] = average(s.best, &Score::nrmse), j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
   j["delta1"] = average(s.best, &Score::delta1), j["delta2"] = average(s.best, &Score::delta2);
   j["nominal_delta1"] = average(s.at_nominal, &Score::delta1), j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
-  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.scores_on.empty() ? s.mesh.scores_on() : s.scores_on;
+  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.mesh.scores_on;
   if (const Json z = impedance(shape, s); !z.is_null()) j["impedance"] = z;
   j["candidates"] = Json::array(), j["failed_candidates"] = Json::array();
-  for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape));
-  for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape));
+  for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape, s.mesh.used));
+  for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape, s.mesh.used));
   j["sensors"] = sensors(s.best.score, s.at_nominal.score, problem);
-  if (s.mesh.wanted > 0) j["mesh"] = mesh_json(s.mesh, s, problem);
+  if (s.mesh.used) j["mesh"] = mesh_json(s.mesh, s, problem);
   for (const auto& [key, value] : own.items()) j[key] = value;
-  const Json spread = spread_json(s.spread, shape.parameters);
-  for (const auto& [key, value] : spread.items()) j[key] = value;
   j["compared_times"] = problem.time.size(), j["times_outside_simulation"] = problem.outside;
   j["evaluations"] = s.evaluations, j["model_runs"] = s.model_runs;
   j["search_s"] = s.search_s, j["model_s"] = s.model_s;
@@ -160,10 +155,10 @@ void write_calibration(const std::string& method, const Calibration& s, const Pr
   const auto history = [&](const std::string& name, const std::vector<double>& values, const std::string& what) {
     file.variable(name, model, values.empty() ? absent : values, {{"units", units}, {"long_name", what}});
   };
-  const std::string with = s.mesh.used() ? ", corrected for the mesh" : "";
+  const std::string with = s.mesh.used ? ", corrected for the mesh" : "";
   history("calibrated", s.calibrated, "true model at the calibrated parameters" + with);
   history("nominal", s.nominal_values, "true model at the nominal parameters" + with);
-  if (s.mesh.used()) {
+  if (s.mesh.used) {
     history("calibrated_working_mesh", s.mesh.calibrated, "true model at the calibrated parameters, on the case's mesh");
     history("nominal_working_mesh", s.mesh.nominal_values, "true model at the nominal parameters, on the case's mesh");
   }

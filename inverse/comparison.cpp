@@ -191,10 +191,9 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
   }
   c.parameters = parameter_rows(summaries);
   const auto corrected = std::count_if(summaries.begin(), summaries.end(), [](const auto& s) { return &own_mesh(s.json) != &s.json; });
-  const auto carried = [](const MethodSummary& s) { return number_of(part_of(s.json, "mesh"), "beyond").value_or(0); };
-  const bool all = corrected > 0 && std::size_t(corrected) == summaries.size() &&
-                   std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return carried(s) == carried(summaries[0]); });
-  c.scores_on = corrected == 0 ? "" : all ? summaries[0].json.value("scores_on", "half the element size") : "the case's own mesh";
+  const auto on = [](const MethodSummary& s) { return s.json.value("scores_on", ""); };
+  const bool all = std::size_t(corrected) == summaries.size() && std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return on(s) == on(summaries[0]); });
+  c.scores_on = corrected == 0 ? "" : all ? on(summaries[0]) : "the case's own mesh";
   c.accuracy = score_rows(summaries, "accuracy", !all), c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));

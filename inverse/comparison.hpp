@@ -56,7 +56,7 @@ struct Comparison {
   std::vector<ComparedRow> accuracy;    ///< [%] by sensor, the mean last
   std::vector<ComparedRow> mae;         ///< by sensor, the mean last
   std::string mae_unit;
-  std::string scores_on;                ///< what accuracy and mae belong to: "the case's own mesh", "half the element size" where all methods tell it, or ""
+  std::string scores_on;                ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods tell of the same, or ""
   std::vector<ComparedPair> pairs;
   std::vector<ComparedEffort> effort;
   bool agree = false;    ///< every difference lies within `agreement_sds`; false, too, where there is no MAP to tell

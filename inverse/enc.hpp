@@ -6,10 +6,8 @@
 #include <vector>
 
 #include "inverse/calibration.hpp"
-#include "inverse/drawn_errors.hpp"
 #include "inverse/enc_agreement.hpp"
 #include "inverse/enc_rounds.hpp"
-#include "inverse/mesh_pairs.hpp"
 
 namespace calomel {
 
@@ -28,9 +26,7 @@ struct EncOptions {
   std::vector<std::string> compare_objectives{"rrmse"};
   int compare_rounds = 4;
   double agreement = 0.05;
-  int mesh_pairs = 6;
-  double mesh_beyond = 0;
-  int draws = 32;
+  bool mesh_correction = true;
 
   template <class V>
   void visit(V& v) {
@@ -41,27 +37,21 @@ struct EncOptions {
     v("candidates", candidates, {.range = between(1, 50), .doc = "best distinct points that are re-run in the true model"});
     v("separation", separation,
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
-    v("objective", objective,
-      {.doc = "formulation of the misfit; correlated is the log likelihood with errors correlated in time, with the options of [map.likelihood]",
-       .choices = with_another(objectives().names(), correlated_name)});
+    v("objective", objective, {.doc = "formulation of the misfit", .choices = objectives().names()});
     v("compare_optimizers", compare_optimizers,
       {.doc = "optimisers whose answers are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a gradient",
-       .choices = with_another(calomel::optimizers().names(), gradient_search)});
+       .choices = and_gradient_search(calomel::optimizers().names())});
     v("compare_objectives", compare_objectives,
-      {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = with_another(objectives().names(), correlated_name)});
+      {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = objectives().names()});
     v("compare_rounds", compare_rounds, {.range = between(1, 1000), .doc = "rounds of each compared optimiser and objective"});
     v("agreement", agreement,
       {.range = between(0, 1), .doc = "answers agree when they differ by no more than this, the largest over the parameters in units of their bounds"});
-    v("mesh_pairs", mesh_pairs, mesh_pairs_info());
-    v("mesh_beyond", mesh_beyond, mesh_beyond_info());
-    v("draws", draws, draws_info());
+    visit_mesh_correction(v, mesh_correction);
   }
-  /// Whether any objective of these is the correlated one.
-  [[nodiscard]] bool needs_likelihood() const;
 
  private:
-  static std::vector<std::string> with_another(std::vector<std::string> names, const std::string& name) {
-    names.push_back(name);
+  static std::vector<std::string> and_gradient_search(std::vector<std::string> names) {
+    names.push_back(gradient_search);
     return names;
   }
 };
@@ -81,22 +71,11 @@ struct EncSummary : Calibration {
   double agreement_s = 0;  ///< wall time of its searches and runs [s]
 };
 
-/// What a calibration needs to take the mesh's error into account: where runs are made, and the campaign, good runs of which are paired first; and, for its
-/// standard deviations, the errors at a point (empty: none are drawn) and the variance of (model - surrogate).
-struct EncRuns {
-  RunSource source;
-  const Archive& archive;
-  ErrorsAt errors{};
-  RefinedModel::Variance surrogate_variance{};
-};
-
-/// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model`
-/// have the shape of `problem`; `likelihood` is needed for the correlated objective only. Without `runs`, or where these have no finer mesh, the
-/// mesh's error is not looked at.
+/// The rounds run side by side on `threads` threads; the result depends on the seed alone. `surrogate` and `true_model` have the shape of `problem`.
+/// `correction`: for the mesh, of every prediction of either; null, or an empty one: as published.
 /// Errors: InputError for an unknown optimiser or objective; what the models throw.
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
-                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const Likelihood* likelihood = nullptr,
-                                 const EncRuns* runs = nullptr);
+                                 std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const MeshCorrection* correction = nullptr);
 
 /// The contents of enc.json.
 Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);

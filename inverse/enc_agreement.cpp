@@ -92,7 +92,7 @@ void run_model(EncAgreement& a, const Problem& problem, const ForwardModel& true
       f.model.message = p.message;
       if (f.model.score.ok)
         for (std::size_t k = 0; k < objectives.size(); ++k)
-          if (const double v = value_of_run(objectives[k], f.theta, p.mean, f.model.score); std::isfinite(v)) f.values[k].second = v;
+          if (const double v = objectives[k].value(f.model.score); std::isfinite(v)) f.values[k].second = v;
       f.model.objective_model = f.values[0].second;
     }
     const std::lock_guard guard(lock);
@@ -102,20 +102,8 @@ void run_model(EncAgreement& a, const Problem& problem, const ForwardModel& true
 
 }  // namespace
 
-Objective objective_named(const std::string& name, const Likelihood* likelihood, const std::string& key) {
-  if (name != correlated_name) return objectives().get(name, key);
-  if (likelihood) return correlated_objective(*likelihood);
-  throw InputError({.problem = "this objective needs a likelihood of the records, and none was made", .key = key, .value = '"' + name + '"', .range = join(objectives().names())});
-}
-
-double value_of_run(const Objective& objective, std::span<const double> theta, std::span<const double> values, const Score& score) {
-  if (!objective.of_histories) return objective.value(score);
-  return score.ok ? objective.of_histories(theta, values).value : nan;
-}
-
 EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const Objective& objective,
-                            const std::vector<EncRound>& own, const AgreementPlan& plan, const Likelihood* likelihood, std::uint64_t seed, int threads,
-                            const CalibrationProgress& progress) {
+                            const std::vector<EncRound>& own, const AgreementPlan& plan, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
   EncAgreement out{.tolerance = plan.tolerance, .optimizers = {}, .objectives = {}, .sentence = {}};
   const Bounds bounds = bounds_of(problem.shape);
   std::uint64_t searches = 0;
@@ -153,7 +141,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
   std::vector<Objective> formulations{objective};
   for (const auto& name : plan.objectives)
     if (std::none_of(formulations.begin(), formulations.end(), [&](const auto& f) { return f.name == name; }))
-      formulations.push_back(objective_named(name, likelihood, "enc.compare_objectives"));
+      formulations.push_back(objectives().get(name, "enc.compare_objectives"));
   if (formulations.size() > 1) {
     out.objectives.push_back({.objective = objective.name, .theta = best->theta, .agrees = true, .model = {}, .values = {}});
     for (std::size_t i = 1; i < formulations.size(); ++i) {

@@ -47,15 +47,9 @@ struct AgreementPlan {
   double tolerance = 0.05;
 };
 
-/// Runs the other searches, and the true model once an objective. `own`: the calibration's rounds by `objective`; `likelihood`: for "correlated".
+/// Runs the other searches, and the true model once an objective. `own`: the calibration's rounds by `objective`.
 EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const Objective& objective,
-                            const std::vector<EncRound>& own, const AgreementPlan& plan, const Likelihood* likelihood, std::uint64_t seed, int threads,
-                            const CalibrationProgress& progress = {});
-
-/// An objective by name, the correlated one included. Errors: InputError for an unknown one, naming `key`, and for the correlated one without likelihood.
-Objective objective_named(const std::string& name, const Likelihood* likelihood, const std::string& key);
-/// Its value in a run of the true model; NaN where it has none.
-double value_of_run(const Objective& objective, std::span<const double> theta, std::span<const double> values, const Score& score);
+                            const std::vector<EncRound>& own, const AgreementPlan& plan, std::uint64_t seed, int threads, const CalibrationProgress& progress = {});
 
 /// agreement of enc.json: {tolerance, optimizers, objectives, optimizers_agree, objectives_agree, sentence, evaluations}
 Json agreement_json(const EncAgreement& agreement, const Problem& problem);

@@ -23,7 +23,7 @@ class SmoothedCost final : public ceres::FirstOrderFunction {
     ++evaluations_;
     const Prediction p = surrogate_.evaluate(theta);
     if (!p.ok) return false;
-    const ObjectiveSlope s = objective_slope(problem_, objective_, theta, p.mean, width_);
+    const ObjectiveSlope s = objective_slope(problem_, objective_, p.mean, width_);
     if (!std::isfinite(s.cost)) return false;
     *cost = s.cost;
     if (gradient) {
@@ -85,7 +85,6 @@ EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, c
     ceres::GradientProblemSolver::Summary summary;
     ceres::Solve(options, gradient_problem, u.data(), &summary);
     consider(cost->at(u.data()));
-    if (objective.of_histories) break;  // nothing in it is smoothed
   }
   if (std::isfinite(best)) round.objective = objective.cost(best);
   return round;

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "inverse/likelihood/likelihood.hpp"
-
 namespace calomel {
 
 double Objective::value(const Score& score) const {
@@ -17,19 +15,7 @@ double Objective::cost(double value) const {
   return maximise ? -value : value;
 }
 
-std::vector<double> Objective::costs(const Problem& problem, const Eigen::MatrixXf& values, const Eigen::MatrixXd& thetas) const {
-  if (of_histories) {
-    expect(thetas.cols() == values.cols(), "an objective of whole histories knows their parameters");
-    std::vector<double> out;
-    for (Eigen::Index i = 0; i < values.cols(); ++i) {
-      const Eigen::VectorXd theta = thetas.col(i), history = values.col(i).cast<double>();
-      const bool failed = !history.allFinite();
-      out.push_back(cost(failed ? std::numeric_limits<double>::quiet_NaN() : of_histories({theta.data(), std::size_t(theta.size())}, {history.data(), std::size_t(history.size())}).value));
-    }
-    return out;
-  }
-  return costs(score_batch(problem, values));
-}
+std::vector<double> Objective::costs(const Problem& problem, const Eigen::MatrixXf& values) const { return costs(score_batch(problem, values)); }
 
 std::vector<double> Objective::costs(const BatchScore& s) const {
   std::vector<double> out(s.mae.size());
@@ -37,22 +23,10 @@ std::vector<double> Objective::costs(const BatchScore& s) const {
   return out;
 }
 
-Objective correlated_objective(const Likelihood& likelihood) {
-  Objective o{.name = correlated_name, .maximise = true, .formula = {}, .of_histories = {}};
-  o.of_histories = [&likelihood](std::span<const double> theta, std::span<const double> values) -> HistoryObjective {
-    const auto slope = [&likelihood, theta, values] {
-      const Eigen::VectorXd g = likelihood.gradient(theta, values);
-      return std::vector<double>(g.begin(), g.end());
-    };
-    return {likelihood.log_likelihood(theta, values), slope};
-  };
-  return o;
-}
-
 const Registry<Objective>& objectives() {
   static const Registry<Objective> all = [] {
     Registry<Objective> r("objective");
-    const auto add = [&](const char* name, const char* summary, bool maximise, auto formula) { r.add(name, summary, {name, maximise, formula, {}}); };
+    const auto add = [&](const char* name, const char* summary, bool maximise, auto formula) { r.add(name, summary, {name, maximise, formula}); };
     add("paper_enc", "accuracy [%] - mae [microstrain], maximised, as published for ENC", true,
         [](double accuracy, double mae, double, double, double) { return accuracy - mae; });
     add("paper_spe", "delta1 + 5 delta2 summed over the sensors, minimised, as published for SPE", false,

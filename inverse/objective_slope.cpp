@@ -77,15 +77,9 @@ void pull_to_model(const Problem& problem, const Observation& o, const std::vect
 
 }  // namespace
 
-ObjectiveSlope objective_slope(const Problem& problem, const Objective& objective, std::span<const double> theta, std::span<const double> values, double width) {
+ObjectiveSlope objective_slope(const Problem& problem, const Objective& objective, std::span<const double> values, double width) {
   ObjectiveSlope out;
   const double sign = objective.maximise ? -1 : 1;
-  if (objective.of_histories) {
-    const auto whole = objective.of_histories(theta, values);
-    out.cost = objective.cost(whole.value), out.weights = whole.slope();
-    for (auto& w : out.weights) w *= sign;
-    return out;
-  }
   std::vector<Part> parts;
   Averages total{};
   double banded = 0;

@@ -2,12 +2,13 @@
 /// Sparse polynomial expansion calibration: many sparse polynomial surrogates of the misfit, the optima of all pooled, the modes of
 /// their density re-run in the true model. Seed paper, section "Sparse Polynomial Expansions"; Radaideh et al.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "forward/campaign/archive.hpp"
+#include "forward/campaign/journal.hpp"
 #include "inverse/calibration.hpp"
-#include "inverse/drawn_errors.hpp"
 #include "inverse/spe/modes.hpp"
 #include "inverse/spe/surrogates.hpp"
 
@@ -40,8 +41,7 @@ struct SpeZoom {
 struct SpeSummary : Calibration {
   std::size_t runs_used = 0, runs_excluded = 0;  ///< of the campaign
   std::size_t n_train = 0, n_validation = 0;
-  std::size_t rows_fitted = 0;  ///< training runs of the last round's fits
-  std::size_t runs_added = 0;  ///< true-model runs of earlier rounds that joined the campaign's: candidates, pairs, those of shrunken boxes
+  std::size_t runs_added = 0;  ///< true-model runs of earlier rounds that joined the campaign's: candidates, those of shrunken boxes
   std::string design;
   std::vector<SpaceChoice> spaces;
   std::vector<SparsePolynomial> surrogates;
@@ -58,13 +58,16 @@ struct SpeSummary : Calibration {
 ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
                             std::size_t* excluded = nullptr);
 
+/// Runs of the true model at points (n_parameters, n), in their order, kept in a journal or not.
+using MakeRuns = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas)>;
+
 /// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
 /// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out. `source`: where runs are added; null: by `true_model`, with no finer mesh. `errors`: at a point, for the
-/// standard deviations; empty: none are drawn.
+/// shape; runs of the archive that failed are left out. `make_runs`: where runs are added; empty: by `true_model`. `correction`: for the mesh, of every history;
+/// null, or an empty one: as published.
 /// Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
-                                 int threads, const CalibrationProgress& progress = {}, const RunSource* source = nullptr, const ErrorsAt& errors = {});
+                                 int threads, const CalibrationProgress& progress = {}, const MakeRuns& make_runs = {}, const MeshCorrection* correction = nullptr);
 
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);

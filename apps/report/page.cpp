@@ -41,7 +41,7 @@ std::string on_mesh(const CalibrationArtefacts& c, const std::string& unit) {
   const Json& working = part_at(part_at(c.summary, "mesh"), "working_mesh");
   const auto mae = number_at(working, "mae"), accuracy = number_at(working, "accuracy");
   if (!mae) return "";
-  return fmt::format(" These scores are corrected for the mesh, as pairs of runs with half the element size tell; on the case\u2019s own mesh it is {}{}\u00a0{}.",
+  return fmt::format(" These scores are corrected for the mesh, as the runs on finer meshes tell; on the case\u2019s own mesh it is {}{}\u00a0{}.",
                      accuracy ? fixed_html(*accuracy, 1) + "\u00a0% and " : "", fixed_html(*mae, 1), unit);
 }
 

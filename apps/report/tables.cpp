@@ -84,14 +84,14 @@ std::vector<std::string> with_mesh(const Study& study) {
   return labels;
 }
 
-/// What a caption of scores says of the mesh; empty where no pairs of meshes were used.
+/// What a caption of scores says of the mesh; empty where none was corrected.
 std::string mesh_caption(const Study& study) {
   const auto labels = with_mesh(study);
   if (labels.empty()) return "";
   std::string names;
   for (const auto& l : labels) names += (names.empty() ? "" : ", ") + l;
   const bool all = labels.size() == study.calibrations.size();
-  return " Simulations of " + names + " and the nominal one are corrected for the mesh, as pairs of runs with half the element size tell" + (all ? "." : "; the others are on the case\u2019s mesh.");
+  return " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell" + (all ? "." : "; the others are on the case\u2019s mesh.");
 }
 }  // namespace
 
@@ -99,18 +99,17 @@ Table mesh_table(const Study& study, const ReportInput& input) {
   const auto unit = display_unit(input);
   Table t{.id = "mesh", .caption = "Scores with the correction for the mesh, and of the same runs on the case\u2019s own mesh."};
   t.columns = {{"simulation", "Simulation", 4, true},
-               {"pairs", "Pairs of runs", 4},
                {"accuracy_percent", "Inside the band [%]", -1},
                {"mae", "Mean absolute error [" + unit.name + "]", -1},
                {"accuracy_working_percent", "Inside the band, case\u2019s mesh [%]", -1},
                {"mae_working", "Mean absolute error, case\u2019s mesh [" + unit.name + "]", -1},
-               {"difference", "One halving changes the histories by [%]", -1, false, 100}};
+               {"difference", "The correction changes the histories by [%]", -1, false, 100}};
   for (const auto& c : study.calibrations) {
     const Json& mesh = part_at(c.summary, "mesh");
     const Json& working = part_at(mesh, "working_mesh");
     if (!working.is_object()) continue;
     for (const std::string of : {"", "nominal_"})
-      t.rows.push_back({(of.empty() ? "calibrated, " : "nominal, ") + c.label, number_at(mesh, "pairs"), number_at(c.summary, of + "accuracy"), number_at(c.summary, of + "mae"),
+      t.rows.push_back({(of.empty() ? "calibrated, " : "nominal, ") + c.label, number_at(c.summary, of + "accuracy"), number_at(c.summary, of + "mae"),
                         number_at(working, of + "accuracy"), number_at(working, of + "mae"), of.empty() ? number_at(mesh, "relative_difference") : std::nullopt});
   }
   return t;

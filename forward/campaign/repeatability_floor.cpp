@@ -91,31 +91,4 @@ void write_floor(NetcdfWriter& file, const RepeatabilityFloor& floor, const std:
   file.variable("floor_signal", dims, floor.signal, {{"units", units}, {"long_name", "root mean square of the mean over the jitters"}});
 }
 
-Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape) {
-  const auto ends = floor.at("window_end_s").get<std::vector<double>>();
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(Eigen::Index(shape.values()));
-  for (std::size_t c = 0; c < shape.conditions.size(); ++c)
-    for (std::size_t s = 0; s < shape.sensors.size(); ++s) {
-      const auto& rows = floor.at("sensors");
-      const auto row = std::find_if(rows.begin(), rows.end(), [&](const Json& r) { return r.at("condition") == shape.conditions[c] && r.at("name") == shape.sensors[s]; });
-      if (row == rows.end())
-        throw InputError({.problem = "the repeatability floor lacks the sensor", .value = shape.sensors[s], .suggestion = "measure it anew: calomel check --floor"});
-      const auto sd = row->at("sd").get<std::vector<double>>();
-      for (std::size_t t = 0; t < shape.times.size(); ++t) {
-        std::size_t w = 0;
-        while (w + 1 < ends.size() && shape.times[t] >= ends[w] - 1e-12) ++w;
-        variance[Eigen::Index(shape.at(c, s, t))] = sd.at(w) * sd.at(w);
-      }
-    }
-  return variance;
-}
-
-std::string floor_hash(const Json& floor) try {
-  Json read{{"window_end_s", floor.at("window_end_s")}, {"sensors", Json::array()}};
-  for (const auto& row : floor.at("sensors")) read["sensors"].push_back({{"condition", row.at("condition")}, {"name", row.at("name")}, {"sd", row.at("sd")}});
-  return hash_text(read.dump());
-} catch (const Json::exception& e) {
-  throw no_floor(e);
-}
-
 }  // namespace calomel

@@ -74,12 +74,4 @@ RepeatabilityFloor read_floor(const Json& json);
 /// window) in `units`, floor_relative and a floor_NAME for each comparison ([condition,] sensor).
 void write_floor(NetcdfWriter& file, const RepeatabilityFloor& floor, const std::string& units);
 
-/// Variance of the ensemble mean at every value of a model of this shape, (values), from floor.json: constant over each window.
-/// Errors: InputError when its gauges or conditions are not the model's.
-Eigen::VectorXd floor_variance(const Json& floor, const ModelShape& shape);
-
-/// Hash of what floor_variance reads of floor.json: a floor measured anew with the same outcome is the same to those who use it.
-/// Errors: InputError when it is of another form.
-std::string floor_hash(const Json& floor);
-
 }  // namespace calomel

@@ -28,7 +28,7 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
   return all;
 }
 
-Json own_combinations_json(std::span<const Combination> combinations) {
+Json combinations_json(std::span<const Combination> combinations) {
   Json all = Json::array();
   for (const auto& c : combinations)
     all.push_back({{"name", c.name}, {"value", number(c.value)}, {"low", number(c.low)}, {"high", number(c.high)}, {"relative_sd", number(c.relative_sd)}});
@@ -64,7 +64,7 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   if (s.score_tests) own["screening"] = score_tests_json(*s.score_tests);
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
-  own["combinations"] = own_combinations_json(s.identification.combinations);
+  own["combinations"] = combinations_json(s.identification.combinations);
   const auto& noise = fit.errors->noise();
   std::vector<double> noise_time;
   for (const auto& n : noise.series) noise_time.push_back(n.time);

@@ -33,29 +33,31 @@ KnownRuns::KnownRuns(const Problem& problem, const Archive& archive, const Objec
   for (std::size_t run = 0; run < archive.runs(); ++run) seen_.emplace_back(point(run), archive.status[run] == RunStatus::failed);
 }
 
-double KnownRuns::cost_of(const Eigen::VectorXd& history) const {
-  return objective_.cost(objective_.value(score(problem_, {history.data(), std::size_t(history.size())})));
+void KnownRuns::price(Run& run) const {
+  const auto cost = [&](const Eigen::VectorXd& history) { return objective_.cost(objective_.value(score(problem_, {history.data(), std::size_t(history.size())}))); };
+  const Eigen::VectorXd history = run.history.cast<double>();
+  run.cost = run.cost_without = cost(history);
+  if (correction_ && !correction_->empty()) run.cost = cost(history + correction_->shift(run.theta));
 }
 
 bool KnownRuns::usable(const Run& run) const { return std::isfinite(run.cost) && (options_.transform != "log" || run.cost > 0); }
 
-bool KnownRuns::add(const AddedRun& run, bool held_out, const Bounds& box) {
-  const bool fresh = std::none_of(seen_.begin(), seen_.end(), [&](const auto& s) { return distance({0, s.first}, {0, run.theta}, box) < same_place; });
+bool KnownRuns::add(const std::vector<double>& theta, const RunRecord& run, bool held_out, const Bounds& box) {
+  const bool fresh = std::none_of(seen_.begin(), seen_.end(), [&](const auto& s) { return distance({0, s.first}, {0, theta}, box) < same_place; });
   if (!fresh) return false;
-  seen_.emplace_back(run.theta, !run.working.done);
-  if (!run.working.done) return false;
-  Run r{.theta = run.theta, .history = Eigen::Map<const Eigen::VectorXf>(run.working.mean.data(), Eigen::Index(run.working.mean.size())), .held_out = held_out};
-  r.cost = r.cost_without = cost_of(r.history.cast<double>());
+  seen_.emplace_back(theta, !run.done);
+  if (!run.done) return false;
+  Run r{.theta = theta, .history = Eigen::Map<const Eigen::VectorXf>(run.mean.data(), Eigen::Index(run.mean.size())), .held_out = held_out};
+  price(r);
   if (!usable(r)) return false;
   runs_.push_back(std::move(r));
   return true;
 }
 
-void KnownRuns::price(const MeshError& mesh) {
+void KnownRuns::price(const MeshCorrection* correction) {
+  correction_ = correction;
   for (auto& r : runs_) {
-    const Eigen::VectorXd history = r.history.cast<double>();
-    r.cost_without = cost_of(history);
-    r.cost = mesh.empty() ? r.cost_without : cost_of(history + mesh.shift(r.theta));
+    price(r);
     if (r.of_campaign && options_.transform == "log" && !(r.cost > 0))
       throw InputError({.problem = fmt::format("the misfit \"{}\" is not positive at every run and has no logarithm", objective_.name),
                         .key = "spe.transform",
@@ -96,7 +98,7 @@ std::vector<Proposal> KnownRuns::ranked(std::size_t of_campaign) const {
   return all;
 }
 
-std::vector<double> KnownRuns::best_without_shift() const {
+std::vector<double> KnownRuns::best_without_correction() const {
   const auto best = std::min_element(runs_.begin(), runs_.end(), [](const auto& a, const auto& b) { return a.cost_without < b.cost_without; });
   return best == runs_.end() ? std::vector<double>{} : best->theta;
 }
@@ -129,7 +131,7 @@ std::size_t KnownRuns::added() const {
 ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
                             std::size_t* excluded) {
   KnownRuns runs(problem, archive, objective, options, seed);
-  runs.price({});
+  runs.price(nullptr);
   if (excluded) *excluded = runs.excluded();
   return runs.data(bounds_of(problem.shape), true);
 }

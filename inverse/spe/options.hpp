@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/mesh_pairs.hpp"
+#include "inverse/correction_report.hpp"
 #include "inverse/objective.hpp"
 #include "inverse/optimizer/dgs.hpp"
 
@@ -37,9 +37,7 @@ struct SpeOptions {
   int known_candidates = 2;
   int zoom = 4;
   int zoom_runs = 25;
-  int mesh_pairs = 6;
-  double mesh_beyond = 0;
-  int draws = 32;
+  bool mesh_correction = true;
 
   template <class V>
   void visit(V& v) {
@@ -81,9 +79,7 @@ struct SpeOptions {
       {.range = between(0, 10),
        .doc = "rounds in which the box shrinks to half of each side about the best run that is known, and the surrogates are fitted to the runs inside; 0 as published"});
     v("zoom_runs", zoom_runs, {.range = between(10, 1000), .doc = "new runs of the true model in the box of each of these rounds"});
-    v("mesh_pairs", mesh_pairs, mesh_pairs_info());
-    v("mesh_beyond", mesh_beyond, mesh_beyond_info());
-    v("draws", draws, draws_info());
+    visit_mesh_correction(v, mesh_correction);
   }
   /// Errors: InputError when no space is listed.
   void validate() const;

@@ -72,7 +72,6 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
   });
   out.spaces = std::move(fitted.spaces), out.surrogates = std::move(fitted.surrogates);
   out.fit_warnings = std::move(fitted.warnings);
-  out.rows_fitted = data.train.size();
   expect_one_surrogate(out.surrogates, options);
   const auto fails = [](const auto& s) { return !s.ok(); };
   if (const auto n = std::count_if(out.surrogates.begin(), out.surrogates.end(), fails); n > 0)

@@ -91,15 +91,6 @@ void SpeOptions::validate() const {
         {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, levels of sparse_grid or rounds of adaptive"});
 }
 
-std::optional<SparsePolynomial> refit(const SparsePolynomial& before, const ScatteredData& data, const SpeOptions& options, double rows, std::uint64_t seed) {
-  const auto degrees = degrees_of(before.space, data, options, seed);
-  const LassoFit fit = LassoSystem(degrees, data, options.penalise_constant).lasso(data.train).solve(before.lambda * (options.lambda_scale == "absolute" ? 1 : rows), 1e-6);
-  if (fit.all_zero()) return std::nullopt;
-  SparsePolynomial p = before;
-  p.nonzero = fit.nonzero, p.gap = fit.gap, p.expansion = Expansion(degrees, fit.z);
-  return p;
-}
-
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,
                                          const std::function<void(std::size_t done, std::size_t total)>& done) {
   const auto d = std::size_t(data.units.rows());

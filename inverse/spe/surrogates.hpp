@@ -2,7 +2,6 @@
 /// The sparse polynomial surrogates of a scalar misfit: every space with every lambda, from the same training runs.
 #include <Eigen/Core>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,9 +63,5 @@ double restored(const std::string& transform, double value);
 /// Errors: InputError when no space is small enough.
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,
                                          const std::function<void(std::size_t done, std::size_t total)>& done = {});
-
-/// The same space and weight of the norm on other data, all rows of data.train; the weight `rows` times as large (they are as many times the rows of the
-/// first fit), unless absolute. Nothing where every coefficient vanishes.
-std::optional<SparsePolynomial> refit(const SparsePolynomial& before, const ScatteredData& data, const SpeOptions& options, double rows, std::uint64_t seed);
 
 }  // namespace calomel

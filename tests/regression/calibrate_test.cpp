@@ -1,4 +1,4 @@
-// `calomel calibrate` as a whole: what becomes of a summary when the floor that it reads is measured anew, and which options of MAP the others' deviations hang on.
+// `calomel calibrate` as a whole: what becomes of a summary when the floor that it reads is measured anew, and the correction for the mesh.
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
@@ -84,19 +84,33 @@ TEST(CalibrateVerb, AFloorMeasuredAnewDoesNotAskForFresh) {
   EXPECT_EQ(read_json(out / "map.json")["theta"], map["theta"]);
 }
 
-TEST(CalibrateVerb, DeviationsOfSpeCountHowFarRecordsLieBeyondTheFinerMesh) {
-  const auto dir = folder("calibrate_beyond"), out = dir / "a";
+TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndSaysWhereItIsNot) {
+  const auto dir = folder("calibrate_corrected"), out = dir / "a";
   const std::string words =
       "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set spe.zoom=1 --set spe.zoom_runs=10"
-      " --set spe.mesh_pairs=2 --set spe.draws=16";
-  const auto share_of_mesh = [&] { return read_json(out / "spe.json")["spread"]["covariance_shares"]["mesh"].get<double>(); };
-  const auto on_it = run(dir, words + " --set map.mesh_beyond=0 --set map.mesh_beyond_sd=0");
-  ASSERT_EQ(on_it.status, 0) << on_it.said;
-  EXPECT_EQ(share_of_mesh(), 0);  // spe.mesh_beyond is 0: nothing is left
-  const auto refused = run(dir, words + " --set map.mesh_beyond=3 --set map.mesh_beyond_sd=0");
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.said, HasSubstr("mesh_beyond"));
-  const auto beyond = run(dir, words + " --set map.mesh_beyond=3 --set map.mesh_beyond_sd=0 --fresh");
-  ASSERT_EQ(beyond.status, 0) << beyond.said;
-  EXPECT_GT(share_of_mesh(), 0.5);
+      " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set errors.young_sd=0"
+      " --set errors.gauge_place_sd=0";
+  const auto elsewhere = run(dir, words + " --set emulator.element_sizes=[0.0015,0.001]");
+  EXPECT_EQ(elsewhere.status, 2);
+  EXPECT_THAT(elsewhere.said, HasSubstr("emulator.element_sizes"));
+  EXPECT_THAT(elsewhere.said, HasSubstr("spe.mesh_correction = false"));
+  const auto old = run(dir, words + " --set spe.mesh_pairs=2");
+  EXPECT_EQ(old.status, 2);
+  EXPECT_THAT(old.said, HasSubstr("mesh_correction = true | false"));
+
+  const auto corrected = run(dir, words);
+  ASSERT_EQ(corrected.status, 0) << corrected.said;
+  Json spe = read_json(out / "spe.json");
+  EXPECT_EQ(spe["scores_on"], "the finest mesh of the emulator");
+  EXPECT_GT(spe["mesh"]["relative_difference"].get<double>(), 0);
+  EXPECT_TRUE(spe["provenance"]["options"].contains("emulator"));
+  EXPECT_FALSE(spe["provenance"]["inputs"].contains("floor.json"));
+  EXPECT_TRUE(fs::exists(out / "runs.journal"));
+
+  const auto one_mesh = run(dir, words + " --set emulator.element_sizes=[0.002] --fresh");
+  ASSERT_EQ(one_mesh.status, 0) << one_mesh.said;
+  EXPECT_THAT(one_mesh.said, HasSubstr("not corrected for the mesh"));
+  spe = read_json(out / "spe.json");
+  EXPECT_FALSE(spe.contains("mesh"));
+  EXPECT_FALSE(spe["provenance"]["options"].contains("emulator"));
 }

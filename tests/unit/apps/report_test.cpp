@@ -393,7 +393,7 @@ TEST(ReportTables, ScoresSayWhetherTheyAreCorrectedForTheMesh) {
   EXPECT_TRUE(mesh_table(read_study(dir), in).empty());
   EXPECT_THAT(score_table(read_study(dir), in, "accuracy").caption, testing::Not(HasSubstr("mesh")));
   Json enc = read_json(dir / "enc.json");
-  enc["mesh"] = {{"pairs", 6}, {"relative_difference", 0.11}, {"working_mesh", {{"accuracy", 51.5}, {"mae", 18.5}, {"nominal_accuracy", 44.0}, {"nominal_mae", 25.0}}}};
+  enc["mesh"] = {{"relative_difference", 0.11}, {"working_mesh", {{"accuracy", 51.5}, {"mae", 18.5}, {"nominal_accuracy", 44.0}, {"nominal_mae", 25.0}}}};
   write_json(dir / "enc.json", enc);
   const Study study = read_study(dir);
   const Table mesh = mesh_table(study, in);
@@ -404,7 +404,7 @@ TEST(ReportTables, ScoresSayWhetherTheyAreCorrectedForTheMesh) {
   EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("Simulations of ENC and the nominal one are corrected for the mesh"));
   EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("the others are on the case\u2019s mesh"));
   const std::string page = header_html(study, in);
-  EXPECT_THAT(page, HasSubstr("These scores are corrected for the mesh, as pairs of runs with half the element size tell; on the case\u2019s own mesh it is 51.5\u00a0% and 18.5"));
+  EXPECT_THAT(page, HasSubstr("These scores are corrected for the mesh, as the runs on finer meshes tell; on the case\u2019s own mesh it is 51.5\u00a0% and 18.5"));
   EXPECT_EQ(page.find("These scores are corrected"), page.rfind("These scores are corrected"));  // of MAP nothing is told
 }
 

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "base/random.hpp"
+#include "forward/emulator/infill.hpp"
+#include "forward/emulator/mesh_correction.hpp"
 #include "inverse/enc_rounds.hpp"
 #include "inverse/feasibility.hpp"
-#include "inverse/refined_model.hpp"
-#include "inverse/shifted_model.hpp"
 #include "oscillations.hpp"
 
 namespace calomel {
@@ -131,25 +131,27 @@ TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
   Eigen::MatrixXd thetas = points_in(model.shape(), 33);
   thetas.row(1) = thetas.row(1).cwiseMin(1900);
   const auto values = Eigen::Index(model.shape().values());
-  const Eigen::MatrixXd runs = model.means(thetas.leftCols(6), 1).cast<double>();
   RandomStream random(4, 4);
-  Eigen::MatrixXd missed(values, 6), finer(values, 6);
-  for (Eigen::Index i = 0; i < 6; ++i) missed.col(i) = 0.05 * runs.col((i + 1) % 6), finer.col(i) = 0.1 * runs.col(i);
-  const RefinedModel::Variance none;
-  const RefinedModel refined(model, none, thetas.leftCols(6), runs + missed);
-  const MeshError mesh(parameters, thetas.leftCols(6), finer), no_mesh;
+  Eigen::MatrixXd taught(values, 30);
+  for (auto& x : taught.reshaped()) x = 1e-5 * random.normal();
+  EmulatorRuns two_meshes{first_design(3, 30, 5), std::vector<int>(30, 1), 2};
+  std::fill(two_meshes.level.begin() + 20, two_meshes.level.end(), 0);
+  std::vector<double> low, high;
+  for (const auto& q : parameters) low.push_back(q.min), high.push_back(q.max);
+  const EmulatorBox box(parameters, low, high);
+  const MeshCorrection mesh(box, MultilevelRegression(two_meshes, 1e5 * taught, Eigen::VectorXd::Ones(values)), taught, 1, {}, {}), no_mesh;
   std::vector<bool> failures(33, false);
   failures[20] = failures[21] = true;
   const Feasibility feasibility(parameters, thetas, failures);
-  const ShiftedModel shifted(refined, mesh), unshifted(model, no_mesh);
+  const CorrectedModel shifted(model, mesh), unshifted(model, no_mesh);
   const GuardedModel guarded(shifted, feasibility);
   thetas(1, 9) = 1990;  // where the model itself fails
   for (const ForwardModel* m :
-       {static_cast<const ForwardModel*>(&model), static_cast<const ForwardModel*>(&refined), static_cast<const ForwardModel*>(&shifted),
+       {static_cast<const ForwardModel*>(&model), static_cast<const ForwardModel*>(&shifted),
         static_cast<const ForwardModel*>(&unshifted), static_cast<const ForwardModel*>(&guarded)}) {
     const HistoryBasis basis = m->basis();
     const Eigen::MatrixXf expected = m->means(thetas, 1), y = (basis.directions * m->coefficients(thetas)).colwise() + basis.offset;
-    EXPECT_EQ(basis.directions.cols(), 7 + (m == &refined ? 6 : m == &shifted || m == &guarded ? 12 : 0));
+    EXPECT_EQ(basis.directions.cols(), 7 + (m == &shifted || m == &guarded ? 30 : 0));
     for (Eigen::Index i = 0; i < y.cols(); ++i) {
       EXPECT_EQ(y.col(i).allFinite(), expected.col(i).allFinite()) << i;
       if (y.col(i).allFinite()) {

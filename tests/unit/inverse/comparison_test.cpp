@@ -80,6 +80,7 @@ TEST(Comparison, EveryMethodsOwnDeviationsStandBesideItsValues) {
 TEST(Comparison, ScoresAreOfOneMesh) {
   const Json plain = summary(13300, 1400, 60, 50);
   Json corrected = summary(13310, 1400, 95, 93);
+  corrected["scores_on"] = "the finest mesh of the emulator";
   corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}, {"nominal_accuracy", 54}}, {{"name", "B"}, {"accuracy", 73}}}}};
   const std::vector<MethodSummary> mixed{{"enc", corrected}, {"map", plain}}, alike{{"enc", corrected}, {"spe", corrected}}, none{{"enc", plain}, {"spe", plain}};
   const auto c = compare_calibrations(mixed);
@@ -88,11 +89,11 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   EXPECT_THAT(c.accuracy[2].values, ElementsAre(72, 55));
   EXPECT_THAT(comparison_text(c), HasSubstr("(accuracy and mae on the case's own mesh)"));
   EXPECT_THAT(compare_calibrations(alike).accuracy[0].values, ElementsAre(95, 95));
-  EXPECT_EQ(compare_calibrations(alike).scores_on, "half the element size");
+  EXPECT_EQ(compare_calibrations(alike).scores_on, "the finest mesh of the emulator");
   EXPECT_EQ(compare_calibrations(none).scores_on, "");
-  Json beyond = corrected;
-  beyond["mesh"]["beyond"] = 1;
-  const std::vector<MethodSummary> unlike{{"enc", corrected}, {"spe", beyond}};
+  Json other = corrected;
+  other["scores_on"] = "half the element size";
+  const std::vector<MethodSummary> unlike{{"enc", corrected}, {"spe", other}};
   EXPECT_EQ(compare_calibrations(unlike).scores_on, "the case's own mesh");
   EXPECT_THAT(compare_calibrations(unlike).accuracy[0].values, ElementsAre(71, 71));
 }

@@ -7,7 +7,6 @@
 #include "base/json.hpp"
 #include "inverse/batch_scorer.hpp"
 #include "inverse/enc.hpp"
-#include "inverse/likelihood/likelihood.hpp"
 #include "inverse/objective_slope.hpp"
 #include "oscillations.hpp"
 
@@ -59,12 +58,10 @@ EncOptions small() {
   return o;
 }
 
-EncSummary run(const Case& c, const EncOptions& o, const Likelihood* likelihood = nullptr) {
-  return run_enc(c.problem, c.model, c.model, o, 1, 2, {}, likelihood);
-}
+EncSummary run(const Case& c, const EncOptions& o) { return run_enc(c.problem, c.model, c.model, o, 1, 2); }
 
 double cost_at(const Case& c, const Objective& objective, const std::vector<double>& values, double width) {
-  return objective_slope(c.problem, objective, truth, values, width).cost;
+  return objective_slope(c.problem, objective, values, width).cost;
 }
 
 }  // namespace
@@ -74,7 +71,7 @@ TEST(ObjectiveSlope, AgreesWithDifferences) {
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   for (const char* name : {"paper_enc", "paper_spe", "rrmse"}) {
     const Objective& objective = objectives().get(name);
-    const auto slope = objective_slope(c.problem, objective, truth, values, 0.3);
+    const auto slope = objective_slope(c.problem, objective, values, 0.3);
     double largest = 0;
     for (const double w : slope.weights) largest = std::max(largest, std::abs(w));
     for (const std::size_t i : {7u, 60u, 233u, 300u, 471u, 599u}) {
@@ -93,7 +90,7 @@ TEST(ObjectiveSlope, OfTheWrongSignWouldNotPass) {  // the check above can fail
   const Case c;
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   const Objective& objective = objectives().get("paper_enc");
-  const auto slope = objective_slope(c.problem, objective, truth, values, 0.3);
+  const auto slope = objective_slope(c.problem, objective, values, 0.3);
   std::vector<double> down = values, up = values;
   for (std::size_t i = 0; i < values.size(); ++i) down[i] -= 1e-14 * slope.weights[i], up[i] += 1e-14 * slope.weights[i];
   const double here = cost_at(c, objective, values, 0.3);
@@ -128,7 +125,7 @@ TEST(GradientRound, FindsTheTruthWithFewEvaluations) {
     EXPECT_NEAR(round.theta[0], truth[0], 0.02 * truth[0]) << name;
     EXPECT_NEAR(round.theta[1], truth[1], 0.005 * truth[1]) << name;
     const Eigen::MatrixXd point = Eigen::Map<const Eigen::VectorXd>(round.theta.data(), 3);
-    EXPECT_NEAR(objective.cost(round.objective), objective.costs(c.problem, c.model.means(point, 1), point)[0], 1e-9);
+    EXPECT_NEAR(objective.cost(round.objective), objective.costs(c.problem, c.model.means(point, 1))[0], 1e-9);
   }
 }
 
@@ -182,23 +179,6 @@ TEST(EncAgreement, AnOptimiserThatIsCutShortDisagrees) {
   const auto a = run(c, o).agreement;
   EXPECT_FALSE(a.optimizers_agree);
   EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("optimisers disagree"), HasSubstr("worse")));
-}
-
-TEST(EncAgreement, TheCorrelatedLikelihoodServesAsObjectiveAndNeedsALikelihood) {
-  const Case c;
-  const Likelihood likelihood(c.problem, c.recordings, {}, {}, {});
-  EncOptions o = small();
-  o.objective = "correlated", o.compare_objectives = {"paper_enc"};
-  const auto s = run(c, o, &likelihood);
-  ASSERT_EQ(s.status, CalibrationStatus::done);
-  EXPECT_NEAR(s.theta[1], truth[1], 0.005 * truth[1]);
-  EXPECT_NEAR(*s.best.objective_model, likelihood.log_likelihood(s.theta, s.calibrated), 1e-9);
-  EXPECT_GT(*s.best.objective_model, *s.at_nominal.objective_model + 100);
-  EXPECT_EQ(s.agreement.objectives[1].objective, "paper_enc");
-  EXPECT_TRUE(s.agreement.optimizers_agree) << s.agreement.sentence;
-  EXPECT_THROW((void)run(c, o), InputError);
-  o.objective = "paper_enc", o.compare_objectives = {"correlated"};
-  EXPECT_THROW((void)run(c, o), InputError);
 }
 
 TEST(EncAgreement, WithoutAGradientTheGradientSearchIsLeftOut) {

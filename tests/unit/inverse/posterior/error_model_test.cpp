@@ -1,5 +1,5 @@
 // The covariance of the mean records against what it is made of, written out densely or by simulation.
-#include "inverse/likelihood/likelihood.hpp"
+#include "inverse/posterior/error_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,6 @@
 
 namespace calomel {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 AnalyticModel waves(std::size_t times = 300, double step = 1e-6) {
   return {{uniform_parameter("amplitude", 0.1, 10, 1)},
@@ -174,127 +172,64 @@ struct Small {
   Problem problem = make_problem(model.shape(), recordings, {});
 };
 
-TEST(Likelihood, MarginalNuisancesAreTheIntegralOverThem) {
+TEST(ErrorModel, MarginalNuisancesAreTheIntegralOverThem) {
   const Small s;
-  LikelihoodOptions off{.values = 12, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .floor = 0};
-  LikelihoodOptions on = off;
+  ErrorOptions off{.values = 12, .band = 1e9, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0};
+  ErrorOptions on = off;
   on.energy_scale_sd = 0.02;
-  const Likelihood without(s.problem, s.recordings, {}, off, {}), with(s.problem, s.recordings, {}, on, {});
+  const ErrorModel without(s.problem, s.recordings, {}, off, {}, {}), with(s.problem, s.recordings, {}, on, {}, {});
   const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(without.data().size(), -1, 1.5);
   // integral N(r - x y; 0, C) N(x; 0, 0.02^2) dx, the Gaussian of both
-  const ErrorDistribution plain(without.covariance(), infinity), marginal(with.covariance(), infinity);
+  const Cholesky plain(without.covariance()), marginal(with.covariance());
+  const auto log_density = [](const Cholesky& c, const Eigen::VectorXd& x) { return -0.5 * x.dot(c.solve(x)) - c.half_log_determinant(); };
   const auto integrand = [&](double x) {
-    return std::exp(plain.log_density(r - x * without.data()) - plain.log_density(r) - 0.5 * std::pow(x / 0.02, 2)) / (0.02 * std::sqrt(2 * M_PI));
+    return std::exp(log_density(plain, r - x * without.data()) - log_density(plain, r) - 0.5 * std::pow(x / 0.02, 2)) / (0.02 * std::sqrt(2 * M_PI));
   };
   double integral = 0;
   for (int i = -80; i < 80; ++i) integral += boost::math::quadrature::gauss<double, 15>::integrate(integrand, i * 0.002, (i + 1) * 0.002);
-  EXPECT_NEAR(marginal.log_density(r), plain.log_density(r) + std::log(integral), 1e-8);
-  // The same by Sherman and Morrison.
-  const Eigen::VectorXd u = 0.02 * without.data(), cu = solve_symmetric(without.covariance(), u);
-  const double chi2 = plain.chi2(r) - std::pow(r.dot(cu), 2) / (1 + u.dot(cu));
-  EXPECT_NEAR(marginal.chi2(r), chi2, 1e-8 * chi2);
+  EXPECT_NEAR(log_density(marginal, r), log_density(plain, r) + std::log(integral), 1e-8);
 }
 
-TEST(Likelihood, EveryTermStandsWhereItShould) {
+TEST(ErrorModel, EveryTermStandsWhereItShould) {
   const Small s;
-  const LikelihoodOptions options{.values = 12, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .floor = 1};
-  ModelError e;
-  e.floor_variance = Eigen::VectorXd::Constant(80, 9);
-  e.surrogate_variance = Eigen::VectorXd::Constant(80, 4);
-  e.unknowns = Eigen::MatrixXd::Zero(80, 2);  // one that all gauges share, one of the second gauge alone
-  e.unknowns.col(0).setConstant(3), e.unknowns.col(1).tail(40).setConstant(5);
-  const Likelihood l(s.problem, s.recordings, {}, options, e);
-  const auto& grid = l.grid();
-  Eigen::MatrixXd expected = std::pow(0.02, 2) * l.data() * l.data().transpose();
+  const ErrorOptions options{.values = 12, .band = 1e9, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .beyond_rest = 0.5};
+  ErrorDirections d;
+  d.gauge_places = Eigen::MatrixXd::Zero(80, 2);  // one that all gauges share, one of the second gauge alone
+  d.gauge_places.col(0).setConstant(3), d.gauge_places.col(1).tail(40).setConstant(5);
+  d.last_difference = Eigen::VectorXd::Constant(80, 4);
+  const ErrorModel m(s.problem, s.recordings, {}, options, d, {});
+  const auto& grid = m.grid();
+  Eigen::MatrixXd expected = std::pow(0.02, 2) * m.data() * m.data().transpose();
   for (std::size_t i = 0; i < 2; ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    const auto& noise = l.noise().series[i];
-    const auto kernel = [&](double time) { return filtered_covariance(grid.windows(i), grid.record_time(), time, 0); };
-    const Eigen::MatrixXd slow = 0.75 * kernel(2.5e-6) + 0.25 * kernel(40e-6);
-    expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, l.noise().split_half) / 6 + 0.09) + 13 * slow +
-                                    std::pow(0.05, 2) * l.data().segment(at, n) * l.data().segment(at, n).transpose() +
+    const auto& noise = m.noise().series[i];
+    Eigen::MatrixXd mesh(n, n);
+    for (Eigen::Index a = 0; a < n; ++a)
+      for (Eigen::Index b = 0; b < n; ++b) mesh(a, b) = 4 * mesh_kernel(std::abs(grid.times()[at + a] - grid.times()[at + b]));  // (0.5 * 4)^2
+    expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, m.noise().split_half) / 6 + 0.09) + mesh + std::pow(0.05, 2) * m.data().segment(at, n) * m.data().segment(at, n).transpose() +
                                     Eigen::MatrixXd::Constant(n, n, std::pow(2 * noise.sd(), 2));
   }
   const auto second = Eigen::Index(grid.offset(1)), rest = Eigen::Index(grid.size()) - second;
   expected.array() += 9;
   expected.block(second, second, rest, rest).array() += 25;
-  EXPECT_LT((l.covariance() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.maxCoeff());
+  EXPECT_LT((m.covariance() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.maxCoeff());
   double total = 0;
-  for (const auto& [source, share] : l.shares()) total += share;
+  for (const auto& [source, share] : m.shares()) total += share;
   EXPECT_NEAR(total, 1, 1e-12);
 }
 
-TEST(Likelihood, NoiseAloneIsIndependentAndHasNoNuisances) {
+TEST(ErrorModel, NoiseAloneIsIndependentAndHasNoNuisances) {
   const auto model = waves(40);
   const auto recordings = pulses_of(model, {1}, {.pulses = 1, .noise = 2}, 2);
   RecordingOptions options;
   options.noise = 2.0;
   const Problem problem = make_problem(model.shape(), recordings, options);
-  const Likelihood l(problem, recordings, options, {}, {});
-  EXPECT_LT((l.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
-  EXPECT_NEAR(l.errors().effective_data(), 80, 1e-9);
-  EXPECT_TRUE(std::isinf(l.errors().freedom()));
+  const ErrorModel m(problem, recordings, options, {.band = 1e9}, {}, {});
+  EXPECT_LT((m.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_TRUE(std::isinf(m.freedom()));
   options.energy_sd = 0.05;
-  const Likelihood own(problem, recordings, options, {}, {});
+  const ErrorModel own(problem, recordings, options, {.band = 1e9}, {}, {});
   EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);
-}
-
-TEST(Likelihood, GradientIsThatOfTheLogDensity) {
-  const Small s;
-  ModelError e;
-  e.floor_variance = Eigen::VectorXd::Constant(80, 1);
-  const Likelihood l(s.problem, s.recordings, {}, {.values = 12}, e);
-  ASSERT_FALSE(std::isinf(l.errors().freedom()));
-  const std::vector<double> theta{1.1};
-  auto y = s.model.evaluate(theta).mean;
-  const Eigen::VectorXd g = l.gradient(theta, y);
-  for (const std::size_t i : {std::size_t{0}, std::size_t{13}, std::size_t{77}}) {
-    const double h = 1e-4, at = y[i];
-    y[i] = at + h;
-    const double up = l.log_likelihood(theta, y);
-    y[i] = at - h;
-    const double down = l.log_likelihood(theta, y);
-    y[i] = at;
-    EXPECT_NEAR(g[Eigen::Index(i)], (up - down) / (2 * h), 1e-6 * (1 + g.cwiseAbs().maxCoeff()));
-  }
-}
-
-TEST(ErrorDistribution, TheTWithManyReplicatesIsTheGaussianAndIntegratesToOne) {
-  Eigen::MatrixXd c(2, 2);
-  c << 2, 0.6, 0.6, 1;
-  const Eigen::Vector2d r(1.2, -0.7);
-  const ErrorDistribution gauss(c, infinity), many(c, 1e7), few(c, 5);
-  EXPECT_NEAR(many.log_density(r), gauss.log_density(r), 1e-5);
-  EXPECT_GT(std::abs(few.log_density(r) - gauss.log_density(r)), 0.05);
-  // Over the plane by polar coordinates of the whitened residual: |C|^(1/2) integral p(s) 2 pi s ds.
-  const auto ring = [&](double s) { return 2 * M_PI * s * std::exp(few.log_density_at(s * s)) * std::sqrt(c(0, 0) * c(1, 1) - c(0, 1) * c(1, 0)); };
-  double sum = 0;
-  for (int i = 0; i < 4000; ++i) sum += boost::math::quadrature::gauss<double, 7>::integrate(ring, i * 0.25, (i + 1) * 0.25);
-  EXPECT_NEAR(sum, 1, 1e-5);
-}
-
-TEST(ErrorDistribution, EffectiveDataOfIndependentAndOfIdenticalValues) {
-  EXPECT_NEAR(ErrorDistribution(Eigen::MatrixXd::Identity(9, 9), infinity).effective_data(), 9, 1e-12);
-  const Eigen::MatrixXd same = Eigen::MatrixXd::Ones(9, 9) + 1e-6 * Eigen::MatrixXd::Identity(9, 9);
-  EXPECT_NEAR(ErrorDistribution(same, infinity).effective_data(), 1, 1e-4);
-  // The statement that goes with it: mean and variance of effective_chi2.
-  Eigen::MatrixXd c(30, 30);
-  for (int i = 0; i < 30; ++i)
-    for (int j = 0; j < 30; ++j) c(i, j) = (1 + 0.1 * i) * (1 + 0.1 * j) * std::exp(-std::abs(i - j) / 6.0);
-  const ErrorDistribution d(c, infinity);
-  const Eigen::MatrixXd l = Cholesky(c).lower();
-  RandomStream random(4, 0);
-  constexpr int draws = 4000;
-  double mean = 0, square = 0;
-  for (int k = 0; k < draws; ++k) {
-    Eigen::VectorXd n(30);
-    for (auto& x : n) x = random.normal();
-    const double v = d.effective_chi2(l * n);
-    mean += v / draws, square += v * v / draws;
-  }
-  const double m = d.effective_data();
-  EXPECT_NEAR(mean, m, 4 * std::sqrt(2 * m / draws));
-  EXPECT_NEAR((square - mean * mean) / (2 * m), 1, 0.2);  // 4 standard errors of a variance with some excess kurtosis
 }
 
 TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
@@ -304,7 +239,7 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
                             200, 1e-6);
   const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.05}, 2);
   const Problem problem = make_problem(model.shape(), recordings, {});
-  const Likelihood l(problem, recordings, {}, {.values = 60}, {});
+  const ErrorModel l(problem, recordings, {}, {.values = 60, .band = 1e9}, {}, {});
   Eigen::MatrixXd positions(3, 3);
   positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
   const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, 0.03, matern32(15e-6));

@@ -1,0 +1,54 @@
+// The correction for the mesh that ENC and SPE take from the posterior's emulator.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/posterior_stage.hpp"
+#include "apps/stages.hpp"
+
+namespace calomel {
+
+bool Stages::corrects_mesh(std::string* why) const {
+  const auto tell = [&](const char* reason) {
+    if (why) *why = reason;
+    return false;
+  };
+  if (!study_.forward.geometry.resolved().element_size) return tell("the mesh comes from a file, of which the program makes no finer one");
+  return element_sizes(study_).size() > 1 || tell("the emulator has one mesh only (emulator.element_sizes)");
+}
+
+const MeshCorrection* Stages::mesh_correction(const std::string& method, bool wanted, const CalibrationProgress& progress) {
+  if (!wanted) return nullptr;
+  std::string why;
+  if (!corrects_mesh(&why)) {
+    say(fmt::format("{}: predictions are not corrected for the mesh: {}", method, why));
+    return nullptr;
+  }
+  if (correction_) return &*correction_;
+  const double own = *study_.forward.geometry.resolved().element_size;
+  const auto sizes = element_sizes(study_);
+  const auto at = std::find_if(sizes.begin(), sizes.end(), [&](double size) { return std::abs(size / own - 1) < 1e-9; });
+  if (at == sizes.end())
+    throw InputError({.problem = fmt::format("the case's element size, {} m, is none of the emulator's, so it cannot be corrected for the mesh", own),
+                      .key = "emulator.element_sizes",
+                      .suggestion = fmt::format("add the case's element size or set {}.mesh_correction = false", method)});
+  const CasePosterior& made = case_posterior(progress);
+  const PosteriorFit& fit = made.fit;
+  if (!fit.settled) say(fmt::format("warning: {}: the emulator {}", method, fit.message));
+  Eigen::MatrixXd histories(Eigen::Index(problem().shape.values()), Eigen::Index(fit.used.size()));
+  for (std::size_t i = 0; i < fit.used.size(); ++i) {
+    const auto& mean = fit.runs[fit.used[i]].record.mean;
+    histories.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(mean.data(), Eigen::Index(mean.size())).cast<double>();
+  }
+  // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
+  std::vector<double> fine, working;
+  for (std::size_t k = model().shape().parameters.size(); k < made.inputs->parameters.size(); ++k) {
+    const Parameter& p = made.inputs->parameters[k];
+    fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? model().describe().viscosity : *p.nominal);
+  }
+  correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), histories, int(sizes.end() - at) - 1, fine, working);
+  return &*correction_;
+}
+
+}  // namespace calomel

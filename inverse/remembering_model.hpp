@@ -1,0 +1,31 @@
+#pragma once
+/// A model that keeps what was run.
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "forward/model.hpp"
+
+namespace calomel {
+
+/// A model that keeps what it has computed or was told, so that no point is run twice.
+class RememberingModel final : public ForwardModel {
+ public:
+  /// `model` outlives the object.
+  explicit RememberingModel(const ForwardModel& model) : model_(model) {}
+  [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
+  /// What the model gives at theta, run elsewhere; the first word stands. `counts`: whether it is one of the runs() of this model.
+  void learn(std::span<const double> theta, Prediction prediction, bool counts) const;
+  [[nodiscard]] bool knows(std::span<const double> theta) const;
+  /// Points that were computed, and those learnt that count.
+  [[nodiscard]] std::size_t runs() const { return runs_; }
+
+ private:
+  const ForwardModel& model_;
+  mutable std::mutex lock_;
+  mutable std::map<std::vector<double>, Prediction> known_;
+  mutable std::size_t runs_ = 0;
+};
+
+}  // namespace calomel
