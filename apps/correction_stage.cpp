@@ -42,8 +42,15 @@ const MeshCorrection* Stages::mesh_correction(const std::string& method, bool wa
     histories.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(mean.data(), Eigen::Index(mean.size())).cast<double>();
   }
   // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
-  std::vector<double> fine, working;
-  if (made.inputs->parameters.size() > model().shape().parameters.size()) fine = {study_.emulator.viscosity}, working = {model().describe().viscosity};
+  std::vector<double> fine{study_.emulator.viscosity}, working{model().describe().viscosity};
+  const std::size_t parameters = model().shape().parameters.size();
+  if (made.inputs->parameters.size() == parameters) {
+    const bool calibrated = std::any_of(made.inputs->parameters.begin(), made.inputs->parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
+    if (!calibrated && std::abs(working[0] / fine[0] - 1) > 1e-6)
+      say(fmt::format("warning: {}: the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = 0: the difference is not taken off", method,
+                      working[0], fine[0]));
+    fine.clear(), working.clear();
+  }
   correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), histories, int(sizes.end() - at) - 1, fine, working);
   return &*correction_;
 }
