@@ -47,6 +47,11 @@ const MeshCorrection* Stages::mesh_correction(const std::string& method, bool wa
     const Parameter& p = made.inputs->parameters[k];
     fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? model().describe().viscosity : *p.nominal);
   }
+  const auto& all = made.inputs->parameters;
+  const bool told = std::any_of(all.begin(), all.end(), [](const Parameter& p) { return p.key == viscosity_key; });
+  if (const double own_viscosity = model().describe().viscosity; !told && std::abs(own_viscosity / study_.emulator.viscosity - 1) > 1e-6)
+    say(fmt::format("warning: {}: the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = 0: the difference is not taken off", method,
+                    own_viscosity, study_.emulator.viscosity));
   correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), histories, int(sizes.end() - at) - 1, fine, working);
   return &*correction_;
 }

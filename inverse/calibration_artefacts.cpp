@@ -78,7 +78,7 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
 
 Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem) {
   const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
-  Json j{{"sentence", m.sentence}, {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)}};
+  Json j{{"sentence", m.sentence}, {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)}, {"nominal_inside_emulator", s.at_nominal.inside_emulator}};
   if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape, m.without);
   j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
                        {"mae", of(m.best, &Score::mae)},

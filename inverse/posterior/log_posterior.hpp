@@ -13,7 +13,7 @@ namespace calomel {
 
 /// Normal prior of how far past the finest mesh the records lie.
 struct BeyondPrior {
-  double mean = 0.25, sd = 0.25;
+  double mean = 0.4, sd = 0.25;
 };
 
 /// log p(theta, k | records) = log L + log prior, with

@@ -16,10 +16,10 @@ struct EmulatorOptions {
   std::vector<double> element_sizes;
   double viscosity = 2000;
   double viscosity_sd = 0.6;
-  int coarse_runs = 32;
-  int fine_runs = 8;
+  int coarse_runs = 48;
+  int fine_runs = 14;
   int round_coarse = 8;
-  int round_fine = 3;
+  int round_fine = 4;
   int rounds = 12;
   double enough = 0.3;
   double stable = 0.25;

@@ -5,7 +5,7 @@
   concealed_slices.py calibrate BUILD_DIR WORK_DIR --draws 1,2,3 --name NAME [--verb "sample" | "calibrate --method map"] [--set table.key=value]... [--threads N]
   concealed_slices.py table     WORK_DIR --draws 1,2,3 --name NAME [--answer posterior|map|enc|spe]
 
-For each draw a target is drawn (length 0.11 to 0.14 m, height 0.036 to 0.045 m, walls 3 to 5 mm, eight gauges, 0.3 ms) with the parameters (density from 12 500 to 14 000,
+For each draw a target is drawn (length 0.09 to 0.11 m, height 0.032 to 0.038 m, walls 3 to 5 mm, eight gauges, 0.24 ms) with the parameters (density from 12 500 to 14 000,
 sound speed from 1380 to 1520, the logarithm of the cutoff from 8e4 to 3e5) and the viscosity of the records (ln normal, 2000 Pa s, 0.6). make_recordings plays the experiment with
 elements of `--element`, another time step, a steel whose modulus is 1.5 % (sd) off, an energy of all pulses 1.5 %, gauges 0.3 mm and gains 1 % off, eight pulses of unequal energy and
 coloured noise. NAME tells
@@ -52,7 +52,7 @@ buildup = 1.5
 buildup_length = 0.02
 exponent = 2.0
 [time]
-end = 0.3e-3
+end = 0.24e-3
 output_interval = 1e-6
 [solver]
 precision = "single"
@@ -81,7 +81,7 @@ def paths(work, draw):
 def draw_slice(work, draw, element):
     """Writes the case and the truth file of make_recordings; returns the true parameters."""
     r = random.Random(f"concealed slices {draw}")
-    length, height = r.uniform(0.11, 0.14), r.uniform(0.036, 0.045)
+    length, height = r.uniform(0.09, 0.11), r.uniform(0.032, 0.038)
     front, top, bottom = (0.001 * r.choice((3, 4, 5)) for _ in range(3))
     sensors = ""
     for i, share in enumerate((0.12, 0.32, 0.52, 0.75)):

@@ -130,6 +130,8 @@ TEST(EncCorrected, ArtefactsHoldBothHistories) {
   EXPECT_TRUE(j.at("mesh").at("theta_without_correction").contains("density"));
   EXPECT_THAT(j.at("mesh").at("sentence").get<std::string>(), HasSubstr("90 runs of the emulator"));
   EXPECT_TRUE(j.at("candidates")[0].at("inside_emulator").get<bool>());
+  EXPECT_FALSE(j.at("mesh").at("nominal_inside_emulator").get<bool>());  // 13500, 1450: far from the box about the truth
+  EXPECT_THAT(j.at("mesh").at("sentence").get<std::string>(), HasSubstr("the nominal point lies outside"));
   for (const char* gone : {"covariance", "sd", "log_sd", "combinations", "spread"}) EXPECT_FALSE(j.contains(gone)) << gone;
   const Json bare = enc_json(run_enc(c.problem, c.working, c.working, enc_options(), 1, 2), c.problem, {});
   EXPECT_FALSE(bare.contains("mesh"));
