@@ -136,7 +136,7 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.product = product;
   out.nominal = nominal(in.problem.shape);
   out.warnings = in.problem.warnings;
-  out.mesh.scores_on = in.levels > 1 ? "the emulator's finest mesh" : "the case's own mesh";
+  out.mesh.scores_on = in.levels > 1 ? "the finest mesh of the emulator" : "the case's own mesh";
   run_candidates(out, in, fit);
 
   const auto n = Eigen::Index(in.problem.shape.parameters.size());

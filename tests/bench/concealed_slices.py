@@ -78,8 +78,8 @@ def paths(work, draw):
     return tuple(os.path.join(work, f"{what}_{draw}.{end}") for what, end in (("case", "toml"), ("truth", "toml"), ("records", "nc")))
 
 
-def draw_slice(work, draw, element):
-    """Writes the case and the truth file of make_recordings; returns the true parameters."""
+def draw_slice(draw, element):
+    """The case, the truth file of make_recordings, and the true parameters."""
     r = random.Random(f"concealed slices {draw}")
     length, height = r.uniform(0.09, 0.11), r.uniform(0.032, 0.038)
     front, top, bottom = (0.001 * r.choice((3, 4, 5)) for _ in range(3))
@@ -89,10 +89,9 @@ def draw_slice(work, draw, element):
     for i, share in enumerate((0.2, 0.45, 0.7)):
         sensors += SENSOR.format(name=f"L{i + 1}", x=length * (share + r.uniform(-0.04, 0.04)), z=0, direction="[1, 0, 0]")
     sensors += SENSOR.format(name="W", x=0, z=height * r.uniform(0.45, 0.65), direction="[0, 0, 1]")
-    case, truth_file, _ = paths(work, draw)
-    with open(case, "w") as f:
-        f.write(CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=(peak := r.uniform(20e6, 30e6)), middle=height * r.uniform(0.45, 0.55),
-                            width=height * r.uniform(0.28, 0.4), sensors=sensors))
+    peak = r.uniform(20e6, 30e6)
+    case = CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=peak, middle=height * r.uniform(0.45, 0.55),
+                       width=height * r.uniform(0.28, 0.4), sensors=sensors)
     truth = {"density": r.uniform(12500, 14000), "sound_speed": r.uniform(1380, 1520), "tensile_cutoff": math.exp(r.uniform(math.log(8e4), math.log(3e5)))}
     truth = {n: float(f"{v:.6g}") for n, v in truth.items()}
     young, viscosity = 193e9 * (1 + 0.015 * r.gauss(0, 1)), 2000 * math.exp(0.6 * r.gauss(0, 1))
@@ -104,9 +103,7 @@ def draw_slice(work, draw, element):
               f'"load.peak_pressure={peak:.6g}"]']
     names = [line.split('"')[1] for line in sensors.splitlines() if line.startswith("name")]
     lines += ["[pulses]"] + [f"{s} = 8" for s in names] + ["[noise]"] + [f"{s} = {r.choice((5e-6, 5e-6, 8e-6))}" for s in names]
-    with open(truth_file, "w") as f:
-        f.write("\n".join(lines) + "\n")
-    return truth | {"viscosity": viscosity}
+    return case, "\n".join(lines) + "\n", truth | {"viscosity": viscosity}
 
 
 def call(command, log):
@@ -121,9 +118,11 @@ def call(command, log):
 
 def record(args):
     for draw in args.draws:
-        draw_slice(args.work, draw, args.element)
         case, truth, records = paths(args.work, draw)
         if not os.path.exists(records):
+            for path, text in zip((case, truth), draw_slice(draw, args.element)):
+                with open(path, "w") as f:
+                    f.write(text)
             recorder = os.path.join(args.build, "examples", "recorder", "make_recordings")
             call([recorder, case, truth, records + ".part"], os.path.join(args.work, "recordings.log"))
             os.rename(records + ".part", records)
@@ -178,7 +177,7 @@ def table(args):
         out = os.path.join(args.work, f"{draw}_{args.name}")
         if not os.path.exists(os.path.join(out, args.answer + ".json")):
             continue
-        truth = draw_slice(args.work, draw, args.element)
+        truth = draw_slice(draw, args.element)[2]
         truth["impedance"] = truth["density"] * truth["sound_speed"]
         value, sd, passes, _ = answer(out, args.answer)
         cells = []

@@ -51,12 +51,13 @@ TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
   const auto with = [](const std::string& line) { return mean_of("[mechanism.beam_profile]\nenabled = true\n" + line + "\n"); };
   const Eigen::VectorXd by_offset = (with("offset_z = 0.00125") - with("offset_z = -0.00125")) / 0.0025;
   ASSERT_GT(by_offset.norm(), 0);
-  EXPECT_LT((column(*beam, "offset_z") - by_offset).norm(), 1e-9 * by_offset.norm());
+  // The store keeps single precision.
+  EXPECT_LT((column(*beam, "offset_z") - by_offset).norm(), 1e-5 * by_offset.norm());
   const MechanismDirections* viscous = find(all, "liquid_viscosity");
   ASSERT_NE(viscous, nullptr);
   const double zeta = 1 + 0.25 * 9999;  // one-sided: 0 is the least
   const Eigen::VectorXd by_zeta = (mean_of("[mechanism.liquid_viscosity]\nenabled = true\nzeta = " + std::to_string(zeta) + "\n") - mean_of("")) / zeta;
-  EXPECT_LT((column(*viscous, "zeta") - by_zeta).norm(), 1e-6 * by_zeta.norm());
+  EXPECT_LT((column(*viscous, "zeta") - by_zeta).norm(), 1e-5 * by_zeta.norm());
 }
 
 TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {

@@ -151,7 +151,7 @@ TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
         static_cast<const ForwardModel*>(&unshifted), static_cast<const ForwardModel*>(&guarded)}) {
     const HistoryBasis basis = m->basis();
     const Eigen::MatrixXf expected = m->means(thetas, 1), y = (basis.directions * m->coefficients(thetas)).colwise() + basis.offset;
-    EXPECT_EQ(basis.directions.cols(), 7 + (m == &shifted || m == &guarded ? 30 : 0));
+    EXPECT_EQ(basis.directions.cols(), 7 + (m == &shifted || m == &guarded ? MultilevelRegression::coefficients(3, 2) : 0));
     for (Eigen::Index i = 0; i < y.cols(); ++i) {
       EXPECT_EQ(y.col(i).allFinite(), expected.col(i).allFinite()) << i;
       if (y.col(i).allFinite()) {

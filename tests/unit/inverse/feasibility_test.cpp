@@ -84,7 +84,9 @@ TEST(Feasibility, OptimisersAreKeptOffWhatFails) {
   const auto basin = [&](const ForwardModel& search) { return find_basin(problem, recordings, {}, {.values = 60, .band = 1e9}, search, {}, 0.02, 1, 1); };
   const auto blind = basin(surrogate), kept = basin(guarded);
   EXPECT_TRUE(breaks(blind[0], blind[1]));
-  EXPECT_FALSE(breaks(kept[0], kept[1]));
+  EXPECT_TRUE(f.feasible(kept));
+  EXPECT_FALSE(f.feasible(blind));
+  EXPECT_LT(kept[0] / 2 + (kept[1] - 10) / 20, 0.9 * (blind[0] / 2 + (blind[1] - 10) / 20));
   EXPECT_GT(kept[0] / 2 + (kept[1] - 10) / 20, 1.2);  // up to the boundary, the true point being beyond
   // ENC likewise.
   const auto enc = run_enc(problem, guarded, model, {.rounds = 4, .generations = 40, .population = 20}, 1, 1);
