@@ -8,8 +8,8 @@
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "inverse/comparison.hpp"
-#include "inverse/feasibility.hpp"
+#include "inverse/comparison/comparison.hpp"
+#include "forward/surrogate/feasibility.hpp"
 
 namespace calomel {
 

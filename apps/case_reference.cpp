@@ -8,7 +8,7 @@
 #include "apps/study_case.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/surrogate/emulator.hpp"
-#include "inverse/objective.hpp"
+#include "inverse/objective/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
 
 namespace calomel {

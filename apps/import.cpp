@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "apps/verbs.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/recordings.hpp"
 
 namespace calomel {
 

@@ -8,7 +8,7 @@
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/solver/load.hpp"
 #include "forward/surrogate/emulator.hpp"
-#include "inverse/objective.hpp"
+#include "inverse/objective/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
 #include "uq/sampler/sampler.hpp"
 

@@ -7,7 +7,7 @@
 #include "apps/stages.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "inverse/feasibility.hpp"
+#include "forward/surrogate/feasibility.hpp"
 
 namespace calomel {
 

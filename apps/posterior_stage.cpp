@@ -14,7 +14,7 @@
 #include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
-#include "inverse/feasibility.hpp"
+#include "forward/surrogate/feasibility.hpp"
 #include "inverse/posterior/basin.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "inverse/posterior/true_model_check.hpp"

@@ -11,8 +11,8 @@
 #include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/surrogate/training.hpp"
-#include "inverse/enc.hpp"
-#include "inverse/feasibility.hpp"
+#include "inverse/enc/enc.hpp"
+#include "forward/surrogate/feasibility.hpp"
 
 namespace calomel {
 

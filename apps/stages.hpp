@@ -13,11 +13,11 @@
 #include "forward/emulator/mesh_correction.hpp"
 #include "forward/emulator/run_store.hpp"
 #include "forward/surrogate/surrogate.hpp"
-#include "inverse/calibration.hpp"
-#include "inverse/enc.hpp"
+#include "inverse/calibration/calibration.hpp"
+#include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
-#include "inverse/problem.hpp"
-#include "inverse/spe.hpp"
+#include "inverse/data/problem.hpp"
+#include "inverse/spe/spe.hpp"
 
 namespace calomel {
 

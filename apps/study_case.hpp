@@ -10,10 +10,10 @@
 #include "forward/campaign/campaign.hpp"
 #include "forward/forward_case.hpp"
 #include "forward/surrogate/options.hpp"
-#include "inverse/enc.hpp"
+#include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/recordings.hpp"
 #include "inverse/spe/options.hpp"
 #include "uq/sampler/sampler.hpp"
 

@@ -3,7 +3,7 @@
 #include "apps/report/report.hpp"
 #include "apps/report/study.hpp"
 #include "apps/report/table.hpp"
-#include "inverse/comparison.hpp"
+#include "inverse/comparison/comparison.hpp"
 
 namespace calomel {
 

@@ -16,7 +16,7 @@
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "examples/expected.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/recordings.hpp"
 
 using namespace calomel;
 

@@ -15,7 +15,7 @@
 #include "base/random.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/solver/kernel.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/recordings.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/calibration.hpp"
+#include "inverse/calibration/calibration.hpp"
 #include "inverse/map/nested_model.hpp"
 #include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/identifiability.hpp"

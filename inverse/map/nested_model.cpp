@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/json.hpp"
-#include "inverse/calibration.hpp"
+#include "inverse/calibration/calibration.hpp"
 
 namespace calomel {
 

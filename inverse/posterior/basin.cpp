@@ -6,7 +6,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "forward/campaign/design.hpp"
-#include "inverse/prior.hpp"
+#include "inverse/posterior/prior.hpp"
 
 namespace calomel {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/likelihood/decimation.hpp"
-#include "inverse/likelihood/replicate_noise.hpp"
-#include "inverse/problem.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/decimation.hpp"
+#include "inverse/data/replicate_noise.hpp"
+#include "inverse/data/problem.hpp"
+#include "inverse/data/recordings.hpp"
 
 namespace calomel {
 

@@ -7,7 +7,7 @@
 
 #include "forward/emulator/multilevel.hpp"
 #include "inverse/posterior/error_model.hpp"
-#include "inverse/prior.hpp"
+#include "inverse/posterior/prior.hpp"
 
 namespace calomel {
 

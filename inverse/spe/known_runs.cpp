@@ -7,7 +7,7 @@
 
 #include "forward/campaign/design.hpp"
 #include "forward/surrogate/training.hpp"
-#include "inverse/spe.hpp"
+#include "inverse/spe/spe.hpp"
 #include "inverse/spe/unit_box.hpp"
 
 namespace calomel {

@@ -6,8 +6,8 @@
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/journal.hpp"
 #include "forward/emulator/mesh_correction.hpp"
-#include "inverse/calibration.hpp"
-#include "inverse/feasibility.hpp"
+#include "inverse/calibration/calibration.hpp"
+#include "forward/surrogate/feasibility.hpp"
 #include "inverse/spe/surrogates.hpp"
 
 namespace calomel {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "inverse/correction_report.hpp"
-#include "inverse/objective.hpp"
+#include "inverse/calibration/correction_report.hpp"
+#include "inverse/objective/objective.hpp"
 #include "inverse/optimizer/dgs.hpp"
 
 namespace calomel {

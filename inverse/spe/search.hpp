@@ -1,7 +1,7 @@
 #pragma once
 /// One round of sparse polynomial expansion calibration: surrogates of the misfit, their optima, the modes of these.
-#include "inverse/feasibility.hpp"
-#include "inverse/spe.hpp"
+#include "forward/surrogate/feasibility.hpp"
+#include "inverse/spe/spe.hpp"
 
 namespace calomel {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "inverse/calibration.hpp"
+#include "inverse/calibration/calibration.hpp"
 
 namespace calomel {
 

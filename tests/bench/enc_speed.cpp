@@ -16,7 +16,7 @@
 #include "base/parallel.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "forward/surrogate/training.hpp"
-#include "inverse/enc_rounds.hpp"
+#include "inverse/enc/enc_rounds.hpp"
 #include "tests/bench/machine.hpp"
 #include "tests/unit/surrogate/wave_family.hpp"
 

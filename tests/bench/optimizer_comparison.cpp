@@ -21,7 +21,7 @@
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 #include "inverse/optimizer/dgs.hpp"
-#include "inverse/spe.hpp"
+#include "inverse/spe/spe.hpp"
 
 using namespace calomel;
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "forward/built_in_model.hpp"
-#include "inverse/problem.hpp"
+#include "inverse/data/problem.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

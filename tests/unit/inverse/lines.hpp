@@ -8,8 +8,8 @@
 
 #include "base/random.hpp"
 #include "forward/model.hpp"
-#include "inverse/likelihood/decimation.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/decimation.hpp"
+#include "inverse/data/recordings.hpp"
 
 namespace calomel {
 

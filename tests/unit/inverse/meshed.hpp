@@ -1,7 +1,7 @@
 #pragma once
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "oscillations.hpp"
+#include "tests/unit/inverse/oscillations.hpp"
 
 namespace calomel {
 

@@ -6,7 +6,7 @@
 
 #include "base/random.hpp"
 #include "forward/model.hpp"
-#include "inverse/recordings.hpp"
+#include "inverse/data/recordings.hpp"
 
 namespace calomel {
 

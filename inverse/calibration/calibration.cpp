@@ -1,0 +1,148 @@
+#include "inverse/calibration/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "base/nan.hpp"
+#include "base/parallel.hpp"
+
+namespace calomel {
+
+double distance(const Proposal& a, const Proposal& b, const Bounds& bounds) {
+  double d = 0;
+  for (std::size_t k = 0; k < a.theta.size(); ++k)
+    d = std::max(d, std::abs(a.theta[k] - b.theta[k]) / (bounds.high[Eigen::Index(k)] - bounds.low[Eigen::Index(k)]));
+  return d;
+}
+
+Bounds bounds_of(const ModelShape& shape) {
+  const auto n = Eigen::Index(shape.parameters.size());
+  Bounds bounds{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index k = 0; k < n; ++k) bounds.low[k] = shape.parameters[std::size_t(k)].min, bounds.high[k] = shape.parameters[std::size_t(k)].max;
+  return bounds;
+}
+
+std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t n, double separation, const Bounds& bounds) {
+  std::vector<Proposal> out;
+  for (const auto& p : pool) {
+    if (out.size() == n) break;
+    if (std::all_of(out.begin(), out.end(), [&](const auto& q) {
+          const double d = distance(p, q, bounds);
+          return d > 0 && d >= separation;
+        }))
+      out.push_back(p);
+  }
+  return out;
+}
+
+std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds) {
+  std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return spread_out(pool, n, separation, bounds);
+}
+
+Calibration begin_calibration(const Problem& problem, Objective objective) {
+  Calibration out;
+  out.objective = std::move(objective);
+  out.nominal = nominal(problem.shape);
+  out.warnings = problem.warnings;
+  return out;
+}
+
+void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
+                          double cost_at_nominal, int threads, const CalibrationProgress& progress, const RunObjective& value) {
+  // 1. The best distinct points and the nominal one in the true model.
+  const Clock clock;
+  const auto& parameters = problem.shape.parameters;
+  std::mutex lock;
+  std::size_t finished = 0;
+  const auto report = [&](std::size_t total) {
+    const std::lock_guard guard(lock);
+    ++finished;
+    if (progress) progress("true-model runs", finished, total);
+  };
+  const auto run = [&](std::span<const double> theta, std::vector<double>& values) {
+    Candidate c{.theta = {theta.begin(), theta.end()}};
+    Prediction p = true_model.evaluate(theta);
+    if (p.ok) c.score = score(problem, p.mean);
+    if (p.ok && c.score.ok)
+      c.objective_model = value ? value(theta, p.mean, c.score) : out.objective.value(c.score), values = std::move(p.mean);
+    else
+      c.message = p.ok ? "the history holds a NaN" : p.message;
+    if (c.objective_model && !std::isfinite(*c.objective_model)) c.objective_model.reset(), c.message = "the objective has no finite value there";
+    return c;
+  };
+  std::vector<Candidate> tried;
+  std::vector<std::vector<double>> histories;
+  std::size_t succeeded = 0;
+  for (std::size_t next = 0, first = 1; first || (succeeded < wanted && next < ranked.size());) {
+    const std::size_t batch = std::min(wanted - succeeded, ranked.size() - next);
+    const std::size_t at = tried.size();
+    tried.resize(at + batch), histories.resize(at + batch);
+    parallel_for(batch + first, threads, [&](std::size_t i) {
+      if (i == batch) {
+        out.at_nominal = run(out.nominal, out.nominal_values);
+      } else {
+        tried[at + i] = run(ranked[next + i].theta, histories[at + i]);
+        tried[at + i].objective_surrogate = out.objective.cost(ranked[next + i].cost);
+      }
+      report(at + batch + 1);
+    });
+    for (std::size_t i = at; i < tried.size(); ++i) succeeded += tried[i].objective_model.has_value();
+    next += batch, first = 0;
+  }
+  out.at_nominal.objective_surrogate = std::isfinite(cost_at_nominal) ? out.objective.cost(cost_at_nominal) : nan;
+  out.model_runs = tried.size() + 1;
+  out.model_s += clock.seconds();
+
+  // 2. The best by the true model wins.
+  std::vector<std::size_t> order(tried.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto cost = [&](const Candidate& c) { return c.objective_model ? out.objective.cost(*c.objective_model) : std::numeric_limits<double>::infinity(); };
+  std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return cost(tried[i]) < cost(tried[j]); });
+  for (const auto i : order) (succeeded > 0 && !tried[i].objective_model ? out.failed : out.candidates).push_back(tried[i]);
+  if (succeeded > 0) {
+    out.status = CalibrationStatus::done;
+    out.best = out.candidates[0], out.calibrated = histories[order[0]];
+  }
+  if (out.at_nominal.objective_model && cost(out.at_nominal) <= cost(out.best)) {
+    const bool any = out.status == CalibrationStatus::done;
+    if (any)
+      out.warnings.push_back(
+          fmt::format("no candidate is better than the nominal parameters in the true model ({:.4g} against {:.4g}): the nominal ones are kept; the "
+                      "surrogate is too coarse near its optimum",
+                      *out.best.objective_model, *out.at_nominal.objective_model));
+    out.best = out.at_nominal, out.calibrated = out.nominal_values;
+  }
+  if (succeeded == 0) {
+    out.status = CalibrationStatus::no_candidate;
+    out.message = ranked.empty() ? "the surrogate failed at every point" : "the true model failed at every candidate: " + tried[0].message;
+    if (!out.at_nominal.objective_model) {
+      out.best = tried.empty() ? out.at_nominal : tried[0];
+      out.message += "; the result is the surrogate's alone";
+    } else {
+      out.message += "; the nominal parameters are kept";
+    }
+    out.warnings.push_back(out.message);
+  } else {
+    out.message = fmt::format("{} = {:.6g} in the true model at the best of {} candidates", out.objective.name, *out.best.objective_model, succeeded);
+  }
+  out.theta = out.best.theta;
+
+  // 3. What the reader should know.
+  if (!out.failed.empty())
+    out.warnings.push_back(fmt::format("the true model failed at {} candidates, others took their place: {}", out.failed.size(), out.failed[0].message));
+  if (succeeded > 0 && succeeded < wanted) out.warnings.push_back(fmt::format("{} of {} candidates: no more distinct points could be run", succeeded, wanted));
+  if (!out.at_nominal.objective_model) out.warnings.push_back("the true model failed at the nominal parameters: " + out.at_nominal.message);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const double share = (out.theta[k] - parameters[k].min) / (parameters[k].max - parameters[k].min);
+    if (share < 1e-3 || share > 1 - 1e-3)
+      out.warnings.push_back(fmt::format("{} = {} sits on its {} bound: the data would have it outside, or do not determine it", parameters[k].name,
+                                         fmt::format("{:.6g}", out.theta[k]), share < 0.5 ? "lower" : "upper"));
+  }
+}
+
+}  // namespace calomel

@@ -1,0 +1,32 @@
+#pragma once
+/// Corrections of a calibration for its mesh: the option, and what was taken off for its mesh
+/// for its artefacts.
+#include <string>
+#include <vector>
+
+#include "inverse/data/problem.hpp"
+
+namespace calomel {
+
+/// The option of ENC and SPE that corrects for the mesh, and what became of those that stood in its place.
+template <class V>
+void visit_mesh_correction(V& v, bool& mesh_correction) {
+  v("mesh_correction", mesh_correction,
+    {.doc = "predictions are corrected for the mesh by the emulator, whose runs are those of [emulator]: finest mesh less the case's own; false: bare, as published"});
+  v.renamed("mesh_pairs", "mesh_correction = true | false decides; the runs are those of [emulator]");
+  v.renamed("mesh_beyond", "mesh_correction leads to the finest mesh of [emulator]; what lies beyond it is part of the posterior (errors.beyond)");
+  v.renamed("draws", "the answer is a point estimate; `calomel sample` tells how well the records know the parameters");
+}
+
+/// Scores and histories on the case's own mesh, where those of the calibration itself are corrected for it.
+struct CorrectionReport {
+  bool used = false;
+  std::string scores_on = "the case's own mesh";   ///< which mesh the scores of the calibration itself are on, in words
+  double difference = 0;                           ///< |correction| / |history| at the answer, mean over the observations
+  std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory tells how each method takes it
+  std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) without the correction; empty where failed
+  Score best, at_nominal;                          ///< of these
+  std::string sentence;
+};
+
+}  // namespace calomel

@@ -1,0 +1,227 @@
+// ENC and SPE with the correction for the mesh: whether a biased mesh is seen through, and what the artefacts say of it.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "base/artefact.hpp"
+#include "base/case_file.hpp"
+#include "base/errors.hpp"
+#include "base/netcdf_file.hpp"
+#include "base/provenance.hpp"
+#include "forward/campaign/campaign.hpp"
+#include "forward/emulator/run_store.hpp"
+#include "forward/emulator/infill.hpp"
+#include "forward/emulator/mesh_correction.hpp"
+#include "inverse/enc/enc.hpp"
+#include "inverse/calibration/remembering_model.hpp"
+#include "inverse/spe/spe.hpp"
+#include "tests/unit/inverse/meshed.hpp"
+#include "tests/scratch.hpp"
+
+using namespace calomel;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+namespace {
+
+const std::vector<double> truth{12100, 1630, 2.3e4};
+
+/// Records of the exact model; campaign and search on elements of 1, the emulator's finest mesh is exact.
+struct Case {
+  Meshed working{1}, exact{0};
+  Recordings recordings = recorded(exact, truth, 8, 4e-6, 4);
+  Problem problem = make_problem(working.shape(), recordings, {});
+  Archive archive = archive_of(working, "chebyshev", 120, 1);
+
+  /// Taught by 60 runs of the working mesh and 30 of the exact one in this box about a point.
+  [[nodiscard]] MeshCorrection correction(const std::vector<double>& middle = truth) const {
+    const std::vector<double> half{900, 40, 9000};
+    std::vector<double> low, high;
+    for (std::size_t k = 0; k < 3; ++k) low.push_back(middle[k] - half[k]), high.push_back(middle[k] + half[k]);
+    const EmulatorBox box(working.shape().parameters, low, high);
+    const Eigen::MatrixXd u = first_design(3, 60, 5);
+    EmulatorRuns runs{Eigen::MatrixXd(3, 90), {}, 2};
+    Eigen::MatrixXd histories(Eigen::Index(working.shape().values()), 90);
+    for (int i = 0; i < 90; ++i) {
+      const int level = i < 60 ? 1 : 0;
+      runs.u.col(i) = u.col(i % 60), runs.level.push_back(level);
+      const auto y = (level ? working : exact).evaluate(box.theta(u.col(i % 60))).mean;
+      histories.col(i) = Eigen::Map<const Eigen::VectorXd>(y.data(), histories.rows());
+    }
+    return {box, MultilevelRegression(runs, 1e4 * histories, Eigen::VectorXd::Ones(histories.rows())), histories, 1, {}, {}};
+  }
+};
+
+double off(const std::vector<double>& theta, std::size_t k) { return std::abs(theta[k] / truth[k] - 1); }
+
+EncOptions enc_options() {
+  EncOptions o;
+  o.rounds = 8, o.generations = 40, o.population = 30, o.candidates = 5, o.separation = 0.01;
+  o.compare_optimizers = {}, o.compare_objectives = {};
+  return o;
+}
+
+SpeOptions spe_options() {
+  SpeOptions o;
+  o.objective = "rrmse", o.total_degree = {5, 8}, o.tensor_product = {4}, o.lambdas = {0.5, 1, 2};
+  o.trials = 12, o.iterations = 40, o.candidates = 5, o.zoom = 3, o.zoom_runs = 40;
+  return o;
+}
+
+}  // namespace
+
+TEST(RememberingModel, RunsNoPointTwice) {
+  const Meshed model(1);
+  const RememberingModel memory(model);
+  const std::vector<double> a{12000, 1500, 1e4}, b{12500, 1500, 1e4}, c{13000, 1500, 1e4};
+  (void)memory.evaluate(a), (void)memory.evaluate(a);
+  EXPECT_EQ(model.runs, 1);
+  memory.learn(b, {.mean = {1, 2}}, true), memory.learn(c, {.mean = {3}}, false);
+  EXPECT_EQ(memory.evaluate(b).mean, (std::vector<double>{1, 2}));
+  EXPECT_EQ(memory.evaluate(c).mean, (std::vector<double>{3}));
+  EXPECT_EQ(model.runs, 1);
+  EXPECT_EQ(memory.runs(), 2u);  // c was nobody's run
+}
+
+TEST(EncCorrected, ABiasedMeshIsSeenThrough) {
+  const Case c;
+  const MeshCorrection correction = c.correction();
+  const auto with = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2, {}, &correction);
+  const auto without = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2);
+  // The mesh's own optimum is density / 0.92, sound speed / 0.98: the negative control misses by what the mesh does.
+  EXPECT_NEAR(without.theta[0] / truth[0], 1 / 0.92, 0.02);
+  EXPECT_NEAR(without.theta[1] / truth[1], 1 / 0.98, 0.005);
+  EXPECT_FALSE(without.mesh.used);
+  EXPECT_LT(off(with.theta, 0), 0.02);
+  EXPECT_LT(off(with.theta, 1), 0.005);
+  EXPECT_LT(off(with.theta, 2), 0.06);
+  EXPECT_TRUE(with.mesh.used);
+  EXPECT_GT(with.mesh.difference, 0.02);
+  EXPECT_GT(off(with.mesh.without, 1), 0.015);
+  EXPECT_TRUE(with.best.inside_emulator);
+  EXPECT_EQ(with.model_runs, without.model_runs);  // the correction costs no run
+  // The corrected prediction is what was judged, here and at the nominal point; the bare one stands beside it.
+  const auto own = c.working.evaluate(with.theta).mean, exact = c.exact.evaluate(with.theta).mean;
+  double to_own = 0, to_exact = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    EXPECT_NEAR(with.mesh.calibrated[i], own[i], 1e-9);
+    to_own += std::pow(with.calibrated[i] - own[i], 2), to_exact += std::pow(with.calibrated[i] - exact[i], 2);
+  }
+  EXPECT_LT(to_exact, 0.02 * to_own);
+  EXPECT_GT(with.best.score.accuracy, with.mesh.best.accuracy + 5);
+  EXPECT_NE(with.at_nominal.score.mae, with.mesh.at_nominal.mae);
+}
+
+TEST(EncCorrected, ArtefactsHoldBothHistories) {
+  const Case c;
+  const MeshCorrection correction = c.correction();
+  const auto s = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2, {}, &correction);
+  const auto directory = scratch("mesh_corrected");
+  write_enc(s, c.problem, {.stage = "enc"}, directory);
+  const NetcdfReader file(directory / "enc.nc");
+  EXPECT_EQ(file.doubles("calibrated"), s.calibrated);
+  EXPECT_EQ(file.doubles("calibrated_working_mesh"), s.mesh.calibrated);
+  EXPECT_EQ(file.doubles("nominal_working_mesh"), s.mesh.nominal_values);
+  const Json j = read_json(directory / "enc.json");
+  EXPECT_EQ(j.at("scores_on"), "the finest mesh of the emulator");
+  EXPECT_NEAR(j.at("mesh").at("working_mesh").at("accuracy").get<double>(), s.mesh.best.accuracy, 1e-9);
+  EXPECT_NEAR(j.at("mesh").at("relative_difference").get<double>(), s.mesh.difference, 1e-12);
+  EXPECT_TRUE(j.at("mesh").at("theta_without_correction").contains("density"));
+  EXPECT_THAT(j.at("mesh").at("sentence").get<std::string>(), HasSubstr("90 runs of the emulator"));
+  EXPECT_TRUE(j.at("candidates")[0].at("inside_emulator").get<bool>());
+  EXPECT_FALSE(j.at("mesh").at("nominal_inside_emulator").get<bool>());  // 13500, 1450: far from the box about the truth
+  EXPECT_THAT(j.at("mesh").at("sentence").get<std::string>(), HasSubstr("the nominal point lies outside"));
+  for (const char* gone : {"covariance", "sd", "log_sd", "combinations", "spread"}) EXPECT_FALSE(j.contains(gone)) << gone;
+  const Json bare = enc_json(run_enc(c.problem, c.working, c.working, enc_options(), 1, 2), c.problem, {});
+  EXPECT_FALSE(bare.contains("mesh"));
+  EXPECT_FALSE(bare.at("candidates")[0].contains("inside_emulator"));
+  EXPECT_EQ(bare.at("scores_on"), "the case's own mesh");
+}
+
+TEST(EncCorrected, AnAnswerOutsideTheEmulatorsBoxIsMarked) {
+  const Case c;
+  const MeshCorrection elsewhere = c.correction({14500, 1300, 1.5e4});
+  const auto s = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2, {}, &elsewhere);
+  EXPECT_FALSE(s.best.inside_emulator);
+  EXPECT_THAT(s.warnings, Contains(HasSubstr("outside the box")));
+  EXPECT_FALSE(enc_json(s, c.problem, {}).at("candidates")[0].at("inside_emulator").get<bool>());
+  const MeshCorrection here = c.correction();
+  EXPECT_THAT(run_enc(c.problem, c.working, c.working, enc_options(), 1, 2, {}, &here).warnings, Not(Contains(HasSubstr("outside the box"))));
+}
+
+TEST(SpeCorrected, ABiasedMeshIsSeenThrough) {
+  const Case c;
+  const MeshCorrection correction = c.correction();
+  const auto with = run_spe(c.problem, c.archive, c.working, spe_options(), 1, 2, {}, {}, &correction);
+  const auto without = run_spe(c.problem, c.archive, c.working, spe_options(), 1, 2);
+  EXPECT_GT(off(without.theta, 0), 0.05);
+  EXPECT_GT(off(without.theta, 1), 0.014);
+  EXPECT_LT(off(with.theta, 0), 0.02);
+  EXPECT_LT(off(with.theta, 1), 0.005);
+  EXPECT_LT(*with.best.objective_model, 0.5 * with.mesh.best.nrmse);
+  EXPECT_GT(off(with.mesh.without, 1), 0.01);
+  EXPECT_FALSE(without.mesh.used);
+  EXPECT_TRUE(spe_json(with, c.problem, {}).at("mesh").contains("working_mesh"));
+}
+
+TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
+  const Case c;
+  const MeshCorrection correction = c.correction();
+  auto o = spe_options();
+  o.zoom = 1, o.refinements = 1;
+  const auto whole = [&](const MakeRuns& make_runs) { return run_spe(c.problem, c.archive, c.working, o, 1, 1, {}, make_runs, &correction); };
+  const auto expected = whole({});
+  const auto directory = scratch("spe_resume");
+  const Provenance provenance{.stage = "runs", .seed = 1};
+  const auto from = [&](RunStore& store, std::atomic<bool>* stop) -> MakeRuns {
+    return [&, stop](const Eigen::MatrixXd& thetas) {
+      std::vector<RunPoint> points;
+      for (Eigen::Index i = 0; i < thetas.cols(); ++i) {
+        RunPoint p;
+        for (std::size_t k = 0; k < c.working.shape().parameters.size(); ++k) p[c.working.shape().parameters[k].name] = thetas(Eigen::Index(k), i);
+        points.push_back(std::move(p));
+      }
+      const auto evaluate = [&](const RunPoint& p) {
+        std::vector<double> theta;
+        for (const auto& q : c.working.shape().parameters) theta.push_back(p.at(q.name));
+        return evaluate_run(c.working, theta, false);
+      };
+      const auto told = [&](std::size_t, std::size_t) {
+        if (stop) *stop = store.made() >= 20;
+      };
+      std::vector<RunRecord> records;
+      for (auto& r : store.run(points, evaluate, 1, {}, told, stop)) records.push_back(std::move(r.record));
+      return records;
+    };
+  };
+  std::size_t first = 0;
+  {
+    std::atomic<bool> stop = false;
+    RunStore added(provenance, directory);
+    EXPECT_THROW((void)whole(from(added, &stop)), Interrupted);
+    first = added.made();
+  }
+  RunStore added(provenance, directory);
+  const auto resumed = whole(from(added, nullptr));
+  EXPECT_EQ(resumed.theta, expected.theta);
+  EXPECT_EQ(resumed.calibrated, expected.calibrated);
+  EXPECT_GE(added.reused(), first);
+  EXPECT_EQ(added.reused() + added.made(), resumed.model_runs - 1);  // the nominal point is asked of the model itself
+}
+
+TEST(MeshCorrectionOption, KeysThatItReplacesAreAnsweredWithIt) {
+  for (const std::string table : {"enc", "spe"})
+    for (const std::string key : {"mesh_pairs = 0", "mesh_beyond = 1", "draws = 8"}) {
+      CaseFile file = CaseFile::from_text("[" + table + "]\n" + key + "\n");
+      EncOptions enc;
+      SpeOptions spe;
+      try {
+        table == "enc" ? file.read(table, enc) : file.read(table, spe);
+        ADD_FAILURE() << table << key;
+      } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("case.toml:2"));
+        EXPECT_THAT(e.what(), HasSubstr(key.starts_with("draws") ? "calomel sample" : "mesh_correction"));
+      }
+    }
+}
