@@ -28,7 +28,7 @@ struct ErrorOptions {
   double beyond = 0.4;
   double beyond_sd = 0.25;
   double beyond_rest = 0.5;
-  double record_noise = 1;
+  double record_noise = 2;
   std::optional<double> mesh;
   double discrepancy = 0.1;
   std::vector<double> discrepancy_times{15e-6, 40e-6};
