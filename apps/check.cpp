@@ -6,7 +6,7 @@
 
 #include "apps/interrupt.hpp"
 #include "apps/progress.hpp"
-#include "apps/stages.hpp"
+#include "apps/pipeline/stages.hpp"
 #include "apps/verbs.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"

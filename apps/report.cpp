@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "apps/stages.hpp"
+#include "apps/pipeline/stages.hpp"
 #include "apps/verbs.hpp"
 #include "base/json.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/stages.hpp"
+#include "apps/pipeline/stages.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {

@@ -30,8 +30,8 @@ Eigen::MatrixXf ForwardModel::coefficients(const Eigen::MatrixXd&) const {
   return {};
 }
 
-Eigen::VectorXd ForwardModel::pull_back(std::span<const double>, std::span<const double>) const {
-  expect(false, "pull_back is only called where has_gradient() is true");
+Eigen::VectorXd ForwardModel::vector_jacobian_product(std::span<const double>, std::span<const double>) const {
+  expect(false, "vector_jacobian_product is only called where has_gradient() is true");
   return {};
 }
 

@@ -58,10 +58,10 @@ class ForwardModel {
   /// The default evaluates one by one on `threads` threads; surrogates override it.
   [[nodiscard]] virtual Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const;
 
-  /// Whether `pull_back` is there (a surrogate has it, the explicit solver does not).
+  /// Whether `vector_jacobian_product` is there (a surrogate has it, the explicit solver does not).
   [[nodiscard]] virtual bool has_gradient() const { return false; }
   /// Gradient of sum_i weights_i mean_i(theta) with respect to theta, shape (n_parameters).
-  [[nodiscard]] virtual Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const;
+  [[nodiscard]] virtual Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const;
 
   /// Offset and directions of a model whose means are offset + directions * coefficients(theta), so that many points can be scored without writing their
   /// histories; empty (the default) for one that is not of this form.

@@ -78,8 +78,8 @@ Eigen::MatrixXf CorrectedModel::coefficients(const Eigen::MatrixXd& thetas) cons
   return all;
 }
 
-Eigen::VectorXd CorrectedModel::pull_back(std::span<const double> theta, std::span<const double> weights) const {
-  const Eigen::VectorXd own = model_.pull_back(theta, weights);
+Eigen::VectorXd CorrectedModel::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {
+  const Eigen::VectorXd own = model_.vector_jacobian_product(theta, weights);
   return correction_.empty() ? own : Eigen::VectorXd(own + correction_.vector_jacobian_product(theta, weights));
 }
 

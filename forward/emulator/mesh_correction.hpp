@@ -56,7 +56,7 @@ class CorrectedModel final : public ForwardModel {
   [[nodiscard]] HistoryBasis basis() const override;
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return model_.has_gradient(); }
-  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override;
 
  private:
   const ForwardModel& model_;

@@ -25,7 +25,7 @@ class Emulator {
   /// thetas: (n_parameters, n); result: (n_directions, n). Of a kind with a basis.
   [[nodiscard]] virtual Eigen::MatrixXf coefficients(const Eigen::MatrixXd&) const { return {}; }
   /// Gradient of weights . history(theta) by theta (n_parameters); weights: (values).
-  [[nodiscard]] virtual Eigen::VectorXd pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const = 0;
+  [[nodiscard]] virtual Eigen::VectorXd vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const = 0;
   /// Predictive variance of the values where the kind has one of its own, else empty.
   [[nodiscard]] virtual Eigen::VectorXd variance(const Eigen::VectorXd&) const { return {}; }
   /// Every number that `load` needs, as variables whose names start with `prefix`.

@@ -53,7 +53,7 @@ class GuardedModel final : public ForwardModel {
   [[nodiscard]] HistoryBasis basis() const override { return model_.basis(); }
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return model_.has_gradient(); }
-  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override { return model_.pull_back(theta, weights); }
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override { return model_.vector_jacobian_product(theta, weights); }
 
  private:
   /// Columns of `y` at points where the true model is likely to fail become NaN.

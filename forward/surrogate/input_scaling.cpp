@@ -32,7 +32,7 @@ Eigen::MatrixXd InputScaling::features(const Eigen::MatrixXd& thetas) const {
   return x;
 }
 
-Eigen::VectorXd InputScaling::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& gradient) const {
+Eigen::VectorXd InputScaling::vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& gradient) const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(parameters());
   for (Eigen::Index f = 0; f < features(); ++f) {
     const Eigen::Index j = source_[std::size_t(f)];

@@ -26,7 +26,7 @@ class InputScaling {
   /// thetas: (n_parameters, n), natural units; result: (features, n).
   [[nodiscard]] Eigen::MatrixXd features(const Eigen::MatrixXd& thetas) const;
   /// Gradient by the features (features) at `theta` turned into one by the parameters (n_parameters).
-  [[nodiscard]] Eigen::VectorXd pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& gradient) const;
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& gradient) const;
   /// log(max / min) of the parameter behind a logarithmic feature, 0 for a linear one.
   [[nodiscard]] double log_ratio(Eigen::Index feature) const;
 

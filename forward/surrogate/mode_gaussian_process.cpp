@@ -49,11 +49,11 @@ HistoryBasis ModeGaussianProcess::basis() const { return {basis_.mean(), basis_.
 
 Eigen::MatrixXf ModeGaussianProcess::coefficients(const Eigen::MatrixXd& thetas) const { return whitened(thetas, 1).cast<float>(); }
 
-Eigen::VectorXd ModeGaussianProcess::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
-  const Eigen::VectorXd x = inputs_.features(theta).col(0), dz = basis_.pull_back(weights);
+Eigen::VectorXd ModeGaussianProcess::vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
+  const Eigen::VectorXd x = inputs_.features(theta).col(0), dz = basis_.vector_jacobian_product(weights);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(x.size());
   for (std::size_t k = 0; k < processes_.size(); ++k) g += dz[Eigen::Index(k)] * processes_[k].gradient(x);
-  return inputs_.pull_back(theta, g);
+  return inputs_.vector_jacobian_product(theta, g);
 }
 
 Eigen::VectorXd ModeGaussianProcess::variance(const Eigen::VectorXd& theta) const {

@@ -17,7 +17,7 @@ class ModeGaussianProcess final : public Emulator {
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const override;
   [[nodiscard]] HistoryBasis basis() const override;
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
-  [[nodiscard]] Eigen::VectorXd pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const override;
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const override;
   [[nodiscard]] Eigen::VectorXd variance(const Eigen::VectorXd& theta) const override;
   void save(NetcdfWriter& file, const std::string& prefix) const override;
 

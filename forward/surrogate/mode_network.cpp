@@ -88,16 +88,16 @@ Eigen::MatrixXf ModeNetwork::coefficients(const Eigen::MatrixXd& thetas) const {
 
 Eigen::MatrixXf ModeNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const { return basis_.histories(coefficients(thetas).cast<double>(), threads); }
 
-Eigen::VectorXd ModeNetwork::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
+Eigen::VectorXd ModeNetwork::vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   const Eigen::MatrixXf x = inputs_.features(theta).cast<float>();
-  const Eigen::MatrixXf dy = (basis_.pull_back(weights).cast<float>().array() / (weight_ * float(members_.size())).array()).matrix();
+  const Eigen::MatrixXf dy = (basis_.vector_jacobian_product(weights).cast<float>().array() / (weight_ * float(members_.size())).array()).matrix();
   Eigen::VectorXd g = Eigen::VectorXd::Zero(x.rows());
   for (const auto& member : members_) {
     Network<float>::Tape tape;
     member.hidden(x, tape);
     g += member.backward(tape, dy, nullptr).col(0).cast<double>();
   }
-  return inputs_.pull_back(theta, g);
+  return inputs_.vector_jacobian_product(theta, g);
 }
 
 Eigen::VectorXd ModeNetwork::variance(const Eigen::VectorXd& theta) const {

@@ -62,7 +62,7 @@ Eigen::MatrixXf ModeBasis::histories(const Eigen::MatrixXd& whitened, int thread
   return y;
 }
 
-Eigen::VectorXd ModeBasis::pull_back(const Eigen::VectorXd& weights) const {
+Eigen::VectorXd ModeBasis::vector_jacobian_product(const Eigen::VectorXd& weights) const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(modes());
   for (Eigen::Index i = 0; i < weights.size(); ++i) g += weights[i] * map_.row(i).transpose().cast<double>();
   return g;

@@ -45,7 +45,7 @@ class ModeBasis {
   /// Histories from whitened coefficients, (values, n), in fixed blocks of rows on `threads` threads.
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& whitened, int threads) const;
   /// Gradient by the values (values) turned into one by the whitened coefficients (modes).
-  [[nodiscard]] Eigen::VectorXd pull_back(const Eigen::VectorXd& weights) const;
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(const Eigen::VectorXd& weights) const;
   /// Variance of the values from independent variances of the whitened coefficients (modes), discarded modes included.
   [[nodiscard]] Eigen::VectorXd variance(const Eigen::VectorXd& of_whitened) const;
 

@@ -78,11 +78,11 @@ Eigen::MatrixXf PublishedNetwork::coefficients(const Eigen::MatrixXd& thetas) co
   return network_.hidden(inputs_.features(thetas).cast<float>(), tape);
 }
 
-Eigen::VectorXd PublishedNetwork::pull_back(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
+Eigen::VectorXd PublishedNetwork::vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   Network<float>::Tape tape;
   network_.hidden(inputs_.features(theta).cast<float>(), tape);
   const Eigen::MatrixXf dy = weights.cast<float>() * scale_;
-  return inputs_.pull_back(theta, network_.backward(tape, dy, nullptr).col(0).cast<double>());
+  return inputs_.vector_jacobian_product(theta, network_.backward(tape, dy, nullptr).col(0).cast<double>());
 }
 
 void PublishedNetwork::save(NetcdfWriter& file, const std::string& prefix) const {

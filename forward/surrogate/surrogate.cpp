@@ -95,9 +95,9 @@ Eigen::MatrixXf Surrogate::coefficients(const Eigen::MatrixXd& thetas) const {
   return at_inside(thetas, [&](const Eigen::MatrixXd& x) { return parts_.mean->coefficients(x); });
 }
 
-Eigen::VectorXd Surrogate::pull_back(std::span<const double> theta, std::span<const double> weights) const {
+Eigen::VectorXd Surrogate::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {
   expect(weights.size() == parts_.shape.values(), "a weight for each value of the surrogate");
-  return parts_.mean->pull_back(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())),
+  return parts_.mean->vector_jacobian_product(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())),
                                 Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
 }
 

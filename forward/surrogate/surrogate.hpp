@@ -33,7 +33,7 @@ class Surrogate final : public ForwardModel {
   [[nodiscard]] HistoryBasis basis() const override { return parts_.mean->basis(); }
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return true; }
-  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override;
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override;
 
   /// Variance of (model - surrogate) at theta (values), in the data's unit squared: the kind's predictive variance
   /// times the factor found on held-out runs, discarded modes included, where it has one; else the mean squared error over the held-out runs.

@@ -53,7 +53,7 @@ Calibration begin_calibration(const Problem& problem, Objective objective) {
 }
 
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
-                          double cost_at_nominal, int threads, const CalibrationProgress& progress, const RunObjective& value) {
+                          double cost_at_nominal, int threads, const CalibrationProgress& progress) {
   // 1. The best distinct points and the nominal one in the true model.
   const Clock clock;
   const auto& parameters = problem.shape.parameters;
@@ -69,7 +69,7 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
     Prediction p = true_model.evaluate(theta);
     if (p.ok) c.score = score(problem, p.mean);
     if (p.ok && c.score.ok)
-      c.objective_model = value ? value(theta, p.mean, c.score) : out.objective.value(c.score), values = std::move(p.mean);
+      c.objective_model = out.objective.value(c.score), values = std::move(p.mean);
     else
       c.message = p.ok ? "the history holds a NaN" : p.message;
     if (c.objective_model && !std::isfinite(*c.objective_model)) c.objective_model.reset(), c.message = "the objective has no finite value there";

@@ -82,14 +82,11 @@ std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, 
 /// A calibration before the search: the objective, the nominal point, the problem's warnings.
 Calibration begin_calibration(const Problem& problem, Objective objective);
 
-/// The objective of a run of the true model where it is not one of its Score alone; not finite: the run does not count.
-using RunObjective = std::function<double(std::span<const double> theta, std::span<const double> values, const Score& score)>;
-
 /// Runs the first `wanted` of `ranked` and the nominal point in the true model on `threads` threads; where the true model fails, the next
 /// in rank takes the place. Fills all of `out` from `status` to `nominal_values`, adds to its warnings, counts runs and time.
-/// `cost_at_nominal`: the surrogate's; not finite where it has none. `value`: in place of the objective's own formula.
+/// `cost_at_nominal`: the surrogate's; not finite where it has none.
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
-                          double cost_at_nominal, int threads, const CalibrationProgress& progress = {}, const RunObjective& value = {});
+                          double cost_at_nominal, int threads, const CalibrationProgress& progress = {});
 
 /// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);

@@ -73,13 +73,6 @@ Eigen::VectorXd Decimation::times() const {
   return t;
 }
 
-Eigen::MatrixXd Decimation::lift(const Eigen::MatrixXd& coarse) const {
-  const Eigen::SparseMatrix<double> gram = map_ * Eigen::SparseMatrix<double>(map_.transpose());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
-  expect(factor.info() == Eigen::Success, "windows of a series differ");
-  return map_.transpose() * factor.solve(coarse).eval();
-}
-
 Eigen::VectorXd Decimation::apply_record(std::size_t observation, std::span<const double> record) const {
   const auto& series = windows_[observation];
   Eigen::VectorXd y(Eigen::Index(series.size()));

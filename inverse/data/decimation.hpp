@@ -39,10 +39,6 @@ class Decimation {
 
   /// histories: (values of the model, n); result: (size, n).
   [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& histories) const { return map_ * histories; }
-  /// The least histories whose coarse values are given: coarse (size, n); result: (values of the model, n), apply() of which gives `coarse` again.
-  [[nodiscard]] Eigen::MatrixXd lift(const Eigen::MatrixXd& coarse) const;
-  /// Gradient by the coarse values turned into one by the model's values.
-  [[nodiscard]] Eigen::VectorXd pull_back(const Eigen::VectorXd& weights) const { return map_.transpose() * weights; }
   /// A record of one observation, (record times); a value whose samples are partly absent takes the rest, NaN where less than half is there.
   [[nodiscard]] Eigen::VectorXd apply_record(std::size_t observation, std::span<const double> record) const;
 

@@ -27,7 +27,7 @@ class SmoothedCost final : public ceres::FirstOrderFunction {
     if (!std::isfinite(s.cost)) return false;
     *cost = s.cost;
     if (gradient) {
-      const Eigen::VectorXd by_theta = surrogate_.pull_back(theta, s.weights);
+      const Eigen::VectorXd by_theta = surrogate_.vector_jacobian_product(theta, s.weights);
       for (int k = 0; k < NumParameters(); ++k) gradient[k] = by_theta[k] * 0.5 * (bounds_.high[k] - bounds_.low[k]) * std::cos(u[k]);
     }
     return true;

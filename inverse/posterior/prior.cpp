@@ -115,12 +115,6 @@ double log_prior(std::span<const Prior> priors, std::span<const double> theta) {
   return sum;
 }
 
-double secant_scale(const Parameter& parameter) {
-  for (const auto& h : handbook)
-    if (parameter.key == h.key) return std::min(h.sd, 0.35);
-  return 0;
-}
-
 std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters) {
   for (auto& p : parameters) {
     const auto known = std::find_if(handbook.begin(), handbook.end(), [&](const Handbook& h) { return p.key == h.key; });

@@ -40,10 +40,6 @@ std::vector<Prior> priors_of(std::span<const Parameter> parameters);
 /// Sum of the log densities.
 double log_prior(std::span<const Prior> priors, std::span<const double> theta);
 
-/// Relative distance over which a secant of the rough solver is trusted: the handbook sd of density (1.5 %) and sound speed (3 %), 0.35 of the tensile
-/// cutoff; 0 for others. Narrower ones show its roughness: fits on synthetic cases needed one such sd.
-double secant_scale(const Parameter& parameter);
-
 /// The parameters with handbook priors where these are known: density normal about nominal with 1.5 %, sound speed normal with 3 %, tensile cutoff
 /// lognormal with ln nominal and 0.7 (of material.mercury). Others keep the case's prior; one that is uniform is refused, because a free
 /// discrepancy explains anything that such a parameter does (Brynjarsdottir and O'Hagan 2014, Inverse Problems 30, 114007).

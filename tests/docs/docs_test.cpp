@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "apps/case_reference.hpp"
-#include "apps/study_case.hpp"
+#include "apps/pipeline/study_case.hpp"
 #include "base/artefact.hpp"
 
 namespace calomel {

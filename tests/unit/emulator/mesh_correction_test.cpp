@@ -47,7 +47,7 @@ class Line final : public ForwardModel {
     return p;
   }
   [[nodiscard]] bool has_gradient() const override { return true; }
-  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double>, std::span<const double> w) const override {
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double>, std::span<const double> w) const override {
     Eigen::Vector2d g = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < 4; ++i) g += w[i] * shape_.times[i] * Eigen::Vector2d(1, shape_.times[i]);
     return g;
@@ -122,7 +122,7 @@ TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
   EXPECT_EQ(plain.basis().directions.cols(), 2);
   // The slope by central differences; without that of the shift it is another one.
   const std::vector<double> weights{3, -10, 4, 0.5};
-  const Eigen::VectorXd g = corrected.pull_back(at, weights);
+  const Eigen::VectorXd g = corrected.vector_jacobian_product(at, weights);
   for (std::size_t k = 0; k < 2; ++k) {
     auto up = at, down = at;
     const double h = 1e-5 * at[k];
@@ -130,9 +130,9 @@ TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
     double slope = 0;
     for (std::size_t i = 0; i < 4; ++i) slope += weights[i] * (corrected.evaluate(up).mean[i] - corrected.evaluate(down).mean[i]) / (2 * h);
     EXPECT_NEAR(g[Eigen::Index(k)], slope, 1e-6 * (1 + std::abs(slope)));
-    EXPECT_GT(std::abs(line.pull_back(at, weights)[Eigen::Index(k)] - slope), 1e-4);
+    EXPECT_GT(std::abs(line.vector_jacobian_product(at, weights)[Eigen::Index(k)] - slope), 1e-4);
   }
-  EXPECT_EQ(plain.pull_back(at, weights), line.pull_back(at, weights));
+  EXPECT_EQ(plain.vector_jacobian_product(at, weights), line.vector_jacobian_product(at, weights));
 }
 
 }  // namespace

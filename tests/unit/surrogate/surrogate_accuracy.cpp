@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
       for (int i = 0; i < 5; ++i) (void)surrogate->means(batch, default_threads());
       const auto t1 = Clock::now();
       const std::vector<double> weights(family.archive.shape.values(), 1.0);
-      for (int i = 0; i < 5; ++i) (void)surrogate->pull_back({batch.data(), 3}, weights);
+      for (int i = 0; i < 5; ++i) (void)surrogate->vector_jacobian_product({batch.data(), 3}, weights);
       const auto t2 = Clock::now();
       const auto ms = [](auto d) { return std::chrono::duration<double, std::milli>(d).count() / 5; };
       std::printf("%-14s %-22s %8.4f %8.4f %10.3g %7.2f %8.2f %6d %9.2f %9.2f\n", family.name, kind.c_str(), s.test.r2, s.train.r2, s.test.mae,

@@ -67,7 +67,7 @@ TEST(InputScaling, FeaturesSpanTheBoxAndPullBackAgreesWithDifferences) {
   EXPECT_LT((both.features(corners).col(1).array() - 1).abs().maxCoeff(), 1e-14);
   const Eigen::Vector2d at(0.7, 250);
   const Eigen::Vector3d weights(0.3, -2, 5);
-  const Eigen::VectorXd g = both.pull_back(at, weights);
+  const Eigen::VectorXd g = both.vector_jacobian_product(at, weights);
   for (int j = 0; j < 2; ++j) {
     Eigen::Vector2d up = at, down = at;
     up[j] += 1e-4, down[j] -= 1e-4;
@@ -122,7 +122,7 @@ TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
   std::vector<double> weights(archive.shape.values());
   for (double& w : weights) w = random.normal();
   const std::vector<double> at{1.43, 1.2, 0.9};
-  const Eigen::VectorXd g = surrogate->pull_back(at, weights);
+  const Eigen::VectorXd g = surrogate->vector_jacobian_product(at, weights);
   const auto sum = [&](const std::vector<double>& theta) {
     const auto mean = surrogate->evaluate(theta).mean;
     double s = 0;

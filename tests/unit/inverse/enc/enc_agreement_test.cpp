@@ -22,7 +22,7 @@ const std::vector<double> truth{12100, 1630, 2.3e4};
 struct SmoothModel : Oscillations {
   using Oscillations::Oscillations;
   [[nodiscard]] bool has_gradient() const override { return true; }
-  [[nodiscard]] Eigen::VectorXd pull_back(std::span<const double> theta, std::span<const double> weights) const override {
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override {
     Eigen::VectorXd g(Eigen::Index(theta.size()));
     for (std::size_t k = 0; k < theta.size(); ++k) {
       std::vector<double> up(theta.begin(), theta.end()), down = up;

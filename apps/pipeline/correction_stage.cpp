@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/posterior_stage.hpp"
-#include "apps/stages.hpp"
+#include "apps/pipeline/posterior_stage.hpp"
+#include "apps/pipeline/stages.hpp"
 
 namespace calomel {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "apps/command_line.hpp"
-#include "apps/study_case.hpp"
+#include "apps/pipeline/study_case.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/emulator/mesh_correction.hpp"

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "apps/interrupt.hpp"
-#include "apps/nested_fit.hpp"
-#include "apps/posterior_stage.hpp"
-#include "apps/stages.hpp"
+#include "apps/pipeline/nested_fit.hpp"
+#include "apps/pipeline/posterior_stage.hpp"
+#include "apps/pipeline/stages.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "forward/surrogate/feasibility.hpp"

@@ -1,5 +1,5 @@
 // The stage that samples: basin, emulator, mode, chains, check by the true model.
-#include "apps/posterior_stage.hpp"
+#include "apps/pipeline/posterior_stage.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,9 @@
 #include <cmath>
 
 #include "apps/interrupt.hpp"
-#include "apps/nested_fit.hpp"
+#include "apps/pipeline/nested_fit.hpp"
 #include "apps/progress.hpp"
-#include "apps/stages.hpp"
-#include "apps/verbs.hpp"
+#include "apps/pipeline/stages.hpp"
 #include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
@@ -278,7 +277,5 @@ ExitStatus Stages::sample() {
   if (!fit.settled) say("warning: the emulator " + fit.message);
   return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }
-
-ExitStatus run_sample(const CommandLine& command) { return Stages(command).sample(); }
 
 }  // namespace calomel

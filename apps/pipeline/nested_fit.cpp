@@ -1,4 +1,4 @@
-#include "apps/nested_fit.hpp"
+#include "apps/pipeline/nested_fit.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "apps/study_case.hpp"
+#include "apps/pipeline/study_case.hpp"
 #include "forward/level_runs.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 
