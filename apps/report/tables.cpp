@@ -84,15 +84,26 @@ std::vector<std::string> with_mesh(const Study& study) {
   return labels;
 }
 
-/// What a caption of scores says of the mesh; empty where none was corrected.
-std::string mesh_caption(const Study& study) {
-  const auto labels = with_mesh(study);
-  if (labels.empty()) return "";
-  std::string names;
-  for (const auto& l : labels) names += (names.empty() ? "" : ", ") + l;
-  const bool all = labels.size() == study.calibrations.size();
-  return " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell" + (all ? "." : "; the others are on the case\u2019s mesh.");
+/// Labels of the calibrations whose simulations are runs of another mesh than the case's.
+std::vector<std::string> on_other_mesh(const Study& study) {
+  std::vector<std::string> labels;
+  for (const auto& c : study.calibrations)
+    if (const auto on = text_at(c.summary, "scores_on"); !on.empty() && on != "the case's own mesh" && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
+      labels.push_back(c.label + " are runs on " + on);
+  return labels;
 }
+
+/// What a caption of scores says of the mesh; empty where all are on the case's.
+std::string mesh_caption(const Study& study) {
+  const auto corrected = with_mesh(study), other = on_other_mesh(study);
+  if (corrected.empty() && other.empty()) return "";
+  std::string names, s;
+  for (const auto& l : corrected) names += (names.empty() ? "" : ", ") + l;
+  if (!names.empty()) s = " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell";
+  for (const auto& l : other) s += (s.empty() ? " Simulations of " : "; those of ") + l;
+  return s + (corrected.size() + other.size() == study.calibrations.size() ? "." : "; the others are on the case\u2019s mesh.");
+}
+
 /// What is said of nominal scores that are corrected beyond where the emulator knows the mesh; empty where none is.
 std::string nominal_note(const Study& study) {
   std::string names;

@@ -130,13 +130,22 @@ std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries
   return rows;
 }
 
-/// Scores on the case's own mesh where a summary tells them beside those corrected for the mesh.
-const Json& own_mesh(const Json& json) {
-  const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
-  return own.is_object() ? own : json;
+const std::string own_mesh_words = "the case's own mesh";
+
+/// Which mesh a summary's scores are on, in words.
+std::string mesh_of(const Json& json) {
+  const Json& on = part_of(json, "scores_on");
+  return on.is_string() ? on.get<std::string>() : own_mesh_words;
 }
 
-/// `same_mesh`: all by the case's own mesh, because not every summary is corrected.
+/// Scores on the case's own mesh: beside those corrected for the mesh, or a summary's only ones; null where it does not tell them.
+const Json& own_mesh(const Json& json) {
+  static const Json nothing;
+  const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
+  return own.is_object() ? own : mesh_of(json) == own_mesh_words ? json : nothing;
+}
+
+/// `same_mesh`: all by the case's own mesh, because not every summary tells of the same other one.
 std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, const std::string& key, bool same_mesh) {
   Names names;
   for (const auto& s : summaries)
@@ -239,10 +248,8 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
   if (posterior.known())
     for (const auto& s : summaries)
       if (s.method != "map") c.in_posterior.push_back(posterior.place(s));
-  const auto corrected = std::count_if(summaries.begin(), summaries.end(), [](const auto& s) { return &own_mesh(s.json) != &s.json; });
-  const auto on = [](const MethodSummary& s) { return s.json.value("scores_on", ""); };
-  const bool all = std::size_t(corrected) == summaries.size() && std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return on(s) == on(summaries[0]); });
-  c.scores_on = corrected == 0 ? "" : all ? on(summaries[0]) : "the case's own mesh";
+  const bool all = std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return mesh_of(s.json) == mesh_of(summaries[0].json); });
+  c.scores_on = !all ? own_mesh_words : summaries.empty() || mesh_of(summaries[0].json) == own_mesh_words ? "" : mesh_of(summaries[0].json);
   c.accuracy = score_rows(summaries, "accuracy", !all), c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));

@@ -158,6 +158,18 @@ TEST(ReportTables, NominalScoresBeyondTheEmulatorAreMarked) {
   EXPECT_THAT(mesh_table(study, input()).note, HasSubstr("outside the emulator"));
 }
 
+TEST(ReportTables, CaptionsTellWhichMeshEverySimulationIsOn) {
+  const auto dir = two_methods("meshes");
+  EXPECT_THAT(headline_table(read_study(dir), input()).caption, Not(HasSubstr("mesh")));
+  Json enc = read_json(dir / "enc.json"), map = read_json(dir / "map.json");
+  map["scores_on"] = "the finest mesh of the emulator";
+  write_json(dir / "map.json", map);
+  EXPECT_THAT(headline_table(read_study(dir), input()).caption, HasSubstr("Simulations of MAP are runs on the finest mesh of the emulator; the others are on the case\u2019s mesh."));
+  enc["mesh"] = {{"working_mesh", {{"accuracy", 50.0}, {"mae", 20.0}}}};
+  write_json(dir / "enc.json", enc);
+  EXPECT_THAT(headline_table(read_study(dir), input()).caption, HasSubstr("as the runs on finer meshes tell; those of MAP are runs on the finest mesh of the emulator."));
+}
+
 TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
   const auto dir = two_methods("rivals");
   EXPECT_TRUE(rival_table(read_study(dir)).empty());

@@ -95,6 +95,21 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   EXPECT_THAT(compare_calibrations(unlike).accuracy[0].values, ElementsAre(71, 71));
 }
 
+// MAP's scores are those of runs on the finest mesh; it has none on the case's own.
+TEST(Comparison, AMethodWithoutScoresOnTheCommonMeshHasNone) {
+  Json corrected = summary(13310, 1400, 95, 93), finest = map_summary(13400, 1390);
+  corrected["scores_on"] = finest["scores_on"] = "the finest mesh of the emulator";
+  corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}}, {{"name", "B"}, {"accuracy", 73}}}}};
+  const std::vector<MethodSummary> alike{{"enc", corrected}, {"map", finest}}, bare{{"enc", summary(13300, 1400, 60, 50)}, {"map", finest}};
+  const auto c = compare_calibrations(alike), without = compare_calibrations(bare);
+  EXPECT_EQ(c.scores_on, "the finest mesh of the emulator");
+  EXPECT_THAT(c.accuracy[0].values, ElementsAre(95, 90));
+  EXPECT_EQ(without.scores_on, "the case's own mesh");
+  EXPECT_EQ(without.accuracy[0].values[0], 60);
+  EXPECT_FALSE(without.accuracy[0].values[1].has_value());
+  EXPECT_FALSE(without.accuracy[2].values[1].has_value());
+}
+
 TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {
   const std::vector<MethodSummary> all{{"enc", summary(13300, 1400, 85, 75)}, {"map", map_summary(13400, 1390)}};
   const auto c = compare_calibrations(all);
