@@ -108,9 +108,9 @@ std::string case_reference() {
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
-  s += table<MapOptions>("[map]", "map", "Maximum a posteriori by least squares.");
+  s += table<MapOptions>("[map]", "map", "Maximum a posteriori, the mode of the posterior, see [theory/map.md](theory/map.md).");
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
-  s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md). MAP still reads `[map.likelihood]`.");
+  s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");

@@ -51,7 +51,7 @@ Table agreement_table(const Study& study) {
     for (const auto& p : c.pairs) {
       const auto& d = p.differences[r];
       row.emplace_back(d.percent);
-      if (sds) row.emplace_back(d.in_map_sd, d.in_map_sd && std::abs(*d.in_map_sd) > Comparison::agreement_sds);
+      if (sds) row.emplace_back(d.in_map_sd, d.in_map_sd && std::abs(*d.in_map_sd) > Comparison::notable_sds);
     }
     t.rows.push_back(std::move(row));
   }
@@ -73,16 +73,28 @@ Table effort_table(const Study& study) {
   return t;
 }
 
+Table place_table(const Study& study) {
+  Table t{.id = "in_posterior", .caption = "Where the answers lie in the posterior, by MAP\u2019s mode and covariance."};
+  t.columns = {{"method", "Method", 4, true}, {"distance", "Deviations from its mode", -2}, {"share_nearer", "Share of it that lies nearer [%]", -1, false, 100}};
+  for (const auto& p : comparison_of(study).in_posterior) t.rows.push_back({method_label(p.method), Cell(p.distance, p.outside()), Cell(p.share_nearer, p.outside())});
+  t.note = "Bold: outside the posterior, since more than 99 % of it lies nearer to its mode.";
+  return t;
+}
+
 Table hypothesis_table(const Study& study) {
-  Table t{.id = "hypotheses", .caption = "The fit with the added parameters against the one without, both under one covariance."};
-  t.columns = {{"covariance", "Covariance", 4, true}, {"log_bayes_factor", "Log Bayes factor", -1}, {"roughness", "Its sd by the floor", -1},
-               {"chi2_without", "Chi-squared without", 4}, {"chi2_with", "Chi-squared with", 4}};
+  Table t{.id = "hypotheses", .caption = "The model with the added parameters against the one without, on one emulator and under one covariance."};
+  t.columns = {{"with", "Held against", 4, true}, {"added", "Added parameters", 4, true}, {"log_bayes_factor", "Log Bayes factor", -1}, {"low", "Least by the prior\u2019s width", -1}, {"high", "Greatest", -1},
+               {"chi2_with", "Chi-squared with", 4}, {"chi2_without", "Chi-squared without", 4}, {"variance_with", "Emulator\u2019s variance with [of a run\u2019s noise]", 2}, {"variance_without", "Without", 2}};
   const auto* map = study.calibration("map");
   if (!map) return t;
-  const Json& rival = part_at(map->summary, "rival");
-  for (const auto& j : list_at(rival, "judgements"))
-    t.rows.push_back({text_at(j, "covariance"), number_at(j, "log_bayes_factor"), number_at(j, "roughness"), number_at(part_at(j, "without"), "chi2"), number_at(part_at(j, "with"), "chi2")});
-  t.note = text_at(rival, "sentence");
+  const Json& nested = part_at(map->summary, "nested_model");
+  if (!nested.is_object()) return t;
+  std::string added;
+  for (const auto& name : list_at(nested, "added"))
+    if (name.is_string()) added += (added.empty() ? "" : ", ") + name.get<std::string>();
+  t.rows.push_back({text_at(nested, "with"), added, number_at(nested, "log_bayes_factor"), number_at(nested, "low"), number_at(nested, "high"), number_at(nested, "chi2"),
+                    number_at(nested, "nested_chi2"), number_at(nested, "emulator_variance"), number_at(nested, "nested_emulator_variance")});
+  t.note = text_at(nested, "sentence");
   return t;
 }
 

@@ -10,12 +10,14 @@ namespace calomel {
 /// Of the calibrations of the study.
 Comparison comparison_of(const Study& study);
 
-/// Differences of every two calibrations in each parameter, in percent and in MAP's standard deviations; its note says whether they agree.
+/// Differences of every two calibrations in each parameter, in percent and in MAP's standard deviations; its note says which lie within the posterior.
 /// Empty for fewer than two.
 Table agreement_table(const Study& study);
 /// Evaluations, true-model runs and times by method. Empty for fewer than two.
 Table effort_table(const Study& study);
-/// The Bayes factor of MAP's added parameters under each covariance; its note says what the records favour. Empty without map.compare_with.
+/// Mahalanobis distance of every other answer from MAP's and the share of the posterior that lies nearer. Empty without MAP's covariance.
+Table place_table(const Study& study);
+/// The Bayes factor of MAP's added parameters, in one row; its note says what the records favour. Empty without map.compare_with.
 Table hypothesis_table(const Study& study);
 /// ENC's optimisers, its own and those that it was compared with, beside the best of all. Empty where enc.json compares none.
 Table rival_table(const Study& study);

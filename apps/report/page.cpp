@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/emulator_tables.hpp"
 #include "apps/report/floor_tables.hpp"
 #include "apps/report/posterior.hpp"
 #include "apps/report/spe_tables.hpp"
@@ -370,9 +371,10 @@ std::string sections_html(const Study& study, const ReportInput& input) {
                           ? missing("The case has no parameters to infer.", "Add a table <code>[parameter.NAME]</code> with min and max to the case file.")
                           : parameters.html();
   if (study.calibrations.empty() && !parameters.empty()) first += no_calibration(input, "Only nominal values and bounds are known.");
-  for (const Table& t : {agreement_table(study), effort_table(study), hypothesis_table(study)})
+  for (const Table& t : {agreement_table(study), place_table(study), hypothesis_table(study), effort_table(study)})
     if (!t.empty()) first += t.html();
-  return section("parameters", "Parameters", first) + section("target", "Target and sensors", target_section(input)) +
+  const std::string emulator = emulator_section(study);
+  return section("parameters", "Parameters", first) + (emulator.empty() ? "" : section("emulator", "What the answer stands on", emulator)) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
          section("scores", "Accuracy and error by sensor", score_section(study, input)) +
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +

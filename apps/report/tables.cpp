@@ -84,14 +84,34 @@ std::vector<std::string> with_mesh(const Study& study) {
   return labels;
 }
 
-/// What a caption of scores says of the mesh; empty where none was corrected.
+/// Labels of the calibrations whose simulations are runs of another mesh than the case's.
+std::vector<std::string> on_other_mesh(const Study& study) {
+  std::vector<std::string> labels;
+  for (const auto& c : study.calibrations)
+    if (const auto on = text_at(c.summary, "scores_on"); !on.empty() && on != "the case's own mesh" && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
+      labels.push_back(c.label + " are runs on " + on);
+  return labels;
+}
+
+/// What a caption of scores says of the mesh; empty where all are on the case's.
 std::string mesh_caption(const Study& study) {
-  const auto labels = with_mesh(study);
-  if (labels.empty()) return "";
+  const auto corrected = with_mesh(study), other = on_other_mesh(study);
+  if (corrected.empty() && other.empty()) return "";
+  std::string names, s;
+  for (const auto& l : corrected) names += (names.empty() ? "" : ", ") + l;
+  if (!names.empty()) s = " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell";
+  for (const auto& l : other) s += (s.empty() ? " Simulations of " : "; those of ") + l;
+  return s + (corrected.size() + other.size() == study.calibrations.size() ? "." : "; the others are on the case\u2019s mesh.");
+}
+
+/// What is said of nominal scores that are corrected beyond where the emulator knows the mesh; empty where none is.
+std::string nominal_note(const Study& study) {
   std::string names;
-  for (const auto& l : labels) names += (names.empty() ? "" : ", ") + l;
-  const bool all = labels.size() == study.calibrations.size();
-  return " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell" + (all ? "." : "; the others are on the case\u2019s mesh.");
+  for (const auto& c : study.calibrations)
+    if (part_at(part_at(c.summary, "mesh"), "nominal_inside_emulator") == Json(false)) names += (names.empty() ? "" : ", ") + c.label;
+  return names.empty() ? ""
+                       : "The nominal point lies outside the emulator\u2019s box (" + names +
+                             "): its correction is that of the box\u2019s nearest point, and its scores are surer on the case\u2019s own mesh.";
 }
 }  // namespace
 
@@ -112,6 +132,7 @@ Table mesh_table(const Study& study, const ReportInput& input) {
       t.rows.push_back({(of.empty() ? "calibrated, " : "nominal, ") + c.label, number_at(c.summary, of + "accuracy"), number_at(c.summary, of + "mae"),
                         number_at(working, of + "accuracy"), number_at(working, of + "mae"), of.empty() ? number_at(mesh, "relative_difference") : std::nullopt});
   }
+  t.note = nominal_note(study);
   return t;
 }
 
@@ -121,10 +142,8 @@ Table parameter_table(const Study& study, const ReportInput& input) {
   t.columns.push_back({"nominal", "Nominal", 5});
   for (const auto& c : study.calibrations) t.columns.push_back({c.method, c.label, 5});
   const Comparison compared = comparison_of(study);
-  std::vector<std::size_t> told;  // calibrations that report standard deviations
-  for (std::size_t m = 0; m < study.calibrations.size(); ++m)
-    if (std::any_of(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.sds[m].has_value(); }) || study.calibrations[m].method == "map") told.push_back(m);
-  for (const auto m : told) t.columns.push_back({study.calibrations[m].method + "_sd", "sd by " + study.calibrations[m].label, 3});
+  const auto* map = study.calibration("map");
+  if (map) t.columns.push_back({"map_sd", "sd by " + map->label, 3});
   for (const auto& c : study.calibrations) t.columns.push_back({c.method + "_change_percent", c.label + " against nominal [%]", -1});
   t.columns.push_back({"min", "Lower bound", 5});
   t.columns.push_back({"max", "Upper bound", 5});
@@ -141,7 +160,7 @@ Table parameter_table(const Study& study, const ReportInput& input) {
     row.emplace_back(nominal);
     for (const auto& x : found) row.emplace_back(x);
     const auto of = std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
-    for (const auto m : told) row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->sds[m]);
+    if (map) row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->map_sd);
     for (const auto& x : found) row.emplace_back(x && nominal && *nominal != 0 ? std::optional(100 * (*x / *nominal - 1)) : std::nullopt);
     row.emplace_back(low);
     row.emplace_back(high);
@@ -180,6 +199,7 @@ Table headline_table(const Study& study, const ReportInput& input) {
     if (!accuracy) accuracy = number_at(c.summary, "nominal_accuracy"), mae = number_at(c.summary, "nominal_mae");
   }
   if (!t.rows.empty()) t.rows.push_back({"nominal", accuracy, mae});
+  t.note = nominal_note(study);
   return t;
 }
 
@@ -247,6 +267,7 @@ Table score_table(const Study& study, const ReportInput& input, const std::strin
     t.footer = row_of("Average", [](const CalibrationArtefacts& c) -> const Json& { return c.summary; });
     t.note = mae ? "Bold: the calibrated simulation is as near to the mean record as the nominal one, or nearer."
                  : "Bold: the calibrated simulation is inside the band as often as the nominal one, or more often.";
+    if (const auto note = nominal_note(study); !note.empty()) t.note += " " + note;
   }
   return t;
 }
@@ -264,7 +285,7 @@ Table optimizer_table(const Study& study) {
 Table candidate_table(const Study& study, const ReportInput& input) {
   const auto names = parameter_names(study, input);
   const Impedance z = impedance(input);
-  Table t{.id = "candidates", .caption = "Candidates, each run again in the true model; the best by the true model wins (bold)."};
+  Table t{.id = "candidates", .caption = "Candidates, each run again in the true model. Bold: the answer, the best by the true model; of MAP the emulator\u2019s mode, which the run verifies."};
   t.columns = {{"method", "Method", 4, true}, {"candidate", "Candidate", 4}};
   add_parameter_columns(t, names, input);
   const bool impedance_known = !z.density.empty() || !z.sound_speed.empty();
@@ -284,7 +305,7 @@ Table candidate_table(const Study& study, const ReportInput& input) {
       if (impedance_known) row.emplace_back(z.at(part_at(x, "theta")));
       row.emplace_back(number_at(x, "objective_surrogate"));
       row.emplace_back(number_at(x, "objective_model"));
-      if (best && number_at(x, "objective_model") == best)
+      if (c.method == "map" ? n == 1 : best && number_at(x, "objective_model") == best)
         for (auto& cell : row) cell.strong = true;
       t.rows.push_back(std::move(row));
     }

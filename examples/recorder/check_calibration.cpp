@@ -65,7 +65,9 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
   }
   bool sds = true;
   for (const auto& pair : comparison.at("agreement")) sds = sds && pair.at("largest_in_map_sd").is_number();
-  holds(sds && comparison.at("agreement").size() == 3, comparison.at("sentence").get<std::string>());
+  bool placed = comparison.at("in_posterior").size() == 2;  // ENC and SPE
+  for (const auto& row : comparison.at("in_posterior")) placed = placed && row.at("distance").is_number() && row.at("share_nearer").is_number();
+  holds(sds && placed && comparison.at("agreement").size() == 3, comparison.at("sentence").get<std::string>());
   holds(read_text(out / "report.html").find("How far the calibrations lie apart") != std::string::npos, "report.html shows how far they lie apart");
 }
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cctype>
 #include <cmath>
 
 #include "base/json.hpp"
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -47,52 +49,78 @@ ComparedRow row(const std::string& name, std::span<const MethodSummary> summarie
   return r;
 }
 
-/// A method's variances: of the parameters and, by first order, of the product density x sound speed.
-class MethodSpread {
+/// MAP's answer and the covariance of its parameters.
+class LaplacePosterior {
  public:
-  explicit MethodSpread(const Json& json) : json_(json) {}
-  /// Of a row of the parameters' table.
-  [[nodiscard]] std::optional<double> of(const std::string& row) const { return row == impedance_row ? impedance_sd() : sd(row); }
-
- private:
-  const Json& json_;
-  [[nodiscard]] std::optional<double> sd(const std::string& parameter) const {
-    const auto v = covariance(parameter, parameter);
-    return v && *v > 0 ? std::optional(std::sqrt(*v)) : std::nullopt;
+  explicit LaplacePosterior(std::span<const MethodSummary> summaries) {
+    const auto map = std::find_if(summaries.begin(), summaries.end(), [](const auto& s) { return s.method == "map"; });
+    if (map == summaries.end()) return;
+    const Json &names = part_of(map->json, "parameters"), &matrix = part_of(map->json, "covariance");
+    if (!names.is_array() || names.empty() || !matrix.is_array() || matrix.size() != names.size()) return;
+    const auto n = Eigen::Index(names.size());
+    Eigen::VectorXd mode(n);
+    Eigen::MatrixXd covariance(n, n);
+    std::vector<std::string> parameters;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Json& line = matrix[std::size_t(i)];
+      if (!names[std::size_t(i)].is_string() || !line.is_array() || Eigen::Index(line.size()) != n) return;
+      parameters.push_back(names[std::size_t(i)].get<std::string>());
+      const auto value = number_of(part_of(map->json, "theta"), parameters.back());
+      if (!value) return;
+      mode[i] = *value;
+      for (Eigen::Index j = 0; j < n; ++j) {
+        if (!line[std::size_t(j)].is_number()) return;
+        covariance(i, j) = line[std::size_t(j)].get<double>();
+      }
+    }
+    parameters_ = std::move(parameters), mode_ = std::move(mode), covariance_ = std::move(covariance);
   }
-  [[nodiscard]] std::optional<double> impedance_sd() const {
-    const auto rho = number_of(part_of(json_, "theta"), "density"), c = number_of(part_of(json_, "theta"), "sound_speed");
-    const auto rr = covariance("density", "density"), cc = covariance("sound_speed", "sound_speed"), rc = covariance("density", "sound_speed");
-    if (!rho || !c || !rr || !cc || !rc) return std::nullopt;
-    const double v = *c * *c * *rr + *rho * *rho * *cc + 2 * *rho * *c * *rc;
+  [[nodiscard]] bool known() const { return !parameters_.empty(); }
+  /// Standard deviation of a row of the parameters' table; of the impedance rho c by first order.
+  [[nodiscard]] std::optional<double> sd(const std::string& row) const {
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(mode_.size());
+    if (const auto i = at(row))
+      slope[*i] = 1;
+    else if (const auto rho = at("density"), c = at("sound_speed"); row == impedance_row && rho && c)
+      slope[*rho] = mode_[*c], slope[*c] = mode_[*rho];
+    const double v = slope.dot(covariance_ * slope);
     return v > 0 ? std::optional(std::sqrt(v)) : std::nullopt;
   }
-  [[nodiscard]] std::optional<double> covariance(const std::string& a, const std::string& b) const {
-    const Json &names = part_of(json_, "parameters"), &matrix = part_of(json_, "covariance");
-    const auto at = [&](const std::string& name) {
-      for (std::size_t i = 0; names.is_array() && i < names.size(); ++i)
-        if (names[i] == name) return int(i);
-      return -1;
-    };
-    const int i = at(a), j = at(b);
-    if (i < 0 || j < 0 || !matrix.is_array() || std::size_t(std::max(i, j)) >= matrix.size()) return std::nullopt;
-    const Json& line = matrix[std::size_t(i)];
-    if (!line.is_array() || std::size_t(j) >= line.size() || !line[std::size_t(j)].is_number()) return std::nullopt;
-    return line[std::size_t(j)].get<double>();
+  [[nodiscard]] PlaceInPosterior place(const MethodSummary& summary) const {
+    PlaceInPosterior p{.method = summary.method, .distance = std::nullopt, .share_nearer = std::nullopt};
+    Eigen::VectorXd off = -mode_;
+    for (std::size_t k = 0; k < parameters_.size(); ++k) {
+      const auto value = number_of(part_of(summary.json, "theta"), parameters_[k]);
+      if (!value) return p;
+      off[Eigen::Index(k)] += *value;
+    }
+    const Cholesky factor(covariance_);
+    if (!factor.positive_definite()) return p;
+    const double d2 = factor.solve_lower(off).squaredNorm();
+    if (!std::isfinite(d2)) return p;
+    p.distance = std::sqrt(d2);
+    p.share_nearer = boost::math::cdf(boost::math::chi_squared(double(parameters_.size())), d2);
+    return p;
+  }
+
+ private:
+  std::vector<std::string> parameters_;
+  Eigen::VectorXd mode_;
+  Eigen::MatrixXd covariance_;
+  [[nodiscard]] std::optional<Eigen::Index> at(const std::string& name) const {
+    const auto found = std::find(parameters_.begin(), parameters_.end(), name);
+    return found == parameters_.end() ? std::nullopt : std::optional<Eigen::Index>(found - parameters_.begin());
   }
 };
 
-std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries) {
+std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries, const LaplacePosterior& posterior) {
   Names names;
   for (const auto& s : summaries)
     if (const Json& theta = part_of(s.json, "theta"); theta.is_object())
       for (const auto& [name, value] : theta.items()) names.add(name);
   std::vector<ComparedRow> rows;
   const auto add = [&](ComparedRow r) {
-    for (const auto& s : summaries) {
-      r.sds.push_back(MethodSpread(s.json).of(r.name));
-      if (s.method == "map") r.map_sd = r.sds.back();
-    }
+    if (posterior.known()) r.map_sd = posterior.sd(r.name);
     rows.push_back(std::move(r));
   };
   const auto in = [](const char* table, const std::string& name) { return [table, name](const Json& j) { return number_of(part_of(j, table), name); }; };
@@ -102,13 +130,22 @@ std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries
   return rows;
 }
 
-/// Scores on the case's own mesh where a summary tells them beside those corrected for the mesh.
-const Json& own_mesh(const Json& json) {
-  const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
-  return own.is_object() ? own : json;
+const std::string own_mesh_words = "the case's own mesh";
+
+/// Which mesh a summary's scores are on, in words.
+std::string mesh_of(const Json& json) {
+  const Json& on = part_of(json, "scores_on");
+  return on.is_string() ? on.get<std::string>() : own_mesh_words;
 }
 
-/// `same_mesh`: all by the case's own mesh, because not every summary is corrected.
+/// Scores on the case's own mesh: beside those corrected for the mesh, or a summary's only ones; null where it does not tell them.
+const Json& own_mesh(const Json& json) {
+  static const Json nothing;
+  const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
+  return own.is_object() ? own : mesh_of(json) == own_mesh_words ? json : nothing;
+}
+
+/// `same_mesh`: all by the case's own mesh, because not every summary tells of the same other one.
 std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, const std::string& key, bool same_mesh) {
   Names names;
   for (const auto& s : summaries)
@@ -140,7 +177,6 @@ ComparedPair pair_of(const Comparison& c, std::size_t a, std::size_t b) {
       d.absolute = *r.values[b] - *r.values[a];
       if (*r.values[a] != 0) d.percent = 100 * *d.absolute / *r.values[a];
       if (r.map_sd) d.in_map_sd = *d.absolute / *r.map_sd;
-      if (r.sds[a] && r.sds[b]) d.in_own_sds = *d.absolute / std::hypot(*r.sds[a], *r.sds[b]);
     }
     if (d.in_map_sd) pair.largest_in_map_sd = std::max(pair.largest_in_map_sd.value_or(0), std::abs(*d.in_map_sd));
     pair.differences.push_back(std::move(d));
@@ -148,26 +184,42 @@ ComparedPair pair_of(const Comparison& c, std::size_t a, std::size_t b) {
   return pair;
 }
 
-/// Whether the pairs agree, and in what they do not.
-void judge(Comparison& c) {
-  std::string apart;
-  bool told = !c.pairs.empty();
+/// "30 %", "99.4 %", "more than 99.9 %"
+std::string share_text(double share) {
+  return share > 0.999 ? "more than 99.9 %" : share > Comparison::outside_share ? fmt::format("{:.1f} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
+
+/// The parameters in which a method lies far from MAP: ", density (-2.5 sd, -1.8 %)".
+std::string notable(const Comparison& c, const std::string& method) {
+  std::string s;
   for (const auto& p : c.pairs) {
-    told = told && p.largest_in_map_sd.has_value();
-    std::string beyond;
-    for (const auto& d : p.differences)
-      if (d.in_map_sd && std::abs(*d.in_map_sd) > Comparison::agreement_sds)
-        beyond += fmt::format("{}{} ({:+.1f} sd{}, {:+.1f} %)", beyond.empty() ? "" : ", ", d.name, *d.in_map_sd,
-                              d.in_own_sds ? fmt::format(", {:+.1f} of the two's own", *d.in_own_sds) : "", d.percent.value_or(0));
-    if (!beyond.empty()) apart += fmt::format("{}{} against {} in {}", apart.empty() ? "" : "; ", method_label(p.second), method_label(p.first), beyond);
+    if (!(p.first == method && p.second == "map") && !(p.first == "map" && p.second == method)) continue;
+    const double sign = p.second == "map" ? -1 : 1;
+    for (std::size_t k = 0; k < p.differences.size(); ++k) {
+      const auto& d = p.differences[k];
+      if (!d.in_map_sd || std::abs(*d.in_map_sd) <= Comparison::notable_sds) continue;
+      const auto& values = c.parameters[k].values;
+      const auto map = std::size_t(std::find(c.methods.begin(), c.methods.end(), "map") - c.methods.begin());
+      s += fmt::format(", {} {:+.1f} sd{}", d.name, sign * *d.in_map_sd, *values[map] != 0 ? fmt::format(" ({:+.1f} %)", sign * 100 * *d.absolute / *values[map]) : "");
+    }
   }
-  c.agree = told && apart.empty();
-  if (!apart.empty())
-    c.sentence = fmt::format("The methods disagree, by more than {:g} of MAP's standard deviations: {}.", Comparison::agreement_sds, apart);
-  else if (c.agree)
-    c.sentence = fmt::format("The methods agree within {:g} of MAP's standard deviations in every parameter.", Comparison::agreement_sds);
-  else
-    c.sentence = "Whether the methods agree cannot be told without MAP's standard deviations; the differences in percent are listed.";
+  return s;
+}
+
+/// Which answers lie within the posterior, and by what the others miss.
+void judge(Comparison& c) {
+  c.agree = !c.in_posterior.empty();
+  for (const auto& p : c.in_posterior) {
+    c.agree = c.agree && p.distance && !p.outside();
+    const std::string label = method_label(p.method), before = c.sentence.empty() ? "" : "; ";
+    if (!p.distance)
+      c.sentence += fmt::format("{}{}'s place in the posterior cannot be told", before, label);
+    else if (p.outside())
+      c.sentence += fmt::format("{}{} lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", before, label, *p.distance, share_text(*p.share_nearer), notable(c, p.method));
+    else
+      c.sentence += fmt::format("{}{} lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", before, label, *p.distance, share_text(*p.share_nearer));
+  }
+  c.sentence += c.sentence.empty() ? "Whether the methods agree cannot be told without MAP's covariance; the differences in percent are listed." : ".";
 }
 
 }  // namespace
@@ -177,6 +229,8 @@ std::string method_label(const std::string& method) {
   std::transform(s.begin(), s.end(), s.begin(), [](unsigned char ch) { return char(std::toupper(ch)); });
   return s;
 }
+
+bool PlaceInPosterior::outside() const { return share_nearer && *share_nearer > Comparison::outside_share; }
 
 std::optional<double> ComparedEffort::evaluations_per_second() const {
   return evaluations && search_s && *search_s > 0 ? std::optional(*evaluations / *search_s) : std::nullopt;
@@ -189,11 +243,13 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
     c.effort.push_back({s.method, number_of(s.json, "evaluations"), number_of(s.json, "model_runs"), number_of(s.json, "search_s"), number_of(s.json, "model_s")});
     if (c.mae_unit.empty() && part_of(s.json, "mae_unit").is_string()) c.mae_unit = s.json["mae_unit"].get<std::string>();
   }
-  c.parameters = parameter_rows(summaries);
-  const auto corrected = std::count_if(summaries.begin(), summaries.end(), [](const auto& s) { return &own_mesh(s.json) != &s.json; });
-  const auto on = [](const MethodSummary& s) { return s.json.value("scores_on", ""); };
-  const bool all = std::size_t(corrected) == summaries.size() && std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return on(s) == on(summaries[0]); });
-  c.scores_on = corrected == 0 ? "" : all ? on(summaries[0]) : "the case's own mesh";
+  const LaplacePosterior posterior(summaries);
+  c.parameters = parameter_rows(summaries, posterior);
+  if (posterior.known())
+    for (const auto& s : summaries)
+      if (s.method != "map") c.in_posterior.push_back(posterior.place(s));
+  const bool all = std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return mesh_of(s.json) == mesh_of(summaries[0].json); });
+  c.scores_on = !all ? own_mesh_words : summaries.empty() || mesh_of(summaries[0].json) == own_mesh_words ? "" : mesh_of(summaries[0].json);
   c.accuracy = score_rows(summaries, "accuracy", !all), c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));

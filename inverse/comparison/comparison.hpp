@@ -23,8 +23,7 @@ struct ComparedRow {
   std::string name;  ///< a parameter, "impedance" (rho c), a sensor, or "mean"
   std::optional<double> nominal;
   std::vector<std::optional<double>> values;  ///< (n_methods)
-  std::vector<std::optional<double>> sds{};    ///< (n_methods) what each reports; of parameters and impedance only
-  std::optional<double> map_sd{};              ///< MAP's
+  std::optional<double> map_sd{};             ///< MAP's standard deviation; of parameters and impedance only
 };
 
 /// Difference of two methods' answers in one row.
@@ -33,13 +32,21 @@ struct ComparedDifference {
   std::optional<double> absolute;   ///< second less first
   std::optional<double> percent;    ///< of the first
   std::optional<double> in_map_sd;  ///< in units of MAP's standard deviation
-  std::optional<double> in_own_sds{};  ///< in units of those that the two report, added in squares
 };
 
 struct ComparedPair {
   std::string first, second;
   std::vector<ComparedDifference> differences;  ///< as Comparison::parameters
   std::optional<double> largest_in_map_sd;      ///< of them, by absolute value
+};
+
+/// Where the answer of a method lies in the posterior, by MAP's mode and covariance over the case's parameters (Laplace).
+struct PlaceInPosterior {
+  std::string method;
+  std::optional<double> distance;      ///< Mahalanobis distance d = sqrt((theta - mode)^T C^-1 (theta - mode)) [-]; nothing where a parameter is not told
+  std::optional<double> share_nearer;  ///< share of the posterior that lies nearer to the mode: P(chi-squared of n parameters < d^2)
+  /// Whether it lies outside the posterior.
+  [[nodiscard]] bool outside() const;
 };
 
 struct ComparedEffort {
@@ -58,12 +65,15 @@ struct Comparison {
   std::string mae_unit;
   std::string scores_on;                ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods tell of the same, or ""
   std::vector<ComparedPair> pairs;
+  std::vector<PlaceInPosterior> in_posterior;  ///< of every method but MAP; empty without MAP's covariance
   std::vector<ComparedEffort> effort;
-  bool agree = false;    ///< every difference lies within `agreement_sds`; false, too, where there is no MAP to tell
-  std::string sentence;  ///< which answers agree, and by what the others miss
+  bool agree = false;    ///< every answer lies within the posterior; false, too, where there is no MAP to tell
+  std::string sentence;  ///< which answers lie within the posterior, and by what the others miss
 
-  /// Differences beyond so many of MAP's standard deviations are called disagreement.
-  static constexpr double agreement_sds = 2;
+  /// A difference of one parameter beyond so many of MAP's standard deviations is pointed out.
+  static constexpr double notable_sds = 2;
+  /// An answer is called outside the posterior when a greater share of it lies nearer to the mode.
+  static constexpr double outside_share = 0.99;
 };
 
 /// Rows appear in the order of the first summary that has them; nominal values are those of the first summary that tells them.

@@ -16,10 +16,7 @@ Json rows_json(const Comparison& c, const std::vector<ComparedRow>& rows, bool w
   for (const auto& r : rows) {
     Json j{{"name", r.name}, {"nominal", json_of(r.nominal)}};
     for (std::size_t m = 0; m < c.methods.size(); ++m) j[c.methods[m]] = json_of(r.values[m]);
-    if (with_sd) {
-      for (std::size_t m = 0; m < c.methods.size(); ++m) j[c.methods[m] + "_sd"] = json_of(r.sds[m]);
-      j["map_sd"] = json_of(r.map_sd);
-    }
+    if (with_sd) j["map_sd"] = json_of(r.map_sd);
     all.push_back(std::move(j));
   }
   return all;
@@ -48,14 +45,12 @@ std::string text(const std::optional<double>& x, const std::string& format) { re
 std::string table_text(const Comparison& c, const std::string& title, const std::vector<ComparedRow>& rows, const std::string& format, bool with_sd) {
   std::vector<std::vector<std::string>> lines{{title, "nominal"}};
   for (const auto& m : c.methods) lines[0].push_back(method_label(m));
-  std::vector<std::size_t> told;  // methods that report standard deviations
-  for (std::size_t m = 0; m < c.methods.size(); ++m)
-    if (with_sd && std::any_of(rows.begin(), rows.end(), [&](const auto& r) { return r.sds[m].has_value(); })) told.push_back(m);
-  for (const auto m : told) lines[0].push_back("sd by " + method_label(c.methods[m]));
+  const bool sds = with_sd && std::any_of(rows.begin(), rows.end(), [](const auto& r) { return r.map_sd.has_value(); });
+  if (sds) lines[0].push_back("sd by MAP");
   for (const auto& r : rows) {
     lines.push_back({r.name, text(r.nominal, format)});
     for (const auto& v : r.values) lines.back().push_back(text(v, format));
-    for (const auto m : told) lines.back().push_back(text(r.sds[m], "{:.3g}"));
+    if (sds) lines.back().push_back(text(r.map_sd, "{:.3g}"));
   }
   return aligned(lines);
 }
@@ -71,9 +66,11 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
   for (const auto& p : c.pairs) {
     Json differences = Json::array();
     for (const auto& d : p.differences)
-      differences.push_back({{"name", d.name}, {"absolute", json_of(d.absolute)}, {"percent", json_of(d.percent)}, {"in_map_sd", json_of(d.in_map_sd)}, {"in_own_sds", json_of(d.in_own_sds)}});
+      differences.push_back({{"name", d.name}, {"absolute", json_of(d.absolute)}, {"percent", json_of(d.percent)}, {"in_map_sd", json_of(d.in_map_sd)}});
     j["agreement"].push_back({{"first", p.first}, {"second", p.second}, {"differences", differences}, {"largest_in_map_sd", json_of(p.largest_in_map_sd)}});
   }
+  j["in_posterior"] = Json::array();
+  for (const auto& p : c.in_posterior) j["in_posterior"].push_back({{"method", p.method}, {"distance", json_of(p.distance)}, {"share_nearer", json_of(p.share_nearer)}});
   j["agree"] = c.agree, j["sentence"] = c.sentence;
   j["effort"] = Json::array();
   for (const auto& e : c.effort)
@@ -99,7 +96,13 @@ std::string comparison_text(const Comparison& c) {
     for (const auto& p : c.pairs)
       lines.back().push_back(text(p.differences[r].percent, "{:+.2f} %") + (p.differences[r].in_map_sd ? fmt::format(" = {:+.2f} sd", *p.differences[r].in_map_sd) : ""));
   }
-  return s + '\n' + aligned(lines) + "  " + c.sentence;
+  s += '\n' + aligned(lines);
+  if (!c.in_posterior.empty()) {
+    lines = {{"in the posterior", "deviations from its mode", "share nearer [%]"}};
+    for (const auto& p : c.in_posterior) lines.push_back({method_label(p.method), text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
+    s += '\n' + aligned(lines);
+  }
+  return s + "  " + c.sentence;
 }
 
 }  // namespace calomel

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <utility>
 
 #include "base/provenance.hpp"
 
@@ -61,19 +62,15 @@ TEST(Comparison, HoldsTheThreeTablesInTheOrderOfTheCase) {
   EXPECT_EQ(c.effort[0].evaluations_per_second(), 101000);
 }
 
-TEST(Comparison, EveryMethodsOwnDeviationsStandBesideItsValues) {
+TEST(Comparison, StandardDeviationsAreMapsAlone) {
   Json enc = summary(13300, 1400, 85, 75);
-  enc["parameters"] = {"density", "sound_speed"}, enc["covariance"] = {{9e4, 0}, {0, 400}};
-  const std::vector<MethodSummary> all{{"enc", enc}, {"spe", summary(13350, 1410, 86, 70)}, {"map", map_summary(13400, 1390)}};
-  const auto c = compare_calibrations(all);
-  EXPECT_EQ(c.parameters[0].sds[0], 300);
-  EXPECT_FALSE(c.parameters[0].sds[1].has_value());
-  EXPECT_EQ(c.parameters[0].sds[2], c.parameters[0].map_sd);
-  EXPECT_NEAR(*c.parameters[2].sds[0], std::hypot(1400 * 300.0, 13300 * 20.0), 1);
-  const Json j = comparison_json(c, {.stage = "comparison"});
-  EXPECT_EQ(j["parameters"][0]["enc_sd"], 300);
-  EXPECT_TRUE(j["parameters"][0]["spe_sd"].is_null());
-  EXPECT_THAT(comparison_text(c), testing::AllOf(HasSubstr("sd by ENC"), HasSubstr("sd by MAP"), Not(HasSubstr("sd by SPE"))));
+  enc["parameters"] = {"density", "sound_speed"}, enc["covariance"] = {{9e4, 0}, {0, 400}};  // of an older version: not read
+  const std::vector<MethodSummary> all{{"enc", enc}, {"map", map_summary(13400, 1390)}}, alone{{"enc", enc}};
+  const Json j = comparison_json(compare_calibrations(all), {.stage = "comparison"});
+  EXPECT_EQ(j["parameters"][0]["map_sd"], 100);
+  EXPECT_FALSE(j["parameters"][0].contains("enc_sd"));
+  EXPECT_THAT(comparison_text(compare_calibrations(all)), testing::AllOf(HasSubstr("sd by MAP"), Not(HasSubstr("sd by ENC"))));
+  EXPECT_FALSE(compare_calibrations(alone).parameters[0].map_sd.has_value());
 }
 
 // A method that corrects its scores for the mesh is compared with one that does not on the mesh that both tell of.
@@ -98,6 +95,21 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   EXPECT_THAT(compare_calibrations(unlike).accuracy[0].values, ElementsAre(71, 71));
 }
 
+// MAP's scores are those of runs on the finest mesh; it has none on the case's own.
+TEST(Comparison, AMethodWithoutScoresOnTheCommonMeshHasNone) {
+  Json corrected = summary(13310, 1400, 95, 93), finest = map_summary(13400, 1390);
+  corrected["scores_on"] = finest["scores_on"] = "the finest mesh of the emulator";
+  corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}}, {{"name", "B"}, {"accuracy", 73}}}}};
+  const std::vector<MethodSummary> alike{{"enc", corrected}, {"map", finest}}, bare{{"enc", summary(13300, 1400, 60, 50)}, {"map", finest}};
+  const auto c = compare_calibrations(alike), without = compare_calibrations(bare);
+  EXPECT_EQ(c.scores_on, "the finest mesh of the emulator");
+  EXPECT_THAT(c.accuracy[0].values, ElementsAre(95, 90));
+  EXPECT_EQ(without.scores_on, "the case's own mesh");
+  EXPECT_EQ(without.accuracy[0].values[0], 60);
+  EXPECT_FALSE(without.accuracy[0].values[1].has_value());
+  EXPECT_FALSE(without.accuracy[2].values[1].has_value());
+}
+
 TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {
   const std::vector<MethodSummary> all{{"enc", summary(13300, 1400, 85, 75)}, {"map", map_summary(13400, 1390)}};
   const auto c = compare_calibrations(all);
@@ -105,30 +117,60 @@ TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {
   EXPECT_NEAR(*c.pairs[0].differences[0].in_map_sd, 1, 1e-12);
   EXPECT_NEAR(*c.pairs[0].differences[1].in_map_sd, -1, 1e-12);
   EXPECT_NEAR(*c.pairs[0].differences[0].percent, 100 * 100.0 / 13300, 1e-12);
-  EXPECT_TRUE(c.agree);
-  EXPECT_THAT(c.sentence, HasSubstr("agree within 2"));
 }
 
-TEST(Comparison, AnAnswerAcrossTheRidgeIsADisagreementThoughEachParameterIsWithinItsSd) {
-  // +1.5 sd in both: each parameter passes, the impedance does not.
-  const std::vector<MethodSummary> all{{"enc", summary(13400 + 150, 1390 + 15, 85, 75)}, {"map", map_summary(13400, 1390)}};
+// Two parameters a and b standard deviations off with correlation r: d^2 = (a^2 - 2 r a b + b^2) / (1 - r^2), and the share nearer is 1 - exp(-d^2 / 2).
+TEST(Comparison, AnAnswerHasItsPlaceInThePosterior) {
+  const auto place = [](double a, double b) {
+    const std::vector<MethodSummary> all{{"enc", summary(13400 + 100 * a, 1390 + 10 * b, 85, 75)}, {"map", map_summary(13400, 1390)}};
+    return compare_calibrations(all);
+  };
+  const double r = -0.9;
+  for (const auto& [a, b] : {std::pair{-1.0, 1.0}, {0.5, -0.2}, {1.5, 1.5}, {0.0, 0.0}}) {
+    const auto c = place(a, b);
+    const double d2 = (a * a - 2 * r * a * b + b * b) / (1 - r * r);
+    ASSERT_EQ(c.in_posterior.size(), 1u);
+    EXPECT_EQ(c.in_posterior[0].method, "enc");
+    EXPECT_NEAR(*c.in_posterior[0].distance, std::sqrt(d2), 1e-9);
+    EXPECT_NEAR(*c.in_posterior[0].share_nearer, 1 - std::exp(-d2 / 2), 1e-9);
+    EXPECT_EQ(c.in_posterior[0].outside(), d2 > -2 * std::log(0.01));
+    EXPECT_EQ(c.agree, !c.in_posterior[0].outside());
+  }
+  // The same deviations in each parameter: along the ridge of constant impedance within, across it outside.
+  EXPECT_EQ(place(-1.5, 1.5).sentence, "ENC lies within the posterior (1.5 deviations from its mode, 69 % of it nearer).");
+  EXPECT_THAT(place(1.5, 1.5).sentence,
+              testing::AllOf(HasSubstr("ENC lies outside the posterior: 6.7 deviations from its mode, more than 99.9 % of it nearer"), HasSubstr("impedance +"), Not(HasSubstr("density"))));
+  const Json j = comparison_json(place(-1, 1), {.stage = "comparison"});
+  EXPECT_EQ(j["in_posterior"].size(), 1u);
+  EXPECT_EQ(j["in_posterior"][0]["method"], "enc");
+  EXPECT_NEAR(j["in_posterior"][0]["distance"].get<double>(), std::sqrt(2 / 1.9), 1e-9);
+  EXPECT_NEAR(j["in_posterior"][0]["share_nearer"].get<double>(), 1 - std::exp(-1 / 1.9), 1e-9);
+  EXPECT_THAT(comparison_text(place(-1, 1)), HasSubstr("deviations from its mode"));
+}
+
+TEST(Comparison, EveryAnswerButMapsIsPlacedAndOneOutsideIsADisagreement) {
+  const std::vector<MethodSummary> all{{"enc", summary(13350, 1395, 85, 75)}, {"spe", summary(13000, 1390, 86, 70)}, {"map", map_summary(13400, 1390)}};
   const auto c = compare_calibrations(all);
-  EXPECT_LT(std::abs(*c.pairs[0].differences[0].in_map_sd), 2);
-  EXPECT_LT(std::abs(*c.pairs[0].differences[1].in_map_sd), 2);
-  EXPECT_GT(std::abs(*c.pairs[0].differences[2].in_map_sd), 4);
+  ASSERT_EQ(c.in_posterior.size(), 2u);
+  EXPECT_FALSE(c.in_posterior[0].outside());
+  EXPECT_TRUE(c.in_posterior[1].outside());
   EXPECT_FALSE(c.agree);
-  EXPECT_THAT(c.sentence, testing::AllOf(HasSubstr("disagree"), HasSubstr("MAP against ENC"), HasSubstr("impedance"), Not(HasSubstr("density ("))));
+  EXPECT_THAT(c.sentence, testing::AllOf(HasSubstr("ENC lies within"), HasSubstr("; SPE lies outside the posterior: 9.2 deviations"), HasSubstr("density -4.0 sd (-3.0 %)")));
 }
 
-TEST(Comparison, TellsADisagreementInTheTwoMethodsOwnDeviationsToo) {
-  // Both report 100 of density: 250 apart are 2.5 of MAP's and 2.5 / sqrt 2 of the two's; who reports none is told in MAP's alone.
-  const std::vector<MethodSummary> all{{"spe", map_summary(13650, 1390)}, {"map", map_summary(13400, 1390)}}, alone{{"spe", summary(13650, 1390, 85, 75)}, {"map", map_summary(13400, 1390)}};
-  const auto c = compare_calibrations(all), without = compare_calibrations(alone);
-  EXPECT_NEAR(*c.pairs[0].differences[0].in_own_sds, -2.5 / std::sqrt(2.0), 1e-12);
-  EXPECT_THAT(c.sentence, HasSubstr("density (-2.5 sd, -1.8 of the two's own, -1.8 %)"));
-  EXPECT_FALSE(without.pairs[0].differences[0].in_own_sds.has_value());
-  EXPECT_THAT(without.sentence, HasSubstr("density (-2.5 sd, -1.8 %)"));
-  EXPECT_NEAR(comparison_json(c, {.stage = "comparison"})["agreement"][0]["differences"][0]["in_own_sds"].get<double>(), -2.5 / std::sqrt(2.0), 1e-12);
+TEST(Comparison, APlaceThatCannotBeToldIsNotAgreement) {
+  Json flat = map_summary(13400, 1390), partial = summary(13400, 1390, 85, 75);
+  flat["covariance"] = {{1e4, 1e3}, {1e3, 100}};  // singular
+  partial["theta"].erase("sound_speed");
+  const std::vector<MethodSummary> singular{{"enc", summary(13300, 1400, 85, 75)}, {"map", flat}}, missing{{"enc", partial}, {"map", map_summary(13400, 1390)}};
+  for (const auto& all : {singular, missing}) {
+    const auto c = compare_calibrations(all);
+    ASSERT_EQ(c.in_posterior.size(), 1u);
+    EXPECT_FALSE(c.in_posterior[0].distance.has_value());
+    EXPECT_FALSE(c.agree);
+    EXPECT_EQ(c.sentence, "ENC's place in the posterior cannot be told.");
+    EXPECT_TRUE(comparison_json(c, {.stage = "comparison"})["in_posterior"][0]["share_nearer"].is_null());
+  }
 }
 
 TEST(Comparison, WithoutMapItDoesNotClaimAgreement) {
@@ -138,6 +180,7 @@ TEST(Comparison, WithoutMapItDoesNotClaimAgreement) {
   EXPECT_THAT(c.sentence, HasSubstr("cannot be told"));
   EXPECT_EQ(c.pairs[0].differences[0].percent, 0);
   EXPECT_FALSE(c.pairs[0].differences[0].in_map_sd.has_value());
+  EXPECT_TRUE(c.in_posterior.empty());
 }
 
 TEST(Comparison, WhatAnArtefactDoesNotTellStaysOpen) {

@@ -1,0 +1,89 @@
+#include "apps/report/emulator_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "base/json.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double percent = 100;
+constexpr double notable_pull = 1;  ///< prior standard deviations
+
+const Json& map_json_of(const Study& study) {
+  static const Json nothing;
+  const auto* map = study.calibration("map");
+  return map ? map->summary : nothing;
+}
+
+/// The emulator of MAP, else that of the posterior, which is the same where both are of one case.
+const Json& emulator_of(const Study& study) {
+  static const Json nothing;
+  const Json& of_map = part_at(map_json_of(study), "emulator");
+  return of_map.is_object() ? of_map : study.sample ? part_at(*study.sample, "mode") : nothing;
+}
+
+const Json& check_of(const Study& study) {
+  static const Json nothing;
+  const Json& of_map = part_at(map_json_of(study), "true_model_check");
+  return of_map.is_object() ? of_map : study.sample ? part_at(*study.sample, "true_model_check") : nothing;
+}
+
+std::string level_name(std::size_t level) { return level == 0 ? "finest" : level == 1 ? "next coarser" : fmt::format("{} coarser", level); }
+
+/// A sentence as a paragraph that begins with a capital and ends with a stop; strong where it is bad news.
+std::string paragraph(std::string text, bool bad = false) {
+  if (text.empty()) return "";
+  text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+  if (!text.ends_with('.')) text += '.';
+  return bad ? "<p><strong>" + escape_html(text) + "</strong></p>\n" : "<p>" + escape_html(text) + "</p>\n";
+}
+
+}  // namespace
+
+Table nuisance_table(const Study& study) {
+  Table t{.id = "nuisances", .caption = "Coordinates of the posterior that are no parameters of the case, with what was known of them before the records."};
+  t.columns = {{"name", "Coordinate", 4, true}, {"value", "Value", 4}, {"sd", "Sd", 2}, {"prior_value", "Prior", 4}, {"prior_sd", "Sd of the prior", 2}, {"pull", "Pull [sd of the prior]", -2}};
+  for (const auto& n : list_at(map_json_of(study), "nuisances")) {
+    const auto pull = number_at(n, "pull");
+    t.rows.push_back({text_at(n, "name"), number_at(n, "value"), number_at(n, "sd"), number_at(n, "prior_value"), number_at(n, "prior_sd"), Cell(pull, pull && std::abs(*pull) > notable_pull)});
+  }
+  t.note = "\u201cbeyond\u201d is the multiple of the last difference between meshes that lies beyond the finest. A pull of more than one deviation (bold) says that something is missing that the coordinate takes up.";
+  return t;
+}
+
+Table emulator_table(const Study& study) {
+  Table t{.id = "emulator", .caption = "Runs that teach the emulator, by mesh, and how well it knows them [% of a run]."};
+  t.columns = {{"mesh", "Mesh", 4, true}, {"runs", "Runs", 6}, {"left_out", "Error at a run that is left out [%]", -2, false, percent}, {"noise", "Numerical noise of a run [%]", -2, false, percent}};
+  std::size_t level = 0;
+  for (const auto& l : list_at(emulator_of(study), "levels")) t.rows.push_back({level_name(level++), number_at(l, "runs"), number_at(l, "left_out"), number_at(l, "noise")});
+  t.note = "Where the emulator holds, a run that is left out is missed by little more than numerical noise, which nothing predicts.";
+  return t;
+}
+
+Table share_table(const Study& study) {
+  Table t{.id = "covariance_shares", .caption = "What the errors\u2019 covariance is made of: shares of its trace."};
+  t.columns = {{"term", "Term", 4, true}, {"share", "Share [%]", -1, false, percent}};
+  if (const Json& shares = part_at(emulator_of(study), "covariance_shares"); shares.is_object())
+    for (const auto& [name, share] : shares.items())
+      if (share.is_number()) t.rows.push_back({name, share.get<double>()});
+  std::stable_sort(t.rows.begin(), t.rows.end(), [](const auto& a, const auto& b) { return std::get<double>(a[1].value) > std::get<double>(b[1].value); });
+  return t;
+}
+
+std::string emulator_section(const Study& study) {
+  const Json &map = map_json_of(study), &emulator = emulator_of(study), &check = check_of(study);
+  std::string s = paragraph(text_at(map, "identified")) + paragraph(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + paragraph(text_at(part_at(map, "screening"), "sentence"));
+  if (const auto message = text_at(emulator, "message"); !message.empty()) s += paragraph("the emulator: " + message, part_at(emulator, "settled") == Json(false));
+  s += paragraph(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
+  for (const Table& t : {nuisance_table(study), emulator_table(study), share_table(study)})
+    if (!t.empty()) s += t.html();
+  return s;
+}
+
+}  // namespace calomel
