@@ -142,7 +142,7 @@ double mesh_error(const StudyCase& study) {
   return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
 }
 
-std::vector<double> Stages::basin(const CalibrationProgress& progress) {
+std::vector<double> Stages::basin(const CalibrationProgress& progress, const FineRun& fine) {
   const auto& shape = model().shape();
   const bool known = study_.map.product == "physical" || std::all_of(shape.parameters.begin(), shape.parameters.end(), [](const Parameter& p) { return p.prior != "uniform"; });
   if (study_.emulator.start == "nominal" || (study_.emulator.start == "auto" && known)) return nominal(shape);
@@ -152,7 +152,7 @@ std::vector<double> Stages::basin(const CalibrationProgress& progress) {
   const Feasibility feasibility(archive);
   progress("basin", 0, 1);
   auto found = find_basin(problem(), recordings(), *study_.recordings, study_.errors, GuardedModel(*surrogate, feasibility), gauge_positions(study_),
-                          std::max(least_surrogate_error, mesh_error(study_)), command_.seed, command_.threads);
+                          std::max(least_surrogate_error, mesh_error(study_)), fine, command_.seed, command_.threads);
   progress("basin", 1, 1);
   return found;
 }
@@ -186,7 +186,6 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   auto out = std::make_unique<CasePosterior>();
   const EmulatorOptions& e = study_.emulator;
   const auto parameters = posterior_parameters(study_, model().shape());
-  const auto centre = basin(progress);
   const EnsembleOptions ensemble{.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd};
   out->runs = std::make_unique<LevelRuns>(study_.forward, ensemble, parameters, element_sizes(study_), e.viscosity, run_store());
   out->records = recordings();
@@ -199,6 +198,13 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
   in.run = [=, this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, command_.threads, told, &stop_requested()); };
   if (study_.errors.gauge_place_sd > 0)
     in.gauge_places = [=, this](std::span<const double> theta) { return runs->gauge_places(theta, study_.errors.gauge_place_sd, command_.threads, told, &stop_requested()); };
+  const auto fine = [&](const std::vector<double>& theta) {
+    std::vector<double> all = theta;
+    for (std::size_t k = theta.size(); k < parameters.size(); ++k) all.push_back(*parameters[k].nominal);
+    const auto record = in.run(Eigen::Map<const Eigen::MatrixXd>(all.data(), Eigen::Index(all.size()), 1), {0})[0];
+    return record.done ? std::vector<double>(record.mean.begin(), record.mean.end()) : std::vector<double>{};
+  };
+  const auto centre = basin(progress, fine);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     in.centre.push_back(k < centre.size() ? centre[k] : *parameters[k].nominal);
     const bool nuisance = k >= centre.size();

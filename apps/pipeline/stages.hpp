@@ -16,6 +16,7 @@
 #include "inverse/calibration/calibration.hpp"
 #include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
+#include "inverse/posterior/basin.hpp"
 #include "inverse/data/problem.hpp"
 #include "inverse/spe/spe.hpp"
 
@@ -57,8 +58,8 @@ class Stages {
   ExitStatus calibrate(const std::string& method);
   /// What is done of a stage, told on the display; stops the work when the user asked to.
   [[nodiscard]] CalibrationProgress stage_progress(const std::string& stage) const;
-  /// Where the emulator's first box stands, (n_parameters of the case); trains the surrogate first where that tells it.
-  std::vector<double> basin(const CalibrationProgress& progress);
+  /// Where the emulator's first box stands, (n_parameters of the case); trains the surrogate first where that tells it. `fine`: a run of the finest mesh.
+  std::vector<double> basin(const CalibrationProgress& progress, const FineRun& fine);
   /// The emulator and its posterior, the runs taken from and kept in runs.journal.
   std::unique_ptr<struct CasePosterior> fit_case_posterior(const CalibrationProgress& progress, const struct NestedFit* nested = nullptr);
   /// It, fitted once for all that is done in this call.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/linear_algebra.hpp"
 #include "forward/campaign/design.hpp"
@@ -18,6 +19,8 @@ constexpr double apart = 0.1;           ///< of two basins, the largest over the
 constexpr double first_reach = 0.1;     ///< half width of the first local design, in the same units
 constexpr double shrinking = 0.7;
 constexpr int rounds = 16;              ///< to 5e-4 of the bounds
+constexpr int most_fine_runs = 6;
+constexpr double stays = 0.02;          ///< a basin that moves by less, in units of the bounds, has been found
 
 struct At {
   Eigen::VectorXd unit;
@@ -27,7 +30,7 @@ struct At {
 class Basin {
  public:
   Basin(const Problem& problem, const ErrorModel& errors, const ForwardModel& surrogate, int threads)
-      : errors_(errors), surrogate_(surrogate), parameters_(surrogate.shape().parameters), priors_(priors_of(parameters_)), factor_(errors.covariance()), threads_(threads) {
+      : errors_(errors), surrogate_(surrogate), parameters_(surrogate.shape().parameters), priors_(priors_of(parameters_)), factor_(errors.covariance()), wanted_(errors.data()), threads_(threads) {
     expect(surrogate.shape().values() == problem.shape.values(), "the surrogate has the problem's shape");
     if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
   }
@@ -44,7 +47,7 @@ class Basin {
       thetas.col(i) = Eigen::Map<const Eigen::VectorXd>(t.data(), units.rows());
     }
     const Eigen::MatrixXd values = errors_.grid().apply(Eigen::MatrixXd(surrogate_.means(thetas, threads_).cast<double>()));
-    const Eigen::MatrixXd whitened = factor_.solve_lower(Eigen::MatrixXd(values.colwise() - errors_.data()));
+    const Eigen::MatrixXd whitened = factor_.solve_lower(Eigen::MatrixXd(values.colwise() - wanted_));
     std::vector<At> out;
     for (Eigen::Index i = 0; i < units.cols(); ++i) {
       const double cost = 0.5 * whitened.col(i).squaredNorm() - log_prior(priors_, {thetas.col(i).data(), std::size_t(thetas.rows())});
@@ -54,26 +57,25 @@ class Basin {
     return out;
   }
 
+  /// The best point of the unit cube.
+  [[nodiscard]] Eigen::VectorXd find(std::uint64_t seed) const;
+  /// From now on with what the finest mesh shows beyond the surrogate at a point.
+  void correct(const Eigen::VectorXd& unit, const std::vector<double>& fine);
+
  private:
   const ErrorModel& errors_;
   const ForwardModel& surrogate_;
   const std::vector<Parameter>& parameters_;
   std::vector<Prior> priors_;
   Cholesky factor_;
+  Eigen::VectorXd wanted_;  ///< records less what the finest mesh shows beyond the surrogate, (size)
   int threads_;
 };
 
-}  // namespace
-
-std::vector<double> find_basin(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
-                               const ForwardModel& surrogate, const Eigen::MatrixXd& positions, double relative, std::uint64_t seed, int threads) {
-  ErrorDirections directions;
-  directions.mesh = relative;
-  const ErrorModel errors(problem, recordings, recording_options, options, directions, positions);
-  const Basin basin(problem, errors, surrogate, threads);
-  const auto n = surrogate.shape().parameters.size();
+Eigen::VectorXd Basin::find(std::uint64_t seed) const {
+  const auto n = parameters_.size();
   std::vector<At> starts;
-  for (const At& p : basin.at(sobol_points(n, design, seed)))
+  for (const At& p : at(sobol_points(n, design, seed)))
     if (starts.size() < basins && std::all_of(starts.begin(), starts.end(), [&](const At& s) { return (s.unit - p.unit).cwiseAbs().maxCoeff() >= apart; })) starts.push_back(p);
   if (starts.empty()) throw NumericsError("the surrogate gives no prediction anywhere in the parameters' bounds");
   const Eigen::MatrixXd local = 2 * sobol_points(n, local_design, seed + 1).array() - 1;
@@ -82,11 +84,37 @@ std::vector<double> find_basin(const Problem& problem, const Recordings& recordi
     double reach = first_reach;
     for (int round = 0; round < rounds; ++round, reach *= shrinking) {
       const Eigen::MatrixXd about = ((reach * local).colwise() + s.unit).cwiseMax(0.0).cwiseMin(1.0);
-      if (const auto found = basin.at(about); !found.empty() && found[0].cost < s.cost) s = found[0];
+      if (const auto found = at(about); !found.empty() && found[0].cost < s.cost) s = found[0];
     }
     if (s.cost < best.cost) best = s;
   }
-  return basin.theta(best.unit);
+  return best.unit;
+}
+
+void Basin::correct(const Eigen::VectorXd& unit, const std::vector<double>& fine) {
+  const Prediction own = surrogate_.evaluate(theta(unit));
+  if (!own.ok) return;
+  const auto history = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
+  wanted_ = errors_.data() - errors_.grid().apply(history(fine) - history(own.mean));
+}
+
+}  // namespace
+
+std::vector<double> find_basin(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
+                               const ForwardModel& surrogate, const Eigen::MatrixXd& positions, double relative, const FineRun& fine, std::uint64_t seed, int threads) {
+  ErrorDirections directions;
+  directions.mesh = relative;
+  const ErrorModel errors(problem, recordings, recording_options, options, directions, positions);
+  Basin basin(problem, errors, surrogate, threads);
+  Eigen::VectorXd at = basin.find(seed);
+  for (int run = 0; fine && run < most_fine_runs; ++run) {
+    const auto history = fine(basin.theta(at));
+    if (history.empty()) break;
+    basin.correct(at, history);
+    const Eigen::VectorXd before = std::exchange(at, basin.find(seed));
+    if ((at - before).cwiseAbs().maxCoeff() < stays) break;
+  }
+  return basin.theta(at);
 }
 
 }  // namespace calomel

@@ -10,6 +10,7 @@
 #include "base/linear_algebra.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "forward/emulator/infill.hpp"
+#include "inverse/posterior/basin.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "tests/unit/inverse/lines.hpp"
 #include "tests/unit/inverse/meshed.hpp"
@@ -244,6 +245,24 @@ TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
   } catch (const NumericsError& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("the step collapsed"));
   }
+}
+
+TEST(FindBasin, AFewRunsOfTheFinestMeshTakeItFromTheCoarseMeshsAnswerToTheirs) {
+  // The surrogate is of a mesh twice as coarse as the finest: its own basin has 4 % of the sound speed too much.
+  Meshes meshes;
+  const Meshed surrogate{0.5}, fine{0.05};
+  int runs = 0;
+  const FineRun run = [&](const std::vector<double>& theta) {
+    ++runs;
+    return fine.evaluate(theta).mean;
+  };
+  const auto basin = [&](const FineRun& f) { return find_basin(meshes.problem, meshes.recordings, {}, {.values = 200, .band = 1e6}, surrogate, {}, 0.1, f, 1, 1); };
+  const auto coarse = basin({}), corrected = basin(run);
+  const auto off = [&](const std::vector<double>& t, std::size_t k) { return std::abs(t[k] / meshes.truth[k] - 1); };
+  EXPECT_GT(off(coarse, 0), 0.02);
+  EXPECT_LT(off(corrected, 0), 0.5 * off(coarse, 0));
+  EXPECT_LT(off(corrected, 1), 0.01);
+  EXPECT_LE(runs, 6);
 }
 
 }  // namespace
