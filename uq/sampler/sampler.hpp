@@ -30,7 +30,7 @@ struct SamplerOptions {
   int chains = 4;
   int warmup = 5000;
   int draws = 10000;
-  int thin = 1;
+  int thin = 4;
   double dispersion = 2;
   DramOptions dram;
 
@@ -40,7 +40,7 @@ struct SamplerOptions {
     v("chains", chains, {.range = between(1, 1000), .doc = "chains, each from a start of its own; four or more tell whether they agree"});
     v("warmup", warmup, {.range = at_least(0), .doc = "transitions of each chain in which the proposal is learnt; they are left out"});
     v("draws", draws, {.range = at_least(1), .doc = "draws of each chain that are kept"});
-    v("thin", thin, {.range = at_least(1), .doc = "transitions a kept draw; above 1 it saves space, never time"});
+    v("thin", thin, {.range = at_least(1), .doc = "transitions a kept draw; above 1 it saves space: neighbouring draws of a chain are much alike"});
     v("dispersion", dispersion, {.range = between(0, 100), .doc = "starts are drawn with this many times the deviations of the mode's covariance"});
     v.table("dram", dram, "delayed rejection adaptive Metropolis");
   }
