@@ -166,7 +166,7 @@ TEST(Sampler, JournalOfOtherSettingsIsRefusedAndKept) {
 TEST(Sampler, StartsAreWiderThanTheDensityAndInItsSupport) {
   const auto density = correlated();
   SamplerStart start{.mean = Eigen::VectorXd::Zero(3), .covariance = 1e-4 * Eigen::MatrixXd::Identity(3, 3)};
-  SamplerOptions options{.chains = 400, .warmup = 0, .draws = 1, .dram = {.shrink = 1e-6}};
+  SamplerOptions options{.chains = 400, .warmup = 0, .draws = 1, .thin = 1, .dram = {.shrink = 1e-6}};
   start.mean << 5, 5, 5;
   const auto r = run_sampler(density, start, options, {});
   double square = 0;
