@@ -51,14 +51,14 @@ void run_candidates(MapSummary& out, const PosteriorInputs& in, const PosteriorF
       (c.objective_model ? out.candidates : out.failed).push_back(std::move(c));
   }
   out.model_runs = points.size(), out.model_s = clock.seconds();
-  if (out.candidates.empty()) {
-    out.status = CalibrationStatus::no_candidate, out.best = out.failed[0], out.theta = out.best.theta;
-    out.message = "the true model failed at every mode: " + out.best.message;
+  out.theta.assign(points[0].theta.begin(), points[0].theta.begin() + std::ptrdiff_t(n));
+  if (out.candidates.empty() || out.candidates[0].theta != out.theta) {  // the answer is the mode all the same; nothing has verified it
+    out.best = out.failed[0], out.status = CalibrationStatus::no_candidate;
+    out.message = "the true model failed at the mode, which is the emulator's alone: " + out.best.message;
+    out.warnings.push_back(out.message);
     return;
   }
-  out.best = out.candidates[0], out.theta = out.best.theta;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (out.calibrated.empty() && i + 1 < points.size()) out.calibrated = histories[i];
+  out.best = out.candidates[0], out.calibrated = histories[0];
   out.status = fit.settled ? CalibrationStatus::done : CalibrationStatus::not_settled;
 }
 

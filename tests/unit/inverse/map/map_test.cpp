@@ -194,6 +194,18 @@ TEST(Map, AnEmulatorThatHasNotSettledIsToldAndNotTrusted) {
   EXPECT_EQ(map_json(summary, f.in, f.fit, {})["status"], "not_settled");
 }
 
+TEST(Map, AModeAtWhichTheTrueModelFailsIsTheAnswerAndIsNotTrusted) {
+  const auto model = ringing();
+  Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
+  const auto verified = f.map({20.5e3, 1.3e4}, {0.06, 0.3});
+  f.in.run = [](const Eigen::MatrixXd&, const std::vector<int>& level) { return std::vector<RunRecord>(level.size(), {.message = "the step collapsed"}); };
+  const auto failed = run_map(f.in, f.fit, "tuned", {}, nullptr);
+  EXPECT_EQ(failed.status, CalibrationStatus::no_candidate);
+  EXPECT_EQ(failed.theta, verified.theta);
+  EXPECT_TRUE(failed.calibrated.empty());
+  EXPECT_THAT(failed.warnings, Contains(HasSubstr("the step collapsed")));
+}
+
 TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
   const auto model = ringing();
   Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
