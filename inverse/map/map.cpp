@@ -113,7 +113,8 @@ void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
   if (!out.fit.adequate) out.warnings.push_back(out.fit.sentence);
   for (const auto& x : out.nuisances)
     if (std::abs(x.pull) > 1)
-      out.warnings.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations of what was known of it: something is missing that it takes up", x.name, x.value, std::abs(x.pull)));
+      out.warnings.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
+                                         x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
   for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
     const Parameter& p = in.problem.shape.parameters[k];
     const double sd = std::sqrt(out.covariance(Eigen::Index(k), Eigen::Index(k))), room = std::min(out.theta[k] - p.min, p.max - out.theta[k]);
