@@ -28,6 +28,20 @@ function(calomel_library name)
   set_property(GLOBAL APPEND PROPERTY CALOMEL_LIBRARIES calomel_${name})
 endfunction()
 
+# An inner loop compiled once for each instruction set, NAME_baseline.cpp and for x86-64 NAME_avx2.cpp and NAME_avx512.cpp, with these flags; the processor chooses
+# at run time: calomel_kernels(kernels kernel -O3 ...) puts the sources into `kernels`.
+function(calomel_kernels sources name)
+  set(all ${name}_baseline.cpp)
+  set_source_files_properties(${name}_baseline.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS "${ARGN}")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    list(APPEND all ${name}_avx2.cpp ${name}_avx512.cpp)
+    set_source_files_properties(${name}_avx2.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS "${ARGN};-mavx2;-mfma")
+    set_source_files_properties(${name}_avx512.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS
+      "${ARGN};-mavx2;-mfma;-mavx512f;-mavx512vl;-mavx512dq;-mprefer-vector-width=512")
+  endif()
+  set(${sources} ${all} PARENT_SCOPE)
+endfunction()
+
 # Test programs are compiled at -O1: what they compute is in the libraries, which are not.
 set(CALOMEL_TEST_OPTIONS -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers $<$<NOT:$<CONFIG:Debug>>:-O1>)
 

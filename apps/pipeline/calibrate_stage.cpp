@@ -68,6 +68,13 @@ Recordings Stages::recordings() {
   return study_.matched_recordings(model().shape().sensors, said);
 }
 
+void Stages::say_failures(const Archive& archive, const Feasibility& feasibility) const {
+  if (!feasibility.any_failed()) return;
+  say(fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
+                  feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy()));
+  for (const auto& [reason, count] : failure_reasons(archive)) say(fmt::format("  {} x {}", count, reason));
+}
+
 EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
   const Feasibility feasibility(archive);
   say_failures(archive, feasibility);

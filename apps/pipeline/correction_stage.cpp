@@ -36,23 +36,19 @@ const MeshCorrection* Stages::mesh_correction(const std::string& method, bool wa
   const CasePosterior& made = case_posterior(progress);
   const PosteriorFit& fit = made.fit;
   if (!fit.settled) say(fmt::format("warning: {}: the emulator {}", method, fit.message));
-  Eigen::MatrixXd histories(Eigen::Index(problem().shape.values()), Eigen::Index(fit.used.size()));
-  for (std::size_t i = 0; i < fit.used.size(); ++i) {
-    const auto& mean = fit.runs[fit.used[i]].record.mean;
-    histories.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(mean.data(), Eigen::Index(mean.size())).cast<double>();
-  }
   // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
+  const auto& parameters = made.inputs->parameters;
+  const double own_viscosity = model().describe().viscosity;
   std::vector<double> fine, working;
-  for (std::size_t k = model().shape().parameters.size(); k < made.inputs->parameters.size(); ++k) {
-    const Parameter& p = made.inputs->parameters[k];
-    fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? model().describe().viscosity : *p.nominal);
+  for (std::size_t k = model().shape().parameters.size(); k < parameters.size(); ++k) {
+    const Parameter& p = parameters[k];
+    fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? own_viscosity : *p.nominal);
   }
-  const auto& all = made.inputs->parameters;
-  const bool told = std::any_of(all.begin(), all.end(), [](const Parameter& p) { return p.key == viscosity_key; });
-  if (const double own_viscosity = model().describe().viscosity; !told && std::abs(own_viscosity / study_.emulator.viscosity - 1) > 1e-6)
+  const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
+  if (!told && std::abs(own_viscosity / study_.emulator.viscosity - 1) > 1e-6)
     say(fmt::format("warning: {}: the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = 0: the difference is not taken off", method,
                     own_viscosity, study_.emulator.viscosity));
-  correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), histories, int(sizes.end() - at) - 1, fine, working);
+  correction_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), int(sizes.end() - at) - 1, fine, working);
   return &*correction_;
 }
 

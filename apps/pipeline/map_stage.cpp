@@ -7,18 +7,10 @@
 #include "apps/pipeline/stages.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "forward/surrogate/feasibility.hpp"
 
 namespace calomel {
 
 std::filesystem::path Stages::nested_directory() const { return command_.case_file.parent_path() / study_.map.compare_with; }
-
-void Stages::say_failures(const Archive& archive, const Feasibility& feasibility) const {
-  if (!feasibility.any_failed()) return;
-  say(fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
-                  feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy()));
-  for (const auto& [reason, count] : failure_reasons(archive)) say(fmt::format("  {} x {}", count, reason));
-}
 
 MapSummary Stages::calibrate_map(const Provenance& provenance, const CalibrationProgress& progress) {
   std::optional<NestedFit> nested;  // before any long work, so that a wrong one is told at once

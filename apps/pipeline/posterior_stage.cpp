@@ -126,8 +126,7 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study, const ModelS
 std::vector<double> element_sizes(const StudyCase& study) {
   if (!study.emulator.element_sizes.empty()) return study.emulator.element_sizes;
   const auto own = study.forward.geometry.resolved().element_size;
-  if (!own)
-    return {0};  // of a mesh from a file there is no finer one
+  if (!own) return {0};  // of a mesh from a file there is no finer one
   return {*own, 0.5 * *own};
 }
 

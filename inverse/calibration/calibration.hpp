@@ -88,6 +88,9 @@ Calibration begin_calibration(const Problem& problem, Objective objective);
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
                           double cost_at_nominal, int threads, const CalibrationProgress& progress = {});
 
+/// "density -1.2 %, tensile_cutoff +3.0 %": from one answer to another.
+std::string moves(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to);
+
 /// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
 

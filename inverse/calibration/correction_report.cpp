@@ -5,9 +5,6 @@
 
 namespace calomel {
 
-namespace {
-
-/// "density -1.2 %, tensile_cutoff +3.0 %": from the answer without the correction to the one with it.
 std::string moves(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to) {
   std::vector<std::string> words;
   for (std::size_t k = 0; k < from.size(); ++k)
@@ -15,8 +12,6 @@ std::string moves(const ModelShape& shape, const std::vector<double>& from, cons
                                  : fmt::format("{} {:+.4g}", shape.parameters[k].name, to[k]));
   return join(words);
 }
-
-}  // namespace
 
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history) {
   const auto n = Eigen::Index(problem.shape.times.size());

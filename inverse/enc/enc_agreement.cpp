@@ -48,16 +48,6 @@ EncRival rival_of(const std::string& name, const std::vector<EncRound>& rounds, 
   return r;
 }
 
-/// "density -1.2 %, sound_speed +0.4 %"
-std::string moves(const std::vector<double>& from, const std::vector<double>& to, const ModelShape& shape) {
-  std::string s;
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    if (k > 0) s += ", ";
-    s += from[k] != 0 ? fmt::format("{} {:+.1f} %", shape.parameters[k].name, 100 * (to[k] / from[k] - 1)) : fmt::format("{} {:+.4g}", shape.parameters[k].name, to[k]);
-  }
-  return s;
-}
-
 std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
   std::string s, apart;
   for (const auto& r : a.optimizers)
@@ -70,7 +60,7 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
   for (const auto& f : a.objectives)
     if (!f.agrees)
       apart += f.theta.empty() ? fmt::format("{}{} has no value anywhere", apart.empty() ? "" : "; ", f.objective)
-                               : fmt::format("{}{} moves {}", apart.empty() ? "" : "; ", f.objective, moves(a.objectives[0].theta, f.theta, shape));
+                               : fmt::format("{}{} moves {}", apart.empty() ? "" : "; ", f.objective, moves(shape, a.objectives[0].theta, f.theta));
   if (a.objectives.size() > 1)
     s += std::string(s.empty() ? "" : " ") + (a.objectives_agree ? fmt::format("The objectives agree within {:g} of the bounds.", a.tolerance)
                                                                 : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");

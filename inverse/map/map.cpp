@@ -34,14 +34,13 @@ void run_candidates(MapSummary& out, const PosteriorInputs& in, const PosteriorF
     const bool is_nominal = i + 1 == points.size();
     const auto& p = points[i];
     Candidate c{.theta = {p.theta.begin(), p.theta.begin() + std::ptrdiff_t(n)}};
-    const double prior = log_prior(posterior.priors(), p.theta);
-    c.objective_surrogate = is_nominal && !posterior.box().contains(p.theta) ? nan : posterior.density(p).log_posterior();
+    const auto density = posterior.density(p);
+    c.objective_surrogate = is_nominal && !posterior.box().contains(p.theta) ? nan : density.log_posterior();
     if (records[i].done) {
       histories[i].assign(records[i].mean.begin(), records[i].mean.end());
       c.score = score(in.problem, histories[i]);
       const Eigen::VectorXd run = fit.errors->grid().apply(Eigen::Map<const Eigen::VectorXd>(histories[i].data(), Eigen::Index(histories[i].size())));
-      double value = posterior.log_likelihood_of(run, 1) + prior;
-      if (posterior.has_beyond()) value += posterior.density(points[0]).log_prior - log_prior(posterior.priors(), points[0].theta);
+      const double value = posterior.log_likelihood_of(run, 1) + density.log_prior;
       if (std::isfinite(value)) c.objective_model = value;
     }
     c.message = records[i].message;
@@ -95,17 +94,6 @@ Identification identification_of(const PosteriorInputs& in, const PosteriorFit& 
   return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd);
 }
 
-/// The emulator's residuals at its runs, on the grid, as of finest runs: what a fit leaves where nothing is missing.
-Eigen::MatrixXd residuals_of_runs(const PosteriorFit& fit) {
-  const auto n = Eigen::Index(fit.used.size());
-  Eigen::MatrixXd histories(Eigen::Index(fit.runs[fit.used[0]].record.mean.size()), n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& v = fit.runs[fit.used[std::size_t(i)]].record.mean;
-    histories.col(i) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
-  }
-  return fit.posterior->emulator().residuals(fit.errors->grid().apply(histories));
-}
-
 void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
   const auto& noise = fit.errors->noise();
   if (!fit.settled) out.warnings.push_back("the emulator " + fit.message);
@@ -149,11 +137,13 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.fit = goodness_of_fit(posterior, mode, fit.hypotheses[posterior.likeliest(mode.at)].errors, fit.coefficients, fit.noise);
   out.identification = identification_of(in, fit, out.covariance);
   out.check = check_by_true_model(in, fit, in.emulator.check_coarse, in.emulator.check_fine);
-  std::vector<MechanismDirections> directions;
-  if (out.trusted()) directions.push_back(gauge_gains(in.problem, out.calibrated));
-  if (left_out)
-    for (auto& d : left_out(out.theta)) directions.push_back(std::move(d));
-  if (left_out && !directions.empty()) out.score_tests = score_tests(posterior, mode.at, fit.errors->grid(), directions, residuals_of_runs(fit));
+  if (left_out) {
+    auto directions = left_out(out.theta);
+    if (out.trusted()) directions.insert(directions.begin(), gauge_gains(in.problem, out.calibrated));
+    const Decimation& grid = fit.errors->grid();
+    // The emulator's residuals at its runs are what a fit leaves where nothing is missing.
+    if (!directions.empty()) out.score_tests = score_tests(posterior, mode.at, grid, directions, posterior.emulator().residuals(grid.apply(fit.histories())));
+  }
   out.adequate = out.fit.adequate && !(out.score_tests && out.score_tests->stands_out);
   if (nested && fit.nested) out.nested = compare_nested(fit, *nested);
   warn(out, in, fit);

@@ -94,12 +94,6 @@ double ErrorModel::freedom() const {
   return freedom > 1e8 ? infinity : freedom;
 }
 
-ErrorModel ErrorModel::without(const std::string& name) const {
-  ErrorModel out = *this;
-  std::erase_if(out.terms_, [&](const ErrorTerm& t) { return t.name == name; });
-  return out;
-}
-
 ErrorModel ErrorModel::with(ErrorTerm term) const {
   ErrorModel out = *this;
   out.add(std::move(term.name), std::move(term.covariance));

@@ -95,9 +95,7 @@ class ErrorModel {
   [[nodiscard]] Eigen::MatrixXd covariance() const;
   /// Degrees of freedom of the covariance's scale: the noise's, diluted by what is known otherwise (Satterthwaite 1946); infinity for a Gaussian.
   [[nodiscard]] double freedom() const;
-  /// The same without the terms named.
-  [[nodiscard]] ErrorModel without(const std::string& name) const;
-  /// The same and one more term.
+  /// With one more term.
   [[nodiscard]] ErrorModel with(ErrorTerm term) const;
   /// Shares of the covariance's trace, by name.
   [[nodiscard]] std::vector<std::pair<std::string, double>> shares() const;

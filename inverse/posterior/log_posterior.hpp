@@ -88,8 +88,6 @@ class LogPosterior {
   [[nodiscard]] double freedom(const Point& point) const { return hypotheses_[likeliest(point)].freedom; }
   /// Index of the hypothesis about the errors with the greatest weight at a point.
   [[nodiscard]] std::size_t likeliest(const Point& point) const;
-  /// Eigenvalues of the numerical noise over the errors' covariance, ascending, of the first hypothesis.
-  [[nodiscard]] const Eigen::VectorXd& noise_ratio() const { return hypotheses_[0].ratio; }
 
  private:
   struct Hypothesis {

@@ -6,15 +6,11 @@
 
 namespace calomel {
 
-namespace {
-
 Json by_name(const std::vector<Parameter>& parameters, std::span<const double> theta) {
   Json j = Json::object();
   for (std::size_t k = 0; k < theta.size(); ++k) j[parameters[k].name] = theta[k];
   return j;
 }
-
-}  // namespace
 
 Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
   const auto& best = fit.modes[0];

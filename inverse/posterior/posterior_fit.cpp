@@ -130,8 +130,9 @@ void Fit::add_infill(int round) {
   const std::uint64_t seed = in_.seed + std::uint64_t(round);
   Eigen::MatrixXd draws = draws_of(*out_.posterior, out_.modes[0], seed);
   if (out_.nested) {
-    const Eigen::MatrixXd nested = draws_of(*out_.nested, out_.nested_modes[0], seed), both = (Eigen::MatrixXd(draws.rows(), draws.cols() + nested.cols()) << draws, nested).finished();
-    draws = both;
+    const Eigen::MatrixXd nested = draws_of(*out_.nested, out_.nested_modes[0], seed);
+    draws.conservativeResize(Eigen::NoChange, draws.cols() + nested.cols());
+    draws.rightCols(nested.cols()) = nested;
   }
   const auto points = infill(out_.posterior->emulator(), draws, in_.emulator.round_coarse, in_.emulator.round_fine);
   if (!points.level.empty()) make(points.u, points.level);
@@ -187,15 +188,7 @@ void Fit::fit() {
       if (!r.record.done) reason = r.record.message;
     throw NumericsError(fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
   }
-  const auto columns = [&](const std::vector<float> RunRecord::*what) {
-    Eigen::MatrixXd all(Eigen::Index(in_.problem.shape.values()), n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& v = out_.runs[out_.used[std::size_t(i)]].record.*what;
-      all.col(i) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
-    }
-    return all;
-  };
-  const Eigen::MatrixXd histories = columns(&RunRecord::mean);
+  const Eigen::MatrixXd histories = out_.histories();
   const bool slopes = std::all_of(out_.used.begin(), out_.used.end(), [&](auto i) { return out_.runs[i].record.energy_slope.size() == in_.problem.shape.values(); });
 
   // The grid is that of the records alone; a first error model gives it, and what numbers weigh in the judgement of the levels' noise.
@@ -207,7 +200,7 @@ void Fit::fit() {
 
   // Errors where the answer stands: at the box's middle first, at the last mode later.
   const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
-  if (slopes) directions.energy_slope = columns(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
+  if (slopes) directions.energy_slope = out_.histories(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
   directions.mesh = in_.levels > 1 ? 0 : in_.mesh;
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
@@ -269,6 +262,15 @@ void EmulatorOptions::validate() const {
     if (!(element_sizes[i] < element_sizes[i - 1]))
       throw InputError({.problem = "each element size is smaller than the one before it", .key = "element_sizes", .value = number_text(element_sizes[i]),
                         .suggestion = "e.g. element_sizes = [1e-3, 0.5e-3]"});
+}
+
+Eigen::MatrixXd PosteriorFit::histories(const std::vector<float> RunRecord::*what) const {
+  Eigen::MatrixXd all(Eigen::Index((runs[used[0]].record.*what).size()), Eigen::Index(used.size()));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const auto& v = runs[used[i]].record.*what;
+    all.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
+  }
+  return all;
 }
 
 Eigen::VectorXd PosteriorFit::history(const Eigen::VectorXd& u, double beyond) const {

@@ -115,6 +115,8 @@ struct PosteriorFit {
   bool settled = false;
   std::string message;
 
+  /// Of the runs in use, as columns: their means, or another of their fields, (values of the model, used).
+  [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
 };
