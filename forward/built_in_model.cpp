@@ -149,6 +149,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.liquid_density = at.mercury.density;
   s.steel = LinearElastic::from_young(at.steel.young, at.steel.poisson);
   s.liquid = liquid_laws().get(at.mercury.law, "material.mercury.law")(at.mercury, viscosity_of(at, mesh));
+  if (at.geometry.wetted == "slip") s.wetted_cutoff = s.liquid.tensile_cutoff;
   s.hourglass = at.mercury.hourglass;
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
   s.energies = std::move(energies);
@@ -352,6 +353,8 @@ ModelDescription BuiltInModel::describe() const {
         fmt::format("a wall has only {} elements through its thickness; 3 or more show the bending strain within 4 %", mesh_->quality.least_wall_elements));
   if (case_.geometry.wetted == "tied")
     d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
+  if (case_.geometry.wetted == "no_separation" && std::isfinite(case_.mercury.tensile_cutoff) && case_.mercury.law != "linear")
+    d.warnings.push_back("mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept for comparison");
   for (const auto& g : gauges_)
     if (g.distance > 1e-4) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));
   return d;

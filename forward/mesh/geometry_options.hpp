@@ -75,7 +75,7 @@ struct GeometryOptions {
   JetOptions jet;                      ///< jet_flow
   std::optional<double> element_size;  ///< upper bound [m]
   int wall_elements = 0;
-  std::string wetted = "slip";  ///< | tied
+  std::string wetted = "slip";  ///< | no_separation | tied
   std::string file;             ///< kind = "mesh"
   double scale = 1, merge_distance = 0;
   SetOptions sets;
@@ -102,7 +102,7 @@ struct GeometryOptions {
     v("element_size", element_size,
       {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly (jet_flow: 0.003, bar: radius/4)"});
     v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
-    v("wetted", wetted, {.doc = "steel and mercury slip along each other, or share nodes", .choices = {"slip", "tied"}});
+    v("wetted", wetted, {.doc = "steel and mercury slip along each other and part where the mercury gives way, slip and never part, or share nodes", .choices = {"slip", "no_separation", "tied"}});
     v("file", file, {.doc = "mesh: Exodus II file (.exo, .e, .g), or Abaqus input (.inp)"});
     v("scale", scale, {.range = above(0), .doc = "mesh: factor on the coordinates, 0.001 for a file in millimetres"});
     v("merge_distance", merge_distance, {.unit = "m", .range = at_least(0), .doc = "mesh: nodes nearer than this become one; 0 = none do"});

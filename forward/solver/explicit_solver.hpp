@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -76,8 +77,12 @@ struct RunSetup {
   /// Free strain of heated steel, alpha dT of sigma = C : (epsilon - alpha dT 1), constant in an element: per mesh element at full pulse and energy 1, 0 in
   /// the mercury [-]; it rises as p0 does. Empty: none.
   std::vector<double> thermal_strain;
-  /// Traction, tension positive, at which steel and mercury of a slip pair come apart: per row of Mesh::slip, infinite: never [Pa]. Apart they carry no normal
-  /// traction; they meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together. Empty: none comes apart.
+  /// Traction, tension positive, at which the mercury gives way at a wetted face [Pa]: steel and mercury of a slip pair come apart there, pull on each other with
+  /// that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together. Infinite: none
+  /// comes apart, and half a layer of mercury elements moves with the wall when the mercury has given way.
+  double wetted_cutoff = std::numeric_limits<double>::infinity();
+  /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
+  /// normal traction. Empty: none.
   std::vector<double> slip_strength;
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]

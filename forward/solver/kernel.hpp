@@ -37,9 +37,10 @@ struct EnergyTerms {
   double heat = 0;          ///< put in by the pulse, since the last step
   double boundary_before = 0, boundary_after = 0;  ///< work on the surroundings by the half steps before and after this instant
   double damped_after = 0;  ///< taken from the motion after this instant
+  double apart = 0;         ///< stored between faces that are apart; part of what `dissipated` has taken so far
   void add(const EnergyTerms& t) {
     kinetic += t.kinetic, liquid += t.liquid, hourglass += t.hourglass, steel += t.steel, dissipated += t.dissipated, heat += t.heat;
-    boundary_before += t.boundary_before, boundary_after += t.boundary_after, damped_after += t.damped_after;
+    boundary_before += t.boundary_before, boundary_after += t.boundary_after, damped_after += t.damped_after, apart += t.apart;
   }
 };
 
@@ -93,6 +94,7 @@ struct SpecialData {
 template <class R>
 struct RuleExtras {
   const R* strength = nullptr;  ///< pull at which the pair comes apart, tensile strength times area [N]; null: the base model
+  const R* hold = nullptr;      ///< pull on either while the pair is apart [N]
   R* open = nullptr;            ///< (rules, lanes) 1 while the pair is apart, else 0
   const R* rear_initial = nullptr;  ///< pressure before the run of the mercury behind the rear face [Pa]
 };

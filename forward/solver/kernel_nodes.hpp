@@ -65,7 +65,7 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 
 /// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
-/// apart they are free until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
+/// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
 /// kept, the energy of the impact is not, and is booked as dissipated.
 template <class R, bool Runs, bool Booking>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
@@ -86,10 +86,12 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
   const L gap = (u_steel[0] - u[0]) * n[0] + (u_steel[1] - u[1]) * n[1] + (u_steel[2] - u[2]) * n[2];
   const L common = share_node * vn + share_partner * sn, pull = r.mass_node / s.kick * (common - vn);
-  const L parts = select(pull > zero + s.extras.strength[rule], one, zero), meets = select(gap + s.dt * (sn - vn) <= zero, one, zero);
+  const L parts = select(pull > zero + s.extras.strength[rule], one, zero);
+  const L hold = s.kick * s.extras.hold[rule] * (was + (one - was) * parts), towards = hold * (1 / r.mass_node), back = hold * (1 / r.mass_partner);
+  const L meets = select(gap + s.dt * (sn - back - vn - towards) <= zero, one, zero);
   const L now = was * (one - meets) + (one - was) * parts, held = one - now;
   const L apart = -1 / s.dt * (was * meets * gap);  // (v_s - v_m).n of a pair that meets
-  const L change = held * (common - share_partner * apart - vn), steel_change = held * (common + share_node * apart - sn);
+  const L change = held * (common - share_partner * apart - vn) + now * towards, steel_change = held * (common + share_node * apart - sn) - now * back;
   for (int c = 0; c < 3; ++c) v[c] += change * n[c], steel[c] += steel_change * n[c];
   if constexpr (Runs)
     store(open, now);
@@ -99,7 +101,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
     const double half_way = 0.5 * double(s.dt) * double(r.mass_node) / double(s.kick) * double(change);
     double rel_before = 0, rel_after = 0;
     for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
-    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after;
+    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after, energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "base/errors.hpp"
@@ -53,7 +54,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
-  base_.extras = {strength_.data(), open_.data(), rear_initial_.data()};
+  base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data()};
   base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
 }
@@ -163,13 +164,14 @@ void Run<R>::make_stress(std::size_t b) {
 
 template <class R>
 void Run<R>::make_extras() {
-  if (setup_.slip_strength.empty() && setup_.initial_stress.empty()) return;
+  const bool parting = !setup_.slip_strength.empty() || setup_.wetted_cutoff < unlimited_cutoff;
+  if (!parting && setup_.initial_stress.empty()) return;
   const std::size_t copies = packed_.runs ? run_lanes : 1;
-  strength_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
+  strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
   std::map<std::int32_t, std::size_t> pair_of, rule_of;  // by solver node
   for (std::size_t i = 0; i < mesh_.slip.size(); ++i) pair_of[packed_.layout.to_solver[std::size_t(mesh_.slip[i].mercury)]] = i;
   for (std::size_t i = 0; i < rules_.size(); ++i) rule_of[rules_[i].node] = i, strength_[i] = R(unlimited_cutoff);
-  if (!setup_.slip_strength.empty())
+  if (parting)
     for (const BoundaryNode& n : boundary_nodes(mesh_, mesh_.wetted)) {
       const auto pair = pair_of.find(packed_.layout.to_solver[std::size_t(n.node)]);
       if (pair == pair_of.end()) continue;
@@ -179,7 +181,10 @@ void Run<R>::make_extras() {
       const double area = n.area[0] * normal[0] + n.area[1] * normal[1] + n.area[2] * normal[2];
       if (area < 0)  // from here on it points out of the mercury
         for (auto& c : r.normal[0]) c = -c;
-      strength_[rule] = R(std::min(setup_.slip_strength[pair->second] * std::abs(area), unlimited_cutoff));
+      const double own = setup_.slip_strength.empty() ? std::numeric_limits<double>::infinity() : setup_.slip_strength[pair->second];
+      const double strength = std::min(own, setup_.wetted_cutoff);
+      strength_[rule] = R(std::min(strength * std::abs(area), unlimited_cutoff));
+      if (setup_.wetted_cutoff <= own && strength < unlimited_cutoff) hold_[rule] = strength_[rule];
       for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart
         double gap = 0;
         for (std::size_t c = 0; c < 3; ++c) {

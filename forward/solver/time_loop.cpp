@@ -37,13 +37,13 @@ class FlushDenormals {
 
 /// What the balance of energy remembers from step to step [J].
 struct Balance {
-  double dissipated = 0, heat = 0, boundary = 0, initial = 0, worst = 0, scale = 0, hourglass = 0;
+  double dissipated = 0, heat = 0, boundary = 0, initial = 0, worst = 0, scale = 0, hourglass = 0, apart = 0;
 
   /// `first`: of the steps at which slow blocks are at work too, the second or an earlier one.
   void add(const EnergyTerms& sum, bool all_at_work, bool first, bool has_initial_state) {
     dissipated += sum.dissipated, heat += sum.heat, boundary += sum.boundary_before;
     if (all_at_work) close(sum, first && has_initial_state);
-    boundary += sum.boundary_after, dissipated += sum.damped_after;
+    boundary += sum.boundary_after, dissipated += sum.damped_after, apart = sum.apart;
   }
 
  private:
@@ -234,7 +234,7 @@ class TimeLoop {
     out_.hourglass_share = b.scale > 0 ? b.hourglass / b.scale : 0;
     const bool end_load = !setup_.end_stress.time.empty();  // a bar has no rear face: what goes out there is the load's work
     out_.energy_in = b.heat + b.initial - (end_load ? b.boundary : 0);
-    out_.dissipated = b.dissipated, out_.radiated = end_load ? 0 : b.boundary;
+    out_.dissipated = b.dissipated - b.apart, out_.radiated = end_load ? 0 : b.boundary;
     if (options_.checkpoint.path.empty()) return;
     if (options_.checkpoint.keep) {
       if (first_step_ < steps_) save(steps_);

@@ -25,10 +25,10 @@ struct ErrorOptions {
   double coherent_noise = 0.1;
   double young_sd = 0.015;
   double gauge_place_sd = 0.0004;
-  double beyond = 0.4;
-  double beyond_sd = 0.25;
+  double beyond = 0.2;
+  double beyond_sd = 0.2;
   double beyond_rest = 0.5;
-  double record_noise = 2;
+  double record_noise = 1;
   std::optional<double> mesh;
   double discrepancy = 0.1;
   std::vector<double> discrepancy_times{15e-6, 40e-6};

@@ -33,12 +33,12 @@ pulses = 2
 element_sizes = [0.002, 0.001]
 viscosity_sd = 0
 start = "nominal"
-coarse_runs = 16
-fine_runs = 8
+coarse_runs = 32
+fine_runs = 16
 round_coarse = 3
 round_fine = 2
-check_coarse = 1
-check_fine = 1
+check_coarse = 2
+check_fine = 2
 [errors]
 band = 1e5
 young_sd = 0

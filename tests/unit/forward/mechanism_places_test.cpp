@@ -196,7 +196,7 @@ TEST(MechanismPlaces, HeatInTheSteelFollowsThePulse) {
   const auto cold = small_case("", "peak_pressure = 0.0\npulse_length = 10e-6");
   const BuiltInModel model(with(cold, "full", full(), {{"thermal", 1e-4}}), {.pulses = 1});
   RunSetup one = model.setup(model.forward_case(), model.mesh(), 0, {1.0});
-  one.liquid.tensile_cutoff = std::numeric_limits<double>::infinity();
+  one.liquid.tensile_cutoff = one.wetted_cutoff = std::numeric_limits<double>::infinity();
   std::vector<ObservationRow> rows{{model.gauges()[0].axial.nodes, model.gauges()[0].axial.weights}};
   const ExplicitSolver solver(model.mesh(), one.steel);
   const auto once = solver.solve(one, rows, {}).observations;

@@ -381,3 +381,64 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   for (std::size_t i = 1; i + 1 < swung.size(); ++i) greatest_pull = std::min(greatest_pull, (swung[i + 1] - 2 * swung[i] + swung[i - 1]) / (dt * momentum));
   EXPECT_LT(greatest_pull, -1e-4);
 }
+
+// Mercury that gives way at the face: it moves off and pulls with the cutoff, no more and no less. Of the waves in either half space follow
+// v_s = -sigma / Z_s and v_m = -v + sigma / Z_m, and the gap is their difference times the time.
+TEST(PartingFace, PullsWithTheCutoffWhileApart) {
+  const WettedFace face;
+  const double v = 1, cutoff = 0.3 * z_mercury * z_steel / (z_mercury + z_steel) * v;
+  const std::vector<ObservationRow> rows{component(face.wall(), 0), component(face.mesh.slip[0].mercury, 0)};
+  const ExplicitSolver solver(face.mesh, steel());
+  for (const char* precision : {"double", "single"}) {
+    RunSetup s = face.moving(-v, 0, never, 1.2e-5);
+    s.slip_strength.clear(), s.wetted_cutoff = cutoff;
+    SolveOptions o;
+    o.precision = precision;
+    o.booking = true;
+    const auto out = solver.solve(s, rows, o);
+    const auto wall = row_of(out, 0), mercury = row_of(out, 1);
+    const auto rate = [&](const auto& u) { return (u[190] - u[60]) / (out.times[190] - out.times[60]); };
+    EXPECT_NEAR(rate(wall), -cutoff / z_steel, 0.01 * cutoff / z_steel) << precision;
+    EXPECT_NEAR(rate(mercury), -v + cutoff / z_mercury, 0.01 * v) << precision;
+    EXPECT_LT(out.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
+    s.energies.assign(8, 1.0);  // lanes
+    o.booking = false;
+    const auto lanes = solver.solve(s, rows, o);
+    EXPECT_NEAR(lanes.observations[190], wall[190], *precision == 'd' ? 1e-15 : 1e-9);
+    // A face weaker than the mercury carries nothing once it is open.
+    s.energies.assign(1, 1.0), s.slip_strength.assign(face.mesh.slip.size(), 0.5 * cutoff);
+    const auto weak = solver.solve(s, rows, o);
+    EXPECT_NEAR(rate(row_of(weak, 1)), -v, 0.01 * v) << precision;
+  }
+}
+
+// A plate that is thrown off mercury without strength flies at its own velocity: no layer of mercury hangs on it. Control: without parting, half an element of
+// mercury does, and takes its share of the momentum.
+TEST(PartingFace, HangsNoMercuryOnTheWall) {
+  Mesh mesh = block({44, 1, 1}, {-0.04, 0, 0}, {0.004, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
+  fix(mesh, 2 | 4, everywhere());
+  split(mesh, {Vec3{1, 0, 0}});
+  mesh.wetted = faces_at(mesh, 0, 0);
+  RunSetup s = linear_setup(2e-5, 1e-7);
+  s.liquid.tensile_cutoff = 0;
+  std::vector<bool> in_steel(mesh.nodes.size(), false);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    if (mesh.region[e] == Region::steel)
+      for (const NodeId n : mesh.elements[e]) in_steel[std::size_t(n)] = true;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) s.initial_velocity.push_back({in_steel[n] ? 1.0 : 0.0, 0, 0});
+  const auto m = masses(mesh, s);
+  ObservationRow centre;
+  double total = 0;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    if (in_steel[n]) centre.nodes.push_back(NodeId(n)), centre.weights.push_back({m[Eigen::Index(n)], 0, 0}), total += m[Eigen::Index(n)];
+  for (auto& w : centre.weights) w[0] /= total;
+  const ExplicitSolver solver(mesh, steel());
+  const auto flown = [&](double cutoff) {
+    s.wetted_cutoff = cutoff;
+    const auto out = solver.solve(s, std::vector<ObservationRow>{centre}, {});
+    return out.observations.back() / out.times.back();
+  };
+  EXPECT_NEAR(flown(0), 1, 1e-9);
+  const double hangs = 0.5 * mercury_density / (0.5 * mercury_density + 4 * steel_density);  // half an element of mercury beside four of steel
+  EXPECT_NEAR(flown(never), 1 - hangs, 0.2 * hangs);
+}

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""How far the ensemble mean lies from that of a fine mesh, and what a fit would take it for. Needs Debian's python3-numpy and python3-netcdf4.
+
+  mesh_error.py BUILD_DIR WORK_DIR --draws 401,402 [--sizes 2,1,0.5,0.25] [--wetted slip,no_separation] [--threads N]
+
+The slices are those of concealed_slices.py at their true parameters; nothing is recorded or fitted. For every kind of wetted face and element size [mm] the table gives the misfit to
+the finest mesh (relative L2 of all gauges, decimated by a Hann window to 20 kHz, as the posterior compares), and what least squares with central differences on the next
+finest mesh takes it for: relative changes of density, sound speed, cutoff (logarithm), Young's modulus, pulse energy and viscosity (logarithm), the last three with the priors of
+`[errors]` (1.5 %, 1.5 %, 0.6). Means over the draws, ± their standard error. Last, the multiple k of the last difference that the finest mesh lies beyond the one before.
+A call that is cut off goes on where it stopped.
+"""
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tomllib
+
+import netCDF4
+import numpy as np
+
+from concealed_slices import draw_slice
+
+STEPS = {"material.mercury.density": 1.03, "material.mercury.sound_speed": 1.03, "material.mercury.tensile_cutoff": 1.15, "material.steel.young": 1.03,
+         "load.peak_pressure": 1.03, "material.mercury.regularising_viscosity": 1.5}
+PRIOR_SD = np.array([1, 1, 1, 0.015, 0.015, 0.6])
+FACTOR = 25  # samples of 1 us in a decimated value
+
+
+def truth_of(draw, folder):
+    """The case without records and parameters, and the true numbers of its keys."""
+    case, truth, _ = draw_slice(draw, 0.25e-3)
+    path = os.path.join(folder, "case.toml")
+    with open(path, "w") as f:
+        f.write(re.sub(r"\[recordings\][\s\S]*", "", case))
+    t = tomllib.loads(truth)
+    numbers = {"material.mercury." + n: v for n, v in t["parameter"].items()}
+    return path, numbers | {k: float(v) for k, v in (s.split("=") for s in t["experiment"]["unlike"])}
+
+
+class Runs:
+    def __init__(self, build, folder, draw, wetted, threads):
+        self.program, self.threads, self.wetted = os.path.join(build, "apps", "calomel"), threads, wetted
+        self.folder = os.path.join(folder, f"{draw}_{wetted}")
+        os.makedirs(self.folder, exist_ok=True)
+        self.case, self.truth = truth_of(draw, self.folder)
+
+    def mean(self, size, key=None, sign=0):
+        """Decimated ensemble mean, (sensors, values); with `key`, one step up or down."""
+        out = os.path.join(self.folder, f"{size}_{key}_{sign}" if key else str(size))
+        path = os.path.join(out, "simulate.nc")
+        if not os.path.exists(path):
+            numbers = dict(self.truth)
+            if key:
+                numbers[key] *= STEPS[key] ** sign
+            keys = [f"{k}={v!r}" for k, v in numbers.items()] + [f"geometry.element_size={1e-3 * size!r}", f'geometry.wetted="{self.wetted}"']
+            command = [self.program, "simulate", self.case, "--mean", "--quiet", "--out", out, "--threads", str(self.threads)]
+            done = subprocess.run(command + [x for k in keys for x in ("--set", k)], capture_output=True, text=True)
+            if done.returncode:
+                sys.exit(done.stderr)
+        with netCDF4.Dataset(path) as file:
+            strain = np.array(file["strain"][:])
+        window = np.cos(np.pi * np.arange(1 - FACTOR, FACTOR) / (2 * FACTOR)) ** 2
+        middles = range(FACTOR, strain.shape[1] - FACTOR + 1, FACTOR)
+        return np.stack([strain[:, k - FACTOR + 1:k + FACTOR] @ (window / window.sum()) for k in middles], 1)
+
+    def jacobian(self, size):
+        return [(self.mean(size, k, 1) - self.mean(size, k, -1)) / (2 * np.log(s)) for k, s in STEPS.items()]
+
+
+def local_amplitude(values):
+    """Root mean square over 25 us about each value."""
+    t = FACTOR * np.arange(values.shape[1])
+    weight = np.exp(-0.5 * ((t[:, None] - t) / 25) ** 2)
+    return np.sqrt(values**2 @ (weight / weight.sum(1, keepdims=True)).T)
+
+
+def taken_for(fine, coarse, jacobian):
+    """Least squares: half the local misfit, 2 % of the local amplitude and 0.3 % of the gauge's greatest value as errors."""
+    sd = np.sqrt((0.5 * local_amplitude(fine - coarse)) ** 2 + (0.02 * local_amplitude(fine)) ** 2 + (0.003 * np.abs(fine).max(1, keepdims=True)) ** 2)
+    a = np.vstack([np.stack([(j / sd).ravel() for j in jacobian], 1), np.diag(1 / PRIOR_SD)])
+    return np.linalg.lstsq(a, np.concatenate([((fine - coarse) / sd).ravel(), np.zeros(len(PRIOR_SD))]), rcond=None)[0]
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("places", nargs=2, metavar=("BUILD_DIR", "WORK_DIR"))
+    p.add_argument("--draws", required=True, type=lambda s: [int(x) for x in s.split(",")])
+    p.add_argument("--sizes", default=[2, 1, 0.5, 0.25], type=lambda s: [float(x) for x in s.split(",")])
+    p.add_argument("--wetted", default=["slip", "no_separation"], type=lambda s: s.split(","))
+    p.add_argument("--threads", type=int, default=2)
+    args = p.parse_args()
+    build, work = (os.path.abspath(x) for x in args.places)
+    print("| wetted | mm | misfit | ρ | c | ln σc | E | energy | ln η |\n|---|---|---|---|---|---|---|---|---|")
+    lines = []
+    for wetted in args.wetted:
+        all_runs = [Runs(build, work, draw, wetted, args.threads) for draw in args.draws]
+        means = [{s: runs.mean(s) for s in args.sizes} for runs in all_runs]
+        jacobians = [runs.jacobian(args.sizes[-2]) for runs in all_runs]
+        for size in args.sizes[:-1]:
+            rows = []
+            for m, j in zip(means, jacobians):
+                fine, coarse = m[args.sizes[-1]], m[size]
+                rows.append(100 * np.concatenate([[np.linalg.norm(fine - coarse) / np.linalg.norm(fine)], taken_for(fine, coarse, j)]))
+            mean, error = np.mean(rows, 0), np.std(rows, 0, ddof=1) / np.sqrt(len(rows)) if len(rows) > 1 else np.zeros(len(rows[0]))
+            print(f"| {wetted} | {size:g} | " + " | ".join(f"{x:+.1f} ± {e:.1f}" if i else f"{x:.1f} ± {e:.1f} %" for i, (x, e) in enumerate(zip(mean, error))) + " |", flush=True)
+        k, share, size = [], [], []
+        for m in means:
+            rest, last = (m[args.sizes[-1]] - m[args.sizes[-2]]).ravel(), (m[args.sizes[-2]] - m[args.sizes[-3]]).ravel()
+            k.append(rest @ last / (last @ last)), share.append(rest @ last / np.sqrt((last @ last) * (rest @ rest))), size.append(np.linalg.norm(rest) / np.linalg.norm(last))
+        lines.append(f"{wetted}: k {np.mean(k):.2f} ± {np.std(k):.2f} (sd over draws), correlation {np.mean(share):.2f}, size of the rest over the last difference {np.mean(size):.2f}")
+    print("\n" + "\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()
