@@ -249,16 +249,22 @@ TEST(RunFields, TheElementThatChecksTheFastOneRefusesThem) {
 
 namespace {
 
+/// Per node, whether an element of the region has it.
+std::vector<bool> nodes_in(const Mesh& mesh, Region region) {
+  std::vector<bool> in(mesh.nodes.size(), false);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    if (mesh.region[e] == region)
+      for (const NodeId n : mesh.elements[e]) in[std::size_t(n)] = true;
+  return in;
+}
+
 /// Mercury on -0.04 < x < 0 m against steel on 0 < x < 0.04 m, motion along x only, both ends free.
 struct WettedFace {
   WettedFace() : mesh(block({80, 1, 1}, {-0.04, 0, 0}, {0.04, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; })) {
     fix(mesh, 2 | 4, everywhere());
     split(mesh, {Vec3{1, 0, 0}});
     mesh.wetted = faces_at(mesh, 0, 0);
-    in_mercury.assign(mesh.nodes.size(), false);
-    for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-      if (mesh.region[e] == Region::mercury)
-        for (const NodeId n : mesh.elements[e]) in_mercury[std::size_t(n)] = true;
+    in_mercury = nodes_in(mesh, Region::mercury);
   }
   /// The mercury moves with this velocity, a distance before the steel.
   [[nodiscard]] RunSetup moving(double velocity, double gap, double strength, double end) const {
@@ -421,10 +427,7 @@ TEST(PartingFace, HangsNoMercuryOnTheWall) {
   mesh.wetted = faces_at(mesh, 0, 0);
   RunSetup s = linear_setup(2e-5, 1e-7);
   s.liquid.tensile_cutoff = 0;
-  std::vector<bool> in_steel(mesh.nodes.size(), false);
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-    if (mesh.region[e] == Region::steel)
-      for (const NodeId n : mesh.elements[e]) in_steel[std::size_t(n)] = true;
+  const auto in_steel = nodes_in(mesh, Region::steel);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) s.initial_velocity.push_back({in_steel[n] ? 1.0 : 0.0, 0, 0});
   const auto m = masses(mesh, s);
   ObservationRow centre;
