@@ -106,22 +106,22 @@ void Stages::need_floor() {
 
 void Stages::measure_floor() {
   const auto provenance = floor_provenance();
-  const auto journal_file = command_.out / "floor.journal";
-  if (journal_identity(journal_file) != provenance.identity()) set_aside(journal_file);
-  Journal journal(journal_file, provenance);
+  const auto journal = command_.out / "floor.journal";
+  if (RunStore::identity(journal) != provenance.identity()) set_aside(journal);
+  RunStore store(provenance, journal);
   const auto began = std::chrono::steady_clock::now();
   RepeatabilityFloor floor;
   {
     ProgressDisplay display("floor", "runs", progress_style(command_.quiet), std::cerr);
     floor = calomel::measure_floor(
         model().forward_case(), model().ensemble(), study_.floor, command_.seed, command_.threads,
-        {.journal = &journal, .progress = [&](std::size_t done, std::size_t total) { display.update(done, total); }, .stop = &stop_requested()});
+        {.store = &store, .progress = [&](std::size_t done, std::size_t total) { display.update(done, total); }, .stop = &stop_requested()});
   }
   Json json = floor_json(floor);
   json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   json["provenance"] = provenance.json();
   write_json(command_.out / "floor.json", json);
-  journal.remove();
+  store.remove();
   say_floor(floor);
 }
 

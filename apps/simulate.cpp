@@ -44,9 +44,9 @@ class RunFields {
  public:
   RunFields(std::filesystem::path path, const Mesh& mesh, double interval, SolveOptions& options) : path_(std::move(path)), mesh_(mesh) {
     options.field_interval = interval;
-    options.on_field = [this, booked = options.booking](const FieldSnapshot& s) {
+    options.on_field = [this, balanced = options.energy_balance](const FieldSnapshot& s) {
       if (!writer_) writer_.emplace(path_, mesh_);
-      writer_->write_step({s.time, s.displacement, s.velocity, s.pressure, s.effective_stress, booked ? s.time_at_cutoff : std::span<const double>{}});
+      writer_->write_step({s.time, s.displacement, s.velocity, s.pressure, s.effective_stress, balanced ? s.time_at_cutoff : std::span<const double>{}});
     };
     options.checkpoint.before_saving = [this](std::int64_t) {
       if (writer_) writer_->flush();
@@ -72,7 +72,7 @@ class RunFields {
 };
 
 /// What simulate.json tells of a single run.
-Json of_run(const SolveSummary& s, bool booked) {
+Json of_run(const SolveSummary& s, bool balanced) {
   Json json{{"steps", s.steps},
             {"time_step_s", s.time_step},
             {"subcycles", s.subcycles},
@@ -86,7 +86,7 @@ Json of_run(const SolveSummary& s, bool booked) {
             {"dissipated_J", s.dissipated},
             {"radiated_J", s.radiated},
             {"kernel", s.kernel}};
-  if (booked) json.update({{"greatest_wall_stress_Pa", s.greatest_stress}, {"greatest_wall_stress_at_m", s.greatest_stress_at}});
+  if (balanced) json.update({{"greatest_wall_stress_Pa", s.greatest_stress}, {"greatest_wall_stress_at_m", s.greatest_stress_at}});
   return json;
 }
 
@@ -118,7 +118,7 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
   const auto& m = model();
   const auto& forward = study_.forward;
   SolveOptions options = solve_options(forward.solver);
-  options.booking = forward.solver.booking;
+  options.energy_balance = forward.solver.energy_balance;
   options.threads = command_.threads;
   options.stop = &stop_requested();
   ProgressDisplay display("simulate", "%", progress_style(command_.quiet), std::cerr);
@@ -146,7 +146,7 @@ std::vector<double> Stages::simulate_once(const Provenance& provenance, Json& js
       if (fields && finished == 0) fields->commit();
       condition = finished + 1;
     });
-    json.update(of_run(run.summary, options.booking));
+    json.update(of_run(run.summary, options.energy_balance));
     return std::move(run.strain);
   } catch (const Interrupted&) {
     if (fields && condition == 0 && std::filesystem::exists(m.checkpoints(options.checkpoint.path).front())) fields->leave();
@@ -172,7 +172,7 @@ ExitStatus Stages::simulate() {
   const auto& m = model();
   const auto description = m.describe();
   Provenance provenance{.stage = "simulate", .options = study_.model_options(), .seed = command_.seed, .inputs = study_.model_inputs()};
-  provenance.options["solver"]["booking"] = study_.forward.solver.booking;  // its summary and its checkpoint hold the energies
+  provenance.options["solver"]["energy_balance"] = study_.forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
   for (const auto& w : description.warnings) say("warning: " + w);
   for (const auto& line : physics()) say(line);
 

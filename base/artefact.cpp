@@ -94,7 +94,8 @@ Json telling_options(const Json& written) {
   Json options = written.value("options", Json::object());
   if (!options.contains("solver") || !options["solver"].is_object()) return options;
   options["solver"].erase("checkpoint");  // how often a run is saved
-  if (written.value("stage", "") != "simulate") options["solver"].erase("booking");
+  if (written.value("stage", "") != "simulate")
+    for (const char* told : {"booking", "energy_balance"}) options["solver"].erase(told);
   return options;
 }
 }  // namespace

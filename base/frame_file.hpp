@@ -4,6 +4,7 @@
 ///
 /// Layout: the kind's line of text, then frames. A frame is {u64 bytes, u64 checksum, payload}, little-endian; the checksum is FNV-1a
 /// over the payload. The first frame is the provenance as JSON text.
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -70,6 +71,7 @@ class ByteReader {
     return {v.begin(), v.end()};
   }
   [[nodiscard]] bool at_end() const { return rest_.empty(); }
+  [[nodiscard]] std::string_view rest() const { return rest_; }
 
  private:
   std::string_view rest_;
@@ -77,19 +79,29 @@ class ByteReader {
 
 class FrameFile {
  public:
-  using Each = std::function<void(std::string_view payload)>;
+  /// A whole frame in the file.
+  struct Place {
+    std::uint64_t offset = 0, bytes = 0;
+  };
+  using Each = std::function<void(std::string_view payload, Place place)>;
 
-  /// Opens the file at `path`, or begins one, and hands every whole frame to `each` in order; what follows the last whole one (the write that a kill tore) is
-  /// cut off. `kind` is its first line, without the line end, e.g. "calomel chains 1". The file stays locked while the object lives. Errors: InputError when
-  /// the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use by another process, or cannot
-  /// be written.
+  /// Opens the file at `path`, or begins one, and hands every whole frame to `each` in order, one at a time in memory; what follows the last whole one (the
+  /// write that a kill tore) is cut off. `kind` is its first line, without the line end, e.g. "calomel chains 1". The file stays locked while the object lives.
+  /// Errors: InputError when the file is of another kind, was begun with other settings (naming the changed keys; the file is left as it is), is in use by
+  /// another process, or cannot be written.
   FrameFile(std::filesystem::path path, const std::string& kind, const Provenance& provenance, const Each& each);
   ~FrameFile();
   FrameFile(const FrameFile&) = delete;
   FrameFile& operator=(const FrameFile&) = delete;
 
-  /// Adds a frame and waits until it is on disk; safe from several threads. Errors: InputError when the disk is full.
-  void append(std::string_view payload);
+  /// Adds a frame; safe from several threads. The system is asked to reach the disk at least every half second, so a kill loses nothing and a power cut half
+  /// a second. Errors: InputError when the disk is full.
+  Place append(std::string_view payload);
+  /// The frame at a place that this file gave. Errors: InputError when the file was changed meanwhile.
+  [[nodiscard]] std::string read(Place place) const;
+
+  /// Identity of the settings that the file at `path` was begun with; empty when it is absent or of another kind.
+  static std::string identity(const std::filesystem::path& path, const std::string& kind);
 
  private:
   void write(std::string_view bytes);
@@ -97,6 +109,7 @@ class FrameFile {
   int file_ = -1;
   std::mutex lock_;
   std::uint64_t end_ = 0;  ///< where the next frame goes
+  std::chrono::steady_clock::time_point synced_;
 };
 
 }  // namespace calomel

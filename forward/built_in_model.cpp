@@ -149,7 +149,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.liquid_density = at.mercury.density;
   s.steel = LinearElastic::from_young(at.steel.young, at.steel.poisson);
   s.liquid = liquid_laws().get(at.mercury.law, "material.mercury.law")(at.mercury, viscosity_of(at, mesh));
-  if (at.geometry.wetted == "slip") s.wetted_cutoff = s.liquid.tensile_cutoff;
+  if (at.geometry.parts()) s.wetted_cutoff = s.liquid.tensile_cutoff;
   s.hourglass = at.mercury.hourglass;
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
   s.energies = std::move(energies);
@@ -235,14 +235,14 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
       }
 
     out.mean.assign(values, 0), out.energy_slope.assign(values, 0), out.scatter.assign(values, 0);
-    double mean_energy = 0, spread = 0;
+    double mean_energy = 0, squares = 0;
     for (const double a : out.energies) mean_energy += a / double(m);
-    for (const double a : out.energies) spread += (a - mean_energy) * (a - mean_energy);
+    for (const double a : out.energies) squares += (a - mean_energy) * (a - mean_energy);
     for (std::size_t i = 0; i < values; ++i) {
       double mean = 0, slope = 0, rest = 0;
       for (std::size_t r = 0; r < m; ++r) mean += pulses[r * values + i] / double(m);
-      if (m > 1 && spread > 0)
-        for (std::size_t r = 0; r < m; ++r) slope += (out.energies[r] - mean_energy) * pulses[r * values + i] / spread;
+      if (m > 1 && squares > 0)
+        for (std::size_t r = 0; r < m; ++r) slope += (out.energies[r] - mean_energy) * pulses[r * values + i] / squares;
       for (std::size_t r = 0; r < m; ++r) {
         const double d = pulses[r * values + i] - mean - slope * (out.energies[r] - mean_energy);
         rest += d * d;
@@ -351,9 +351,9 @@ ModelDescription BuiltInModel::describe() const {
   if (mesh_->quality.least_wall_elements > 0 && mesh_->quality.least_wall_elements < 3)
     d.warnings.push_back(
         fmt::format("a wall has only {} elements through its thickness; 3 or more show the bending strain within 4 %", mesh_->quality.least_wall_elements));
-  if (case_.geometry.wetted == "tied")
+  if (!case_.geometry.slips())
     d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
-  if (case_.geometry.wetted == "no_separation" && std::isfinite(case_.mercury.tensile_cutoff) && case_.mercury.law != "linear")
+  if (case_.geometry.slips() && !case_.geometry.parts() && std::isfinite(liquid_laws().get(case_.mercury.law, "material.mercury.law")(case_.mercury, d.viscosity).tensile_cutoff))
     d.warnings.push_back("mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept for comparison");
   for (const auto& g : gauges_)
     if (g.distance > 1e-4) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));

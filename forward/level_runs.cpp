@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forward/campaign/campaign.hpp"
 #include "forward/mechanism/mechanism.hpp"
 
 namespace calomel {
@@ -14,8 +13,6 @@ constexpr double part_of_range = 0.25;  ///< of a mechanism's key
 constexpr double rounding = 1e-5;       ///< of the histories: less is what single precision leaves
 constexpr double greatest_cost = 4;     ///< of a mechanism, over the base model
 const std::string element_key = "geometry.element_size";
-
-Eigen::VectorXd history(const RunRecord& r) { return Eigen::Map<const Eigen::VectorXf>(r.mean.data(), Eigen::Index(r.mean.size())).cast<double>(); }
 
 /// "mechanism.NAME.KEY" of a mechanism that the case does not enable: enables it with its default values.
 void enable(ForwardCase& c, const std::string& key) {
@@ -57,8 +54,8 @@ LevelRuns::LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, 
 }
 
 RunPoint LevelRuns::point(std::span<const double> theta, int level) const {
-  RunPoint p{{element_key, sizes_[std::size_t(level)]}, {viscosity_key, viscosity_}};
-  for (std::size_t k = 0; k < theta.size(); ++k) p[parameters_[k].key] = theta[k];
+  RunPoint p = point_at(parameters_, theta);
+  p.insert({{element_key, sizes_[std::size_t(level)]}, {viscosity_key, viscosity_}});
   return p;
 }
 
@@ -67,10 +64,10 @@ RunRecord LevelRuns::evaluate(const RunPoint& point) const {
   const double size = point.at(element_key);
   const auto level = std::size_t(std::find(sizes_.begin(), sizes_.end(), size) - sizes_.begin());
   expect(level < sizes_.size(), "a run is on one of the meshes");
-  std::vector<double> theta;
+  const auto theta = theta_at(parameters_, point);
   RunPoint rest = point;
   rest.erase(element_key), rest.erase(viscosity_key);
-  for (const auto& p : parameters_) theta.push_back(point.at(p.key)), rest.erase(p.key);
+  for (const auto& p : parameters_) rest.erase(p.key);
   if (rest.empty()) return evaluate_run(*models_[level], theta, false);
   ForwardCase changed = models_[level]->forward_case();
   try {
@@ -89,9 +86,7 @@ std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::
     points.push_back(point({theta.data(), std::size_t(theta.size())}, level[i]));
   }
   const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
-  std::vector<RunRecord> records;
-  for (auto& r : store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop)) records.push_back(std::move(r.record));
-  return records;
+  return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop);
 }
 
 Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
@@ -106,11 +101,11 @@ Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd
         if (s.direction[x] != 0) points[i]["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + (i == 0 ? 1 : -1) * shift * s.direction[x] / length;
     }
   const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
-  const auto &up = runs[0].record, &down = runs[1].record;
+  const auto &up = runs[0], &down = runs[1];
   const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), sensors);
   if (!up.done || !down.done) return directions;
-  const Eigen::VectorXd by_place = sd / (2 * shift) * (history(up) - history(down));
+  const Eigen::VectorXd by_place = sd / (2 * shift) * (up.history() - down.history());
   for (std::size_t c = 0; c < shape.conditions.size(); ++c)
     for (Eigen::Index s = 0; s < sensors; ++s) {
       const auto at = Eigen::Index(shape.at(c, std::size_t(s), 0));
@@ -156,10 +151,10 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
   for (std::size_t i = 0; i < rows.size(); ++i) {
     MechanismDirections m{.name = rows[i]->name, .like_the_mesh = rows[i]->entry.like_the_mesh};
     for (const auto& d : differences) {
-      const auto &from = runs[d.from].record, &to = runs[d.to].record;
+      const auto &from = runs[d.from], &to = runs[d.to];
       if (d.mechanism != i || !from.done || !to.done) continue;
-      const Eigen::VectorXd change = history(to) - history(from);
-      if (!(change.norm() > rounding * history(from).norm())) continue;  // it cannot show here
+      const Eigen::VectorXd change = to.history() - from.history();
+      if (!(change.norm() > rounding * from.history().norm())) continue;  // it cannot show here
       // An infinite value stands for none: such keys are counted by their inverse.
       const bool finite = std::isfinite(d.off);
       m.keys.push_back(finite ? d.key->name : "1/" + d.key->name), m.off.push_back(finite ? d.off : 0);

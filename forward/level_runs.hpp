@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "forward/built_in_model.hpp"
-#include "forward/emulator/run_store.hpp"
 #include "forward/mechanism_directions.hpp"
+#include "forward/runs/run_store.hpp"
 
 namespace calomel {
 

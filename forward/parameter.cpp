@@ -1,5 +1,7 @@
 #include "forward/parameter.hpp"
 
+#include "base/json.hpp"
+
 namespace calomel {
 
 void Parameter::validate() const {
@@ -34,6 +36,13 @@ std::vector<Parameter> read_parameters(CaseFile& file) {
     all.push_back(std::move(p));
   }
   return all;
+}
+
+Json named(std::span<const Parameter> parameters, std::span<const double> theta) {
+  expect(theta.size() <= parameters.size(), "a value has the name of a parameter");
+  Json j = Json::object();
+  for (std::size_t k = 0; k < theta.size(); ++k) j[parameters[k].name] = theta[k];
+  return j;
 }
 
 }  // namespace calomel

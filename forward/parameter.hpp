@@ -1,6 +1,7 @@
 #pragma once
 /// The uncertain parameters of a case: name, the number they stand for, bounds, prior and nominal value.
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct Parameter {
   /// Errors: InputError when max <= min, the nominal lies outside, or the prior lacks one of its keys.
   void validate() const;
 };
+
+/// {name: value} of the values in `theta`, (n) with n no more than the parameters.
+Json named(std::span<const Parameter> parameters, std::span<const double> theta);
 
 /// All `[parameter.*]` tables in file order. Errors: InputError with the place.
 std::vector<Parameter> read_parameters(CaseFile& file);

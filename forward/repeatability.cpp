@@ -5,7 +5,6 @@
 #include <mutex>
 
 #include "base/parallel.hpp"
-#include "forward/campaign/campaign.hpp"
 #include "forward/mesh/deform_mesh.hpp"
 #include "forward/mesh/make_mesh.hpp"
 
@@ -13,7 +12,7 @@ namespace calomel {
 
 namespace {
 
-/// Where a run stands in the journal.
+/// Numbers of the runs that are no member.
 constexpr std::size_t own_mean = 100000, other_precision = 100001, finer_mesh = 100002, first_single_run = 200000;
 
 using Values = std::vector<float>;
@@ -21,7 +20,7 @@ using Values = std::vector<float>;
 double square(double x) { return x * x; }
 
 /// Sums over stretches of a record of what several histories of one shape tell at each value.
-struct Spread {
+struct Scatter {
   double variance = 0, signal = 0;
   std::size_t samples = 0;
   void add(const std::vector<const Values*>& histories, std::size_t at) {
@@ -30,11 +29,11 @@ struct Spread {
     for (const auto* h : histories) squares += square(double((*h)[at]) - mean);
     variance += squares / double(histories.size() - 1), signal += mean * mean, ++samples;
   }
-  void add(const Spread& part) { variance += part.variance, signal += part.signal, samples += part.samples; }
+  void add(const Scatter& part) { variance += part.variance, signal += part.signal, samples += part.samples; }
   [[nodiscard]] double relative() const { return signal > 0 ? std::sqrt(variance / signal) : 0; }
 };
 
-/// The runs that make a floor, each known by its place in the journal.
+/// The runs that make a floor, each known by its number.
 class FloorRuns {
  public:
   FloorRuns(const ForwardCase& forward_case, const EnsembleOptions& ensemble, const FloorOptions& options, std::uint64_t seed)
@@ -120,8 +119,8 @@ void add_windows(RepeatabilityFloor& floor, const ModelShape& shape, const std::
   const std::size_t windows = floor.window_begin.size();
   for (std::size_t condition = 0; condition < shape.conditions.size(); ++condition)
     for (std::size_t sensor = 0; sensor < shape.sensors.size(); ++sensor) {
-      Spread all;
-      std::vector<Spread> parts(windows);
+      Scatter all;
+      std::vector<Scatter> parts(windows);
       for (std::size_t t = 0, w = 0; t < shape.times.size(); ++t) {
         while (w + 1 < windows && shape.times[t] >= floor.window_end[w] - 0.25 * interval) ++w;
         parts[w].add(finished, shape.at(condition, sensor, t));
@@ -145,9 +144,9 @@ std::vector<double> by_record(const ModelShape& shape, F&& f) {
 
 std::vector<double> scatter(const ModelShape& shape, const std::vector<const Values*>& runs) {
   return by_record(shape, [&](std::size_t first) {
-    Spread spread;
-    for (std::size_t t = 0; t < shape.times.size(); ++t) spread.add(runs, first + t);
-    return spread.relative();
+    Scatter scatter;
+    for (std::size_t t = 0; t < shape.times.size(); ++t) scatter.add(runs, first + t);
+    return scatter.relative();
   });
 }
 
@@ -184,9 +183,8 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
   parallel_for(runs.places().size(), threads, [&](std::size_t i) {
     if (watch.stop && *watch.stop) throw Interrupted();
     const std::size_t place = runs.places()[i];
-    const bool kept = watch.journal && watch.journal->contains(place);
-    RunRecord record = kept ? watch.journal->read(place) : runs.run(place);
-    if (watch.journal && !kept) watch.journal->append(place, record);
+    const RunPoint point{{"floor.run", double(place)}};
+    RunRecord record = watch.store ? watch.store->run({&point, 1}, [&](const RunPoint&) { return runs.run(place); }, 1).front() : runs.run(place);
     const std::lock_guard guard(lock);
     records[place] = std::move(record);
     if (watch.progress) watch.progress(++done, runs.places().size());

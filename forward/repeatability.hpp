@@ -6,14 +6,14 @@
 #include <functional>
 
 #include "forward/built_in_model.hpp"
-#include "forward/campaign/journal.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
+#include "forward/runs/run_store.hpp"
 
 namespace calomel {
 
 /// What a measurement of the floor may be told and asked on its way.
 struct FloorWatch {
-  Journal* journal = nullptr;  ///< keeps every run that is finished, of a provenance that names everything that decides them; null: none
+  RunStore* store = nullptr;  ///< keeps every run that is finished, of a provenance that names everything that decides them; null: none
   std::function<void(std::size_t done, std::size_t total)> progress;
   const std::atomic<bool>* stop = nullptr;
 };

@@ -93,20 +93,9 @@ SpeSummary Stages::calibrate_spe(const Provenance& provenance, const Calibration
   const auto make_runs = [&](const Eigen::MatrixXd& thetas) {
     const auto& parameters = model().shape().parameters;
     std::vector<RunPoint> points;
-    for (Eigen::Index i = 0; i < thetas.cols(); ++i) {
-      RunPoint p{{"geometry.element_size", study_.forward.geometry.resolved().element_size.value_or(0)}};
-      for (std::size_t k = 0; k < parameters.size(); ++k) p[parameters[k].key] = thetas(Eigen::Index(k), i);
-      points.push_back(std::move(p));
-    }
-    const auto evaluate = [&](const RunPoint& p) {
-      std::vector<double> theta;
-      for (const auto& parameter : parameters) theta.push_back(p.at(parameter.key));
-      return evaluate_run(model(), theta, false);
-    };
-    std::vector<RunRecord> records;
-    for (auto& r : run_store().run(points, evaluate, command_.threads, {}, [&](std::size_t done, std::size_t all) { progress("runs of the true model", done, all); }, &stop_requested()))
-      records.push_back(std::move(r.record));
-    return records;
+    for (Eigen::Index i = 0; i < thetas.cols(); ++i) points.push_back(point_at(parameters, {thetas.col(i).data(), parameters.size()}));
+    const auto evaluate = [&](const RunPoint& p) { return evaluate_run(model(), theta_at(parameters, p), false); };
+    return run_store().run(points, evaluate, command_.threads, {}, [&](std::size_t done, std::size_t all) { progress("runs of the true model", done, all); }, &stop_requested());
   };
   const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, make_runs, correction);
   write_spe(summary, problem(), provenance, command_.out);

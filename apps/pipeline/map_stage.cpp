@@ -19,7 +19,7 @@ MapSummary Stages::calibrate_map(const Provenance& provenance, const Calibration
   const auto with_nested = nested ? fit_case_posterior(progress, &*nested) : nullptr;
   const CasePosterior* made = nested ? with_nested.get() : &case_posterior(progress);
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
-  if (study_.map.screen)
+  if (study_.map.score_tests)
     left_out = [&](std::span<const double>) {
       return made->runs->mechanisms(made->fit.modes[0].at.theta, command_.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); }, &stop_requested());
     };

@@ -175,8 +175,8 @@ Provenance Stages::posterior_provenance() const {
 RunStore& Stages::run_store() {
   if (!runs_) {
     const auto journal = command_.out / "runs.journal";
-    if (command_.fresh && std::filesystem::exists(journal) && journal_identity(journal) != runs_provenance().identity()) set_aside(journal);
-    runs_ = std::make_unique<RunStore>(runs_provenance(), command_.out);
+    if (command_.fresh && std::filesystem::exists(journal) && RunStore::identity(journal) != runs_provenance().identity()) set_aside(journal);
+    runs_ = std::make_unique<RunStore>(runs_provenance(), journal);
   }
   return *runs_;
 }
@@ -201,7 +201,7 @@ std::unique_ptr<CasePosterior> Stages::fit_case_posterior(const CalibrationProgr
     std::vector<double> all = theta;
     for (std::size_t k = theta.size(); k < parameters.size(); ++k) all.push_back(*parameters[k].nominal);
     const auto record = in.run(Eigen::Map<const Eigen::MatrixXd>(all.data(), Eigen::Index(all.size()), 1), {0})[0];
-    return record.done ? std::vector<double>(record.mean.begin(), record.mean.end()) : std::vector<double>{};
+    return std::vector<double>(record.mean.begin(), record.mean.end());
   };
   const auto centre = basin(progress, fine);
   for (std::size_t k = 0; k < parameters.size(); ++k) {

@@ -136,7 +136,7 @@ ExitStatus Stages::campaign() { return campaign(Asked::by_user); }
 ExitStatus Stages::campaign(Asked asked) {
   const auto provenance = campaign_provenance();
   const auto& m = model();
-  if (to_be_set_aside(provenance, asked)) set_campaign_aside(command_.out, provenance);
+  if (to_be_set_aside(provenance, asked)) set_campaign_aside(command_.out);
   const bool finished = std::filesystem::exists(command_.out / "campaign.nc");
   if (!finished && asked == Asked::upstream) say("no finished campaign in " + command_.out.string() + ": running it first");
   CampaignSummary summary;
@@ -150,7 +150,7 @@ ExitStatus Stages::campaign(Asked asked) {
     };
     summary = study_.file.locating([&] {
       return run_campaign(
-          m, study_.campaign, command_.seed, command_.threads, provenance, command_.out,
+          m, study_.campaign, command_.seed, command_.threads, provenance, command_.out, [&]() -> RunStore& { return run_store(); },
           [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed ? fmt::format("{} failed", failed) : ""); },
           &stop_requested(), floor);
     });

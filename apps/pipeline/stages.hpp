@@ -11,7 +11,7 @@
 #include "forward/built_in_model.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/emulator/mesh_correction.hpp"
-#include "forward/emulator/run_store.hpp"
+#include "forward/runs/run_store.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/calibration/calibration.hpp"
 #include "inverse/enc/enc.hpp"

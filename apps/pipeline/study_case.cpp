@@ -60,7 +60,7 @@ Json StudyCase::echo() const {
 
 Json StudyCase::model_options() const {
   Json options = forward.echo();
-  for (const char* changes_nothing : {"checkpoint", "booking"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
+  for (const char* changes_nothing : {"checkpoint", "energy_balance"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
   if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any
   Json parameters = Json::object();
   for (const auto& p : forward.parameters) {

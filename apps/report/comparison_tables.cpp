@@ -98,7 +98,7 @@ Table hypothesis_table(const Study& study) {
   return t;
 }
 
-Table rival_table(const Study& study) {
+Table optimizer_agreement_table(const Study& study) {
   Table t{.id = "optimizer_agreement", .caption = "The optimisers at the end of their rounds on the surrogate, each beside the best of all."};
   t.columns = {{"optimizer", "Optimiser", 4, true}, {"rounds", "Rounds", 4}, {"mean", "Mean", 5}, {"sd", "Standard deviation", 3}, {"best", "Best", 5},
                {"shortfall", "Best misses", 3}, {"distance", "Distance [bounds]", 3}, {"share_of_rounds", "Rounds that end there [%]", 3, false, 100}};

@@ -20,7 +20,7 @@ Table place_table(const Study& study);
 /// The Bayes factor of MAP's added parameters, in one row; its note says what the records favour. Empty without map.compare_with.
 Table hypothesis_table(const Study& study);
 /// ENC's optimisers, its own and those that it was compared with, beside the best of all. Empty where enc.json compares none.
-Table rival_table(const Study& study);
+Table optimizer_agreement_table(const Study& study);
 /// The answers by other formulations of the misfit, each in the true model. Empty where enc.json compares none.
 Table formulation_table(const Study& study, const ReportInput& input);
 /// Last values of optimizer_comparison.json: best, mean, sd and worst of the trials by function and optimiser.

@@ -78,7 +78,7 @@ Table share_table(const Study& study) {
 
 std::string emulator_section(const Study& study) {
   const Json &map = map_json_of(study), &emulator = emulator_of(study), &check = check_of(study);
-  std::string s = paragraph(text_at(map, "identified")) + paragraph(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + paragraph(text_at(part_at(map, "screening"), "sentence"));
+  std::string s = paragraph(text_at(map, "identified")) + paragraph(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + paragraph(text_at(part_at(map, "score_tests"), "sentence"));
   if (const auto message = text_at(emulator, "message"); !message.empty()) s += paragraph("the emulator: " + message, part_at(emulator, "settled") == Json(false));
   s += paragraph(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
   for (const Table& t : {nuisance_table(study), emulator_table(study), share_table(study)})

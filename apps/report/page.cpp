@@ -212,8 +212,8 @@ std::string convergence_section(const Study& study, const ReportInput& input) {
     s += figure("convergence-plot", "Best objective so far by generation, in the best round of each optimiser.", "Convergence of each optimiser");
   else
     s += missing("enc.json holds no traces of the optimisers.", "");
-  if (const Table rivals = rival_table(study); !rivals.empty())
-    s += rivals.html();
+  if (const Table optimizers = optimizer_agreement_table(study); !optimizers.empty())
+    s += optimizers.html();
   else if (!table.empty())
     s += table.html();
   if (const Table formulations = formulation_table(study, input); !formulations.empty()) s += formulations.html();

@@ -38,8 +38,8 @@ std::vector<double> density_of(const Axis& axis) {
   for (const double v : sorted) mean += v / n;
   for (const double v : sorted) square += (v - mean) * (v - mean) / n;
   const double quartiles = (quantile(sorted, 0.75) - quantile(sorted, 0.25)) / 1.34;
-  const double spread = quartiles > 0 ? std::min(std::sqrt(square), quartiles) : std::sqrt(square);
-  const double width = std::max(0.9 * spread * std::pow(n, -0.2), 1e-3 * (axis.high - axis.low));
+  const double scale = quartiles > 0 ? std::min(std::sqrt(square), quartiles) : std::sqrt(square);
+  const double width = std::max(0.9 * scale * std::pow(n, -0.2), 1e-3 * (axis.high - axis.low));
   constexpr std::size_t bins = 600;
   std::vector<double> weight(bins, 0.0);
   const double bin = (axis.high - axis.low) / double(bins);

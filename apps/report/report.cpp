@@ -104,7 +104,7 @@ std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path&
   };
   for (const Table& t :
        {headline_table(study, input), parameter_table(study, input), sensor_table(input), score_table(study, input, "accuracy"),
-        score_table(study, input, "mae"), mesh_table(study, input), agreement_table(study), place_table(study), effort_table(study), nuisance_table(study), emulator_table(study), share_table(study), hypothesis_table(study), rival_table(study), formulation_table(study, input), trial_table(study), decay_table(study), optimizer_table(study), convergence_table(study), round_table(study, input), candidate_table(study, input),
+        score_table(study, input, "mae"), mesh_table(study, input), agreement_table(study), place_table(study), effort_table(study), nuisance_table(study), emulator_table(study), share_table(study), hypothesis_table(study), optimizer_agreement_table(study), formulation_table(study, input), trial_table(study), decay_table(study), optimizer_table(study), convergence_table(study), round_table(study, input), candidate_table(study, input),
         surrogate_table(study, input), polynomial_error_table(study), polynomial_table(study), lambda_table(study), mode_table(study, input), loss_table(study), design_table(study), failure_table(study, std::size_t(-1)), scatter_table(study, input), floor_table(study),
         floor_sensor_table(study), posterior_table(study, input), floor_window_table(study, input)})
     write(t.id, t.empty() ? "" : t.csv());

@@ -154,7 +154,7 @@ int main(int argc, char** argv) try {
     {
       const Column column = make_column(h, 0.3);
       const ObservationRow rows[] = {pressure_of(column, mercury_gauge), pressure_of(column, first_steel_gauge), pressure_of(column, second_steel_gauge)};
-      const auto result = ExplicitSolver(column.mesh, steel).solve(make_setup(column, 1.15e-4), rows, {.booking = true});
+      const auto result = ExplicitSolver(column.mesh, steel).solve(make_setup(column, 1.15e-4), rows, {.energy_balance = true});
       const double t_wall = (mercury_length - start) / mercury_speed;
       const Peak coming = highest(result.times, row(result, 0), 0, t_wall), returned = highest(result.times, row(result, 0), t_wall, 1);
       const Peak near = highest(result.times, row(result, 1), 0, 1), far = highest(result.times, row(result, 2), 0, 1);

@@ -14,11 +14,11 @@ namespace {
 constexpr float absent = std::numeric_limits<float>::quiet_NaN();
 
 /// (run, value) of one member of all records, NaN where a run has none; empty when no run has it.
-std::vector<float> gather(const Journal& journal, std::size_t runs, std::size_t values, std::vector<float> RunRecord::*member) {
+std::vector<float> gather(const std::function<RunRecord(std::size_t)>& read, std::size_t runs, std::size_t values, std::vector<float> RunRecord::*member) {
   std::vector<float> all(runs * values, absent);
   bool any = false;
   for (std::size_t i = 0; i < runs; ++i) {
-    const auto record = journal.read(i);
+    const auto record = read(i);
     const auto& column = record.*member;
     if (column.empty()) continue;
     expect(column.size() == values, "all runs of a campaign have the same values");
@@ -39,13 +39,13 @@ auto of_parameters(const ModelShape& shape, Member member) {
 }  // namespace
 
 std::vector<std::string> write_archive(const std::filesystem::path& path, const ModelShape& shape, const std::string& design, const Eigen::MatrixXd& theta,
-                                       const Journal& journal, const RepeatabilityFloor* floor, const Provenance& provenance) {
+                                       const std::function<RunRecord(std::size_t)>& read, const RepeatabilityFloor* floor, const Provenance& provenance) {
   const std::size_t runs = std::size_t(theta.cols()), values = shape.values();
   std::vector<int> status(runs);
   std::vector<std::string> message(runs);
   std::vector<double> energies;
   for (std::size_t i = 0; i < runs; ++i) {
-    auto record = journal.read(i);
+    auto record = read(i);
     status[i] = int(record.done ? RunStatus::done : RunStatus::failed);
     message[i] = std::move(record.message);
     if (record.pulses.empty()) continue;
@@ -86,15 +86,15 @@ std::vector<std::string> write_archive(const std::filesystem::path& path, const 
   const auto put = [&](const std::string& name, std::vector<float> all, const std::string& what) {
     if (!all.empty()) file.variable(name, dims, all, {{"units", units}, {"long_name", what}});
   };
-  auto mean = gather(journal, runs, values, &RunRecord::mean);
+  auto mean = gather(read, runs, values, &RunRecord::mean);
   if (mean.empty()) mean.assign(runs * values, absent);  // every run failed
   put("strain", std::move(mean), "ensemble mean over the pulse energies");
-  put("energy_slope", gather(journal, runs, values, &RunRecord::energy_slope), "secant of the strain by relative pulse energy");
-  put("scatter", gather(journal, runs, values, &RunRecord::scatter), "standard deviation of the single pulses about mean and slope");
+  put("energy_slope", gather(read, runs, values, &RunRecord::energy_slope), "finite difference of the strain by relative pulse energy");
+  put("scatter", gather(read, runs, values, &RunRecord::scatter), "standard deviation of the single pulses about mean and slope");
   if (!energies.empty()) {
     file.variable("pulse_energy", {"pulse"}, energies, {{"units", "1"}, {"long_name", "relative energy of each pulse"}});
     dims.insert(dims.begin() + 1, "pulse");
-    put("pulse_strain", gather(journal, runs, energies.size() * values, &RunRecord::pulses), "single pulses");
+    put("pulse_strain", gather(read, runs, energies.size() * values, &RunRecord::pulses), "single pulses");
   }
   if (floor) write_floor(file, *floor, units);
   file.commit();

@@ -3,45 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
-#include <cmath>
-#include <new>
 
 #include "base/artefact.hpp"
 #include "base/netcdf_file.hpp"
-#include "base/parallel.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/archive_writer.hpp"
-#include "forward/campaign/journal.hpp"
 
 namespace calomel {
 
 namespace {
-
-std::string point_text(const ModelShape& shape, std::span<const double> theta) {
-  std::string text;
-  for (std::size_t i = 0; i < theta.size(); ++i) text += (i ? ", " : "") + shape.parameters[i].name + " = " + number_text(theta[i]);
-  return text;
-}
-
-/// Why a prediction cannot be kept; empty when it can.
-std::string fault(const ModelShape& shape, const Prediction& p) {
-  const auto n = shape.values();
-  if (p.mean.size() != n) return fmt::format("the model gave {} values, {} are expected", p.mean.size(), n);
-  if (!p.energy_slope.empty() && p.energy_slope.size() != n) return fmt::format("the model gave {} energy slopes, {} are expected", p.energy_slope.size(), n);
-  if (!p.scatter.empty() && p.scatter.size() != n) return fmt::format("the model gave {} scatters, {} are expected", p.scatter.size(), n);
-  if (!p.pulses.empty() && p.pulses.size() != n * p.energies.size())
-    return fmt::format("the model gave {} values of single pulses, {} are expected", p.pulses.size(), n * p.energies.size());
-  for (std::size_t i = 0; i < n; ++i)
-    if (!std::isfinite(float(p.mean[i]))) {
-      const auto sensor = i / shape.times.size() % shape.sensors.size();
-      return fmt::format("the value at sensor {}, time {:g} s is not finite", shape.sensors[sensor], shape.times[i % shape.times.size()]);
-    }
-  return "";
-}
-
-std::vector<float> single(const std::vector<double>& values) { return {values.begin(), values.end()}; }
 
 /// Whether a finished archive of this identity stands. Errors: InputError when one of another does.
 bool archive_stands(const std::filesystem::path& directory, const Provenance& provenance) {
@@ -111,29 +84,6 @@ void judge(CampaignSummary& s, const std::vector<std::string>& messages, double 
 
 }  // namespace
 
-RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta, bool keep_pulses) {
-  RunRecord record;
-  try {
-    Prediction p = model.evaluate(theta);
-    record.message = p.ok ? fault(model.shape(), p) : p.message.empty() ? "the model gave no reason" : p.message;
-    record.done = record.message.empty();
-    if (!record.done) return record;
-    record.mean = single(p.mean);
-    record.energy_slope = single(p.energy_slope);
-    record.scatter = single(p.scatter);
-    if (keep_pulses) record.pulses = std::move(p.pulses), record.energies = std::move(p.energies);
-  } catch (const InputError&) {
-    throw;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    record = {.message = fmt::format("{} (at {})", e.what(), point_text(model.shape(), theta))};
-  }
-  return record;
-}
-
 Json identity_options(const CampaignOptions& options) {
   Json json = echo(options);
   for (const char* no_run_depends_on_it : {"allowed_failures", "floor"}) json.erase(no_run_depends_on_it);
@@ -154,14 +104,14 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
 }
 
 CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads, const Provenance& provenance,
-                             const std::filesystem::path& directory, const CampaignProgress& progress, const std::atomic<bool>* stop, const FloorSource& floor_source) {
+                             const std::filesystem::path& directory, const std::function<RunStore&()>& store_of_runs, const CampaignProgress& progress, const std::atomic<bool>* stop,
+                             const FloorSource& floor_source) {
   expect(provenance.seed == seed, "the provenance of a campaign names its seed");
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
   const auto& shape = model.shape();
   const auto runs = std::size_t(options.runs);
   const Eigen::MatrixXd theta = design_points(options.design, shape.parameters, runs, seed);
-  const auto journal_file = directory / "campaign.journal";
   CampaignSummary summary;
 
   // 1. A finished campaign is reused.
@@ -173,52 +123,42 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
     const Json floor = floor_to_tell(ask(floor_source, summary.message), directory / "campaign.json");
     summary.wall_s = seconds();
     write_summary(directory, summary, options, messages, floor, provenance);
-    std::filesystem::remove(journal_file);  // left by a kill after the archive stood
     return summary;
   }
 
-  // 2. Finished runs come from the journal, the others are run.
-  Journal journal(journal_file, provenance);
-  std::vector<std::size_t> open;
-  std::size_t failed = 0;
-  for (std::size_t i = 0; i < runs; ++i)
-    if (!journal.contains(i))
-      open.push_back(i);
-    else
-      failed += !journal.read(i).done;
-  summary.reused = runs - open.size();
-  std::size_t finished = summary.reused;
-  std::mutex lock;
-  const auto report = [&] {
-    if (progress) progress(finished, failed, runs);
+  // 2. Runs that are held are taken, the others are made.
+  RunStore& store = store_of_runs();
+  std::vector<RunPoint> points;
+  std::atomic<std::size_t> failed = 0;
+  for (std::size_t i = 0; i < runs; ++i) {
+    RunPoint p = point_at(shape.parameters, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())});
+    if (options.keep_pulses) p["campaign.keep_pulses"] = 1;  // a run without its pulses is another
+    if (store.contains(p)) ++summary.reused, failed += !store.read(p).done;
+    points.push_back(std::move(p));
+  }
+  const auto evaluate = [&](const RunPoint& p) {
+    auto record = evaluate_run(model, theta_at(shape.parameters, p), options.keep_pulses);
+    failed += !record.done;
+    return record;
   };
-  report();
-  parallel_for(open.size(), threads, [&](std::size_t k) {
-    if (stop && stop->load()) return;
-    const auto i = open[k];
-    const RunRecord record = evaluate_run(model, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())}, options.keep_pulses);
-    journal.append(i, record);
-    const std::lock_guard guard(lock);
-    ++finished, failed += !record.done;
-    report();
-  });
-  if (journal.size() < runs) throw Interrupted();
+  const auto report = [&](std::size_t made, std::size_t) {
+    if (progress) progress(summary.reused + made, failed, runs);
+  };
+  report(0, 0);
+  store.make(points, evaluate, threads, {}, report, stop);
 
-  // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order, and the journal has served.
+  // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order.
   std::string no_floor;
   const auto floor = ask(floor_source, no_floor);
-  const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, journal, floor ? &*floor : nullptr, provenance);
+  const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return store.read(points[i]); }, floor ? &*floor : nullptr, provenance);
   judge(summary, messages, options.allowed_failures);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);
-  journal.remove();
   return summary;
 }
 
-void set_campaign_aside(const std::filesystem::path& directory, const Provenance& now) {
-  const auto journal = directory / "campaign.journal";
-  if (std::filesystem::exists(journal) && journal_identity(journal) != now.identity()) set_aside(journal);
+void set_campaign_aside(const std::filesystem::path& directory) {
   set_aside(directory / "campaign.json");
   set_aside(directory / "campaign.nc");
 }

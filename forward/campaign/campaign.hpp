@@ -9,9 +9,9 @@
 
 #include "base/options.hpp"
 #include "forward/campaign/design.hpp"
-#include "forward/campaign/journal.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/model.hpp"
+#include "forward/runs/run_store.hpp"
 
 namespace calomel {
 
@@ -58,28 +58,24 @@ using FloorSource = std::function<std::optional<RepeatabilityFloor>()>;
 /// Told after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
 using CampaignProgress = std::function<void(std::size_t finished, std::size_t failed, std::size_t runs)>;
 
-/// One run; whatever goes wrong at this point of the design is its result. What the user, the machine or the stop key did is not, and is thrown on.
-RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta, bool keep_pulses);
-
 /// Points of a design in natural units, shape (n_parameters, runs): the unit cube carried to the parameters' bounds.
 /// Errors: InputError when there is no parameter, or the design is unknown or has too few dimensions.
 Eigen::MatrixXd design_points(const std::string& design, std::span<const Parameter> parameters, std::size_t runs, std::uint64_t seed);
 
-/// Runs `model` at options.runs points on `threads` threads and writes campaign.nc and campaign.json to `directory`;
-/// until they stand, campaign.journal holds the runs that are finished. Each run is one evaluation, redone whole when it
-/// was interrupted, so the data do not depend on interruptions or threads. A run whose evaluation fails, throws or gives
-/// values that are not finite is recorded with its reason. A finished campaign of the same identity is reused.
+/// Runs `model` at options.runs points on `threads` threads and writes campaign.nc and campaign.json to `directory`. The runs are kept in `store`, which is
+/// asked for when runs are wanted: those that it holds are taken, of another design too. Each run is one evaluation, redone whole when it was interrupted, so
+/// the data do not depend on interruptions or threads. A run whose evaluation fails, throws or gives values that are not finite is recorded with its reason.
+/// A finished campaign of the same identity is reused.
 /// When all runs are finished `floor` is asked; what it gives is stored in both files, and why it could give none in the message. An archive that
 /// stands is not written again: then campaign.json alone gets the floor, and keeps the one that it has when there is no other.
 /// `provenance` is of stage "campaign", with this seed and identity_options under "campaign".
 /// Errors: InputError when artefacts of other settings stand there (naming the changed keys; nothing is touched), when the
 /// disk is full, or from the model; Interrupted when `stop` became true, after the runs in progress.
 [[nodiscard]] CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads,
-                                           const Provenance& provenance, const std::filesystem::path& directory, const CampaignProgress& progress = {},
-                                           const std::atomic<bool>* stop = nullptr, const FloorSource& floor = {});
+                                           const Provenance& provenance, const std::filesystem::path& directory, const std::function<RunStore&()>& store,
+                                           const CampaignProgress& progress = {}, const std::atomic<bool>* stop = nullptr, const FloorSource& floor = {});
 
-/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N; a journal too, unless it is of the settings
-/// of `now`: then it is what an interrupted fresh start left, and is resumed.
-void set_campaign_aside(const std::filesystem::path& directory, const Provenance& now);
+/// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N. The runs stay in their store.
+void set_campaign_aside(const std::filesystem::path& directory);
 
 }  // namespace calomel

@@ -40,7 +40,7 @@ Mesh make_box(const GeometryOptions& options) {
       }
 
   AssemblyOptions assembly;
-  assembly.slip = g.wetted != "tied";
+  assembly.slip = g.slips();
   assembly.plane_strain = g.plane_strain;
   if (g.half && !g.plane_strain) assembly.mirrors = {{.axis = 1}};
   assembly.least_wall_elements =

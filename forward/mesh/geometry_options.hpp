@@ -83,6 +83,11 @@ struct GeometryOptions {
 
   std::filesystem::path folder;  ///< where a relative `file` starts; no key
 
+  /// Whether steel and mercury have nodes of their own on wetted faces.
+  [[nodiscard]] bool slips() const { return wetted != "tied"; }
+  /// Whether these may come apart.
+  [[nodiscard]] bool parts() const { return wetted == "slip"; }
+
   template <class V>
   void visit(V& v) {
     v("kind", kind, {.doc = "shape of the target", .required = true, .choices = {"box", "jet_flow", "bar", "mesh"}});

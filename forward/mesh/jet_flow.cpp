@@ -178,7 +178,7 @@ Mesh make_jet_flow(const GeometryOptions& options) {
   const double length = *g.length;
 
   AssemblyOptions assembly;
-  assembly.slip = g.wetted != "tied";
+  assembly.slip = g.slips();
   if (g.half) assembly.mirrors = {{.axis = 1}};
   assembly.least_wall_elements = std::min(int(plan.wall), g.divisions(g.wall_thickness("side"), true));
   if (plan.plate > 0) assembly.least_wall_elements = std::min(assembly.least_wall_elements, int(plan.plate));

@@ -79,7 +79,7 @@ Mesh make_outside_mesh(const GeometryOptions& g) {
   if (free.plane_strain) centre_slice(file);
 
   AssemblyOptions assembly;
-  assembly.slip = g.wetted != "tied";
+  assembly.slip = g.slips();
   assembly.plane_strain = free.plane_strain;
   assembly.mirrors = free.mirrors;
   if (std::find(region.begin(), region.end(), Region::mercury) != region.end()) {

@@ -77,7 +77,7 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> centres) {
     for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], c[k]), high[k] = std::max(high[k], c[k]);
   const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-300});
   // Spreads 21 bits to every third place (Morton 1966).
-  const auto spread = [](std::uint64_t x) {
+  const auto interleave = [](std::uint64_t x) {
     x &= 0x1fffff;
     x = (x | x << 32) & 0x1f00000000ffff;
     x = (x | x << 16) & 0x1f0000ff0000ff;
@@ -88,7 +88,7 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> centres) {
   std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(centres.size());
   for (std::size_t i = 0; i < centres.size(); ++i) {
     std::uint64_t key = 0;
-    for (std::size_t k = 0; k < 3; ++k) key |= spread(std::uint64_t((centres[i][k] - low[k]) / extent * 0x1fffff)) << k;
+    for (std::size_t k = 0; k < 3; ++k) key |= interleave(std::uint64_t((centres[i][k] - low[k]) / extent * 0x1fffff)) << k;
     keyed[i] = {key, std::int32_t(i)};
   }
   std::sort(keyed.begin(), keyed.end());

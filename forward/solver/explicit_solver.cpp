@@ -199,7 +199,7 @@ ThreadChoice ExplicitSolver::useful_threads(const RunSetup& s, const SolveOption
 
 SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const ObservationRow> rows, const SolveOptions& options) const {
   expect(!setup.energies.empty() && setup.energies.size() <= std::size_t(run_lanes), "one to eight runs in a group");
-  expect(!options.booking || setup.energies.size() == 1, "energy is booked in single runs");
+  expect(!options.energy_balance || setup.energies.size() == 1, "an energy balance is of single runs");
   if (kind_of(options) == ElementKind::b_bar && (!setup.thermal_strain.empty() || !setup.initial_stress.empty()))
     throw InputError({.problem = "the B-bar element takes no heat in the steel and no stress before the run", .key = "solver.steel_element", .value = "\"b_bar\"",
                       .suggestion = "set solver.steel_element = \"assumed_strain\""});

@@ -31,7 +31,7 @@ struct SolverOptions {
   std::string rear_reference = "heated";
   std::string kinematics = "small";
   std::string steel_element = "assumed_strain";
-  bool booking = true;
+  bool energy_balance = true;
   double checkpoint = 120;
   template <class V>
   void visit(V& v) {
@@ -44,7 +44,8 @@ struct SolverOptions {
       {.doc = "assumed strain, exact in bending, or the selectively reduced B-bar element that checks it (locks in thin walls; small strain only)",
        .choices = {"assumed_strain", "b_bar"}});
     v("checkpoint", checkpoint, {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which a run that was cut off goes on; 0 = none"});
-    v("booking", booking, {.doc = "energy balance of every step in simulate (about a tenth slower)"});
+    v("energy_balance", energy_balance, {.doc = "energy balance of every step in simulate (about a tenth slower)"});
+    v.renamed("booking", "solver.energy_balance");
   }
 };
 
@@ -98,7 +99,7 @@ struct FieldSnapshot {
   std::vector<Vec3> velocity;              ///< per mesh node [m/s]
   std::vector<double> pressure;            ///< per mesh element, compression positive [Pa]
   std::vector<double> effective_stress;    ///< per mesh element, von Mises at the centre, 0 in the liquid [Pa]
-  std::vector<double> time_at_cutoff;      ///< per mesh element, time that the liquid has spent at its cutoff so far; booked runs only, else 0 [s]
+  std::vector<double> time_at_cutoff;      ///< per mesh element, time that the liquid has spent at its cutoff so far; runs with an energy balance only, else 0 [s]
 };
 
 /// Where a long run leaves what it needs to go on, and how often.
@@ -120,7 +121,7 @@ struct SolveOptions {
   int subcycles = 1;                       ///< steps in one of the mercury away from the steel, at most
   int subcycle_buffer = default_subcycle_buffer;  ///< layers of mercury beside the steel that take every step
   bool heated_rear = true;
-  bool booking = false;                    ///< one run only
+  bool energy_balance = false;                    ///< one run only
   bool every_step = false;                 ///< observe at every step (every slow one) instead of every output interval
   int threads = 1;                         ///< exactly so many, as far as there are blocks; see ExplicitSolver::useful_threads
   double field_interval = 0;               ///< 0 = no fields
@@ -142,11 +143,11 @@ struct SolveSummary {
   double wall_seconds = 0;                 ///< of the time loop
   double processor_seconds = 0;            ///< of the threads in it
   double element_steps_per_second = 0;     ///< elements x runs x steps / wall, slow ones counted at every step
-  double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without booking
+  double energy_balance_error = 0;         ///< max |imbalance| / energy put in; NaN without it
   double hourglass_share = 0;              ///< greatest hourglass energy / energy put in
   double energy_in = 0;                    ///< by heat, end loads and the initial state [J]
   double dissipated = 0, radiated = 0;     ///< by viscosity; through the rear face [J]
-  double greatest_stress = 0;              ///< highest effective stress of any steel element's centre; booked runs only, else 0 [Pa]
+  double greatest_stress = 0;              ///< highest effective stress of any steel element's centre; runs with an energy balance only, else 0 [Pa]
   Vec3 greatest_stress_at{};               ///< centre of that element [m]
   std::int64_t resumed_from = 0;           ///< step of the checkpoint that the run went on from; 0: from the start
   std::string kernel;                      ///< instruction set

@@ -13,9 +13,9 @@ namespace calomel {
 
 inline constexpr int run_lanes = 8;
 
-/// Lane vectors of state per liquid element when energy is booked or a viscosity needs the rate: volumetric strain and viscous
+/// Lane vectors of state per liquid element with an energy balance or a viscosity needs the rate: volumetric strain and viscous
 /// pressure of the last step (with a law of its own: the whole pressure) and, with lanes as elements, the hourglass amplitudes
-/// and the time spent at the cutoff [s]. A booked steel element keeps the square of its greatest effective stress [Pa^2].
+/// and the time spent at the cutoff [s]. A steel element with it keeps the square of its greatest effective stress [Pa^2].
 inline constexpr int element_state = 15, run_state = 2, steel_state = 1;
 inline constexpr int state_time_at_cutoff = 14;
 
@@ -63,7 +63,7 @@ struct BlockData {
   const R* geometry;
   const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
   const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
-  R* state;                             ///< (groups, element_state or steel_state, lanes) or (elements, run_state, lanes), null when not booked
+  R* state;                             ///< (groups, element_state or steel_state, lanes) or (elements, run_state, lanes), null without an energy balance
   std::int32_t first_node, interior;
   const NodeRange* ranges;
   std::int32_t range_count;
@@ -74,7 +74,7 @@ struct BlockData {
   // Stressed blocks only, all null in the base model:
   const R* initial = nullptr;           ///< liquid: pressure before the run [Pa], per element; steel: strain of the stress before the run, xx yy zz xy yz zx [-], as the geometry
   const R* thermal = nullptr;           ///< steel: alpha dT at full pulse and energy 1 [-], per element
-  R* trace = nullptr;                   ///< steel, booked: trace of the stress one step earlier [Pa], per element
+  R* trace = nullptr;                   ///< steel, with an energy balance: trace of the stress one step earlier [Pa], per element
 };
 
 template <class R>
@@ -125,14 +125,14 @@ template <class R>
 struct KernelTable {
   const char* name;   ///< instruction set
   int lanes;          ///< elements at a time
-  /// Forces of a block, interior nodes advanced, forces on shared nodes left in the outbox. `booking` adds to `energy`.
-  void (*element_block)(const BlockData<R>&, const StepData<R>&, bool booking, EnergyTerms* energy);
-  void (*run_block)(const BlockData<R>&, const StepData<R>&, bool booking);
+  /// Forces of a block, interior nodes advanced, forces on shared nodes left in the outbox. `energy_balance` adds to `energy`.
+  void (*element_block)(const BlockData<R>&, const StepData<R>&, bool energy_balance, EnergyTerms* energy);
+  void (*run_block)(const BlockData<R>&, const StepData<R>&, bool energy_balance);
   /// Shared nodes without a rule, [begin, end) of layout.plain.
-  void (*element_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&, bool booking, EnergyTerms*);
+  void (*element_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&, bool energy_balance, EnergyTerms*);
   void (*run_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&);
   /// Nodes with a rule, [begin, end) of `rules`.
-  void (*element_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&, bool booking, EnergyTerms*);
+  void (*element_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&, bool energy_balance, EnergyTerms*);
   void (*run_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&);
 };
 

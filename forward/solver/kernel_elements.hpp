@@ -35,7 +35,7 @@ using Scalar = std::remove_reference_t<decltype(V{}[0])>;
 template <class V>
 struct LiquidStep {
   V bulk_modulus, minus_cutoff, hourglass, p0, p0_before;
-  V ratio, rate_factor, quadratic, cutoff, dt;  // booking: beta/dt, 1/dt
+  V ratio, rate_factor, quadratic, cutoff, dt;  // energy balance: beta/dt, 1/dt
   V pressure;                                   // of a law of its own
 };
 
@@ -83,12 +83,12 @@ CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, 
   *before = q;
 }
 
-/// Pressure of Riemer's law, with the quadratic viscosity and the energies when booked. `state`: strain and viscous pressure of
+/// Pressure of Riemer's law, with the quadratic viscosity and the energies for the balance. `state`: strain and viscous pressure of
 /// the last step.
-template <bool Booking, class V>
+template <bool Balance, class V>
 CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   V p = s.p0 - s.bulk_modulus * w;
-  if constexpr (!Booking) {
+  if constexpr (!Balance) {
     return greater(p, s.minus_cutoff);
   } else {
     const V half = V{} + Scalar<V>(0.5);
@@ -111,7 +111,7 @@ CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state
 
 /// Work done on a liquid with a law of its own, stored and dissipated together.
 template <class V>
-CALOMEL_INLINE void book_law(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+CALOMEL_INLINE void count_energies(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   const V strain = (w + s.ratio * state[0]) / (V{} + 1 + s.ratio);
   sums.dissipated -= (s.pressure + state[1]) * (strain - state[0]) * volume * (V{} + Scalar<V>(0.5));
   state[0] = strain, state[1] = s.pressure;
@@ -119,7 +119,7 @@ CALOMEL_INLINE void book_law(V w, V volume, const LiquidStep<V>& s, V* state, Su
 
 /// `state`: strain and pressure of the last step, then, with Hourglass, the twelve hourglass amplitudes and the time at the cutoff.
 /// Given: the pressure is that of a law of its own.
-template <Form F, bool Booking, bool Hourglass, bool Given, class V, class Geometry>
+template <Form F, bool Balance, bool Hourglass, bool Given, class V, class Geometry>
 CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   constexpr bool affine = F == Form::parallelepiped;
   constexpr int terms = affine ? 9 : 21;
@@ -134,9 +134,9 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
   V p;
   if constexpr (Given) {
     p = s.pressure;
-    if constexpr (Booking) book_law(w, volume, s, state, sums);
+    if constexpr (Balance) count_energies(w, volume, s, state, sums);
   } else {
-    p = riemer_pressure<Booking>(w, volume, s, state, sums);
+    p = riemer_pressure<Balance>(w, volume, s, state, sums);
   }
   if constexpr (Hourglass) state[state_time_at_cutoff] += select(p <= s.minus_cutoff, s.dt, V{});
   const V pv = p * volume;
@@ -214,12 +214,12 @@ template <class V>
 struct FreeStrain {
   V thermal, thermal_before;  ///< alpha dT now and one step earlier [-]
   V initial[6];               ///< strain of the stress before the run, xx yy zz xy yz zx [-]
-  V* trace;                   ///< of the stress one step earlier [Pa]; null: heat is not booked
+  V* trace;                   ///< of the stress one step earlier [Pa]; null: without an energy balance
 };
 
 /// Minus volume times the first Piola-Kirchhoff stress, sigma (or F S of St. Venant and Kirchhoff with Green's strain).
 /// What is stored is 1/2 sigma : s of the elastic strain s, and heat puts in -tr(sigma) d(alpha dT).
-template <Form F, bool Booking, bool Stressed = false, class V>
+template <Form F, bool Balance, bool Stressed = false, class V>
 CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums, const FreeStrain<V>* free = nullptr) {
   V strain[3][3], stress[3][3];  // strain: twice the tensor
   for (int c = 0; c < 3; ++c)
@@ -239,10 +239,10 @@ CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda
   for (int c = 0; c < 3; ++c)
     for (int i = c; i < 3; ++i) {
       stress[c][i] = stress[i][c] = i == c ? pressure + mu * strain[c][c] : mu * strain[c][i];
-      if constexpr (Booking) sums.steel -= minus_volume * stress[c][i] * (i == c ? (V{} + Scalar<V>(0.5)) * strain[c][c] : strain[c][i]);
+      if constexpr (Balance) sums.steel -= minus_volume * stress[c][i] * (i == c ? (V{} + Scalar<V>(0.5)) * strain[c][c] : strain[c][i]);
     }
-  if constexpr (Booking) state[0] = greater(state[0], effective_squared(stress));
-  if constexpr (Booking && Stressed)
+  if constexpr (Balance) state[0] = greater(state[0], effective_squared(stress));
+  if constexpr (Balance && Stressed)
     if (free->trace) {
       const V trace = stress[0][0] + stress[1][1] + stress[2][2];
       sums.heat += minus_volume * (V{} + Scalar<V>(0.5)) * (trace + *free->trace) * (free->thermal - free->thermal_before);
@@ -256,13 +256,13 @@ CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda
     }
 }
 
-template <Form F, bool Booking, bool Stressed = false, class V, class Geometry>
+template <Form F, bool Balance, bool Stressed = false, class V, class Geometry>
 CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, V lambda, V mu, V* state, Sums<V>& sums, const FreeStrain<V>* free = nullptr) {
   constexpr bool affine = F == Form::parallelepiped;
   constexpr int at_volume = affine ? 9 : 21, at_x = 22, at_bending = affine ? 10 : 34, at_last = at_bending + 45;
   V grad[3][3], t[3][3], r[3][3];
   gradients<affine>(u, g, grad);
-  steel_stress<F, Booking, Stressed>(grad, -g(at_volume), lambda, mu, t, state, sums, free);
+  steel_stress<F, Balance, Stressed>(grad, -g(at_volume), lambda, mu, t, state, sums, free);
   V q[3][4], force[3][4];
   for (int c = 0; c < 3; ++c)
     for (int a = 0; a < 4; ++a) {
@@ -281,7 +281,7 @@ CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, 
   force[0][3] = g(at_last) * q[0][3] + g(at_last + 1) * q[1][3] + g(at_last + 2) * q[2][3];
   force[1][3] = g(at_last + 1) * q[0][3] + g(at_last + 3) * q[1][3] + g(at_last + 4) * q[2][3];
   force[2][3] = g(at_last + 2) * q[0][3] + g(at_last + 4) * q[1][3] + g(at_last + 5) * q[2][3];
-  if constexpr (Booking)
+  if constexpr (Balance)
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 4; ++a) sums.steel += force[c][a] * q[c][a];
   if constexpr (F == Form::finite) rotate<false>(r, force);
@@ -295,7 +295,7 @@ CALOMEL_INLINE void steel_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, 
 }
 
 /// f = -K u over the 21 mode values of an element.
-template <bool Booking, class V, class Geometry>
+template <bool Balance, class V, class Geometry>
 CALOMEL_INLINE void dense_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, Sums<V>& sums) {
   for (int i = 0; i < 21; ++i) {
     V s{};
@@ -304,6 +304,6 @@ CALOMEL_INLINE void dense_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, 
       s += g(1 + low * 21 - low * (low - 1) / 2 + high - low) * u[j / 7][1 + j % 7];
     }
     f[i / 7][1 + i % 7] = -s;
-    if constexpr (Booking) sums.steel += s * u[i / 7][1 + i % 7];
+    if constexpr (Balance) sums.steel += s * u[i / 7][1 + i % 7];
   }
 }

@@ -99,12 +99,12 @@ CALOMEL_INLINE void report_sums(const Sums<typename Lanes<R, Runs>::V>& sums, En
 }
 
 /// Stressed: the block has a stress before the run, or heat in the steel.
-template <class R, bool Runs, bool Liquid, Form F, bool Booking, bool Stressed = false>
+template <class R, bool Runs, bool Liquid, Form F, bool Balance, bool Stressed = false>
 void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   using L = Lanes<R, Runs>;
   using V = typename L::V;
   constexpr int terms = geometry_terms(Liquid, F), W = L::width;
-  constexpr bool full = Booking && !Runs;  // runs in the lanes keep the state of the rate only
+  constexpr bool full = Balance && !Runs;  // runs in the lanes keep the state of the rate only
   Sums<V> sums;
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
   const V lambda = V{} + s.lambda, mu = V{} + s.mu;
@@ -116,13 +116,13 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
     if constexpr (Liquid) {
       liquid.p0 = L::heating(b.p0, g, s.load);
       V* state = nullptr;
-      if constexpr (Booking)
+      if constexpr (Balance)
         liquid.p0_before = L::heating(b.p0, g, s.load_before), state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
       if constexpr (Stressed) {
         const V initial = L::numbers(b.initial, g);
         liquid.p0 += initial, liquid.p0_before += initial;
       }
-      liquid_element<F, Booking, full, false>(um, fm, coefficient, liquid, state, sums);
+      liquid_element<F, Balance, full, false>(um, fm, coefficient, liquid, state, sums);
     } else if constexpr (F == Form::dense) {
       dense_element<full>(um, fm, coefficient, sums);
     } else {
@@ -146,12 +146,12 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
 }
 
 /// Liquid elements whose pressure is that of a law of its own: strains of a stretch of elements, the law, their forces.
-template <class R, bool Runs, Form F, bool Booking>
+template <class R, bool Runs, Form F, bool Balance>
 void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   using L = Lanes<R, Runs>;
   using V = typename L::V;
   constexpr int terms = geometry_terms(true, F), W = L::width, stretch = 256 / W;
-  constexpr bool full = Booking && !Runs;
+  constexpr bool full = Balance && !Runs;
   alignas(64) double strain[256], heating[256];
   Sums<V> sums;
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
@@ -180,7 +180,7 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       for (int l = 0; l < W; ++l) liquid.pressure[l] = R(pressure[std::size_t(g - first) * W + std::size_t(l)]);
       V um[3][8], fm[3][8];
       V* state = nullptr;
-      if constexpr (Booking) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
+      if constexpr (Balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
       L::modes(w, at, um);
       liquid_element<F, full, full, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
       L::add_forces(fm, force, at);
@@ -204,29 +204,29 @@ void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R*
   }
 }
 
-template <class R, bool Runs, bool Booking>
+template <class R, bool Runs, bool Balance>
 void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   if (b.liquid && b.law.advance) switch (b.form) {
-      case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, Booking>(b, s, w, force, energy);
-      case Form::finite: return law_elements<R, Runs, Form::finite, Booking>(b, s, w, force, energy);
-      default: return law_elements<R, Runs, Form::general, Booking>(b, s, w, force, energy);
+      case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, Balance>(b, s, w, force, energy);
+      case Form::finite: return law_elements<R, Runs, Form::finite, Balance>(b, s, w, force, energy);
+      default: return law_elements<R, Runs, Form::general, Balance>(b, s, w, force, energy);
     }
-  if constexpr (Booking)  // stressed blocks always have state
+  if constexpr (Balance)  // stressed blocks always have state
     if (b.initial) return stressed_forces<R, Runs>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
-      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, Booking>(b, s, w, force, energy);
-      case Form::finite: return elements<R, Runs, true, Form::finite, Booking>(b, s, w, force, energy);
-      default: return elements<R, Runs, true, Form::general, Booking>(b, s, w, force, energy);
+      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, Balance>(b, s, w, force, energy);
+      case Form::finite: return elements<R, Runs, true, Form::finite, Balance>(b, s, w, force, energy);
+      default: return elements<R, Runs, true, Form::general, Balance>(b, s, w, force, energy);
     }
   switch (b.form) {
-    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, Booking>(b, s, w, force, energy);
-    case Form::finite: return elements<R, Runs, false, Form::finite, Booking>(b, s, w, force, energy);
-    case Form::dense: return elements<R, Runs, false, Form::dense, Booking>(b, s, w, force, energy);
-    default: return elements<R, Runs, false, Form::general, Booking>(b, s, w, force, energy);
+    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, Balance>(b, s, w, force, energy);
+    case Form::finite: return elements<R, Runs, false, Form::finite, Balance>(b, s, w, force, energy);
+    case Form::dense: return elements<R, Runs, false, Form::dense, Balance>(b, s, w, force, energy);
+    default: return elements<R, Runs, false, Form::general, Balance>(b, s, w, force, energy);
   }
 }
 
-/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; both from passes of their own, for booking only. Force and
+/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; both from passes of their own, for the energy balance only. Force and
 /// way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done.
 template <class R>
 void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* force, EnergyTerms* energy) {
@@ -241,29 +241,29 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
   energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel, energy->heat += of_u.heat;
 }
 
-template <class R, bool Runs, bool Booking>
+template <class R, bool Runs, bool Balance>
 void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   constexpr int width = Row<R, Runs>::width;
   R* w = s.scratch;
   R* force = w + std::size_t(b.interior + b.shared_count) * width;
   const R beta = b.liquid ? s.beta : s.steel_beta;
-  const bool damped = Booking && !Runs && !b.liquid && beta != 0;
-  if constexpr (Booking && !Runs)
+  const bool damped = Balance && !Runs && !b.liquid && beta != 0;
+  if constexpr (Balance && !Runs)
     if (damped) book_damped_steel(b, s, w, force, energy);
   copy_in<R, Runs>(b, s, R(1), beta, w, force);
   EnergyTerms here;
   if (damped && b.trace) {
-    BlockData<R> booked = b;
-    booked.trace = nullptr;  // its heat is booked already
-    forces<R, Runs, Booking>(booked, s, w, force, &here);
+    BlockData<R> balanced = b;
+    balanced.trace = nullptr;  // its heat is counted already
+    forces<R, Runs, Balance>(balanced, s, w, force, &here);
   } else {
-    forces<R, Runs, Booking>(b, s, w, force, &here);
+    forces<R, Runs, Balance>(b, s, w, force, &here);
   }
-  if constexpr (Booking && !Runs)
+  if constexpr (Balance && !Runs)
     if (!damped) energy->add(here);
   double kinetic = 0;
-  advance_interior<R, Runs, Booking>(b, s, force, kinetic);
-  if (Booking && !Runs) energy->kinetic += kinetic;
+  advance_interior<R, Runs, Balance>(b, s, force, kinetic);
+  if (Balance && !Runs) energy->kinetic += kinetic;
   const R* shared = force + std::size_t(b.interior) * width;
   R* out = s.outbox + b.outbox * width;
   if (s.outbox_scale == 1)
@@ -277,17 +277,17 @@ const KernelTable<R>& table() {
   static const KernelTable<R> t{
       CALOMEL_ISA_NAME,
       element_lanes<R>,
-      [](const BlockData<R>& b, const StepData<R>& s, bool booking, EnergyTerms* e) {
-        booking ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e);
+      [](const BlockData<R>& b, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
+        energy_balance ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e);
       },
-      [](const BlockData<R>& b, const StepData<R>& s, bool booking) { booking ? block<R, true, true>(b, s, nullptr) : block<R, true, false>(b, s, nullptr); },
-      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
-        booking ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e);
+      [](const BlockData<R>& b, const StepData<R>& s, bool energy_balance) { energy_balance ? block<R, true, true>(b, s, nullptr) : block<R, true, false>(b, s, nullptr); },
+      [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
+        energy_balance ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e);
       },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
-      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool booking, EnergyTerms* e) {
-        if (s.extras.strength) return booking ? special<R, false, true, true>(l, r, begin, end, s, e) : special<R, false, false, true>(l, r, begin, end, s, e);
-        booking ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
+      [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
+        if (s.extras.strength) return energy_balance ? special<R, false, true, true>(l, r, begin, end, s, e) : special<R, false, false, true>(l, r, begin, end, s, e);
+        energy_balance ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
       },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {
         s.extras.strength ? special<R, true, false, true>(l, r, begin, end, s, nullptr) : special<R, true, false>(l, r, begin, end, s, nullptr);

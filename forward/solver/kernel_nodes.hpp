@@ -1,7 +1,7 @@
 // Advancing nodes: those of a block, those that blocks share, and those with a rule. Included by kernel_impl.hpp.
 
 /// v+ = v- + kick f / m, u += dt v+; fixed directions stay.
-template <class R, bool Runs, bool Booking>
+template <class R, bool Runs, bool Balance>
 CALOMEL_INLINE void advance(R* u, R* v, const R* f, R inverse_mass, std::uint8_t fixed, const StepData<R>& s, double& kinetic) {
   typename Row<R, Runs>::Lane force[3], velocity[3], place[3];
   read_row<R, Runs>(f, force), read_row<R, Runs>(v, velocity), read_row<R, Runs>(u, place);
@@ -11,17 +11,17 @@ CALOMEL_INLINE void advance(R* u, R* v, const R* f, R inverse_mass, std::uint8_t
     const auto before = velocity[c];
     velocity[c] += a * force[c];
     place[c] += s.dt * velocity[c];
-    if constexpr (Booking && !Runs) kinetic += 0.5 * double(before) * double(velocity[c]) / double(inverse_mass);
+    if constexpr (Balance && !Runs) kinetic += 0.5 * double(before) * double(velocity[c]) / double(inverse_mass);
   }
   write_row<R, Runs>(v, velocity), write_row<R, Runs>(u, place);
 }
 
-template <class R, bool Runs, bool Booking>
+template <class R, bool Runs, bool Balance>
 CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s, const R* force, double& kinetic) {
   constexpr int width = Row<R, Runs>::width;
   for (int r = 0; r < b.range_count; ++r) {
     const auto& range = b.ranges[r];
-    if (!Runs && !Booking && range.fixed == 0) {  // the common case, whole rows at once
+    if (!Runs && !Balance && range.fixed == 0) {  // the common case, whole rows at once
       using V4 = Vec<R, 4>;
       for (std::int32_t n = range.begin; n < range.end; ++n) {
         const V4 v = load<V4>(s.v + std::size_t(n) * 4) + s.kick * s.inverse_mass[n] * load<V4>(force + std::size_t(n - b.first_node) * 4);
@@ -31,7 +31,7 @@ CALOMEL_INLINE void advance_interior(const BlockData<R>& b, const StepData<R>& s
       continue;
     }
     for (std::int32_t n = range.begin; n < range.end; ++n)
-      advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n],
+      advance<R, Runs, Balance>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, force + std::size_t(n - b.first_node) * width, s.inverse_mass[n],
                                 range.fixed, s, kinetic);
   }
 }
@@ -48,7 +48,7 @@ CALOMEL_INLINE void sum_outbox(const Layout& layout, std::int32_t node, const St
   }
 }
 
-template <class R, bool Runs, bool Booking>
+template <class R, bool Runs, bool Balance>
 void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   constexpr int width = Row<R, Runs>::width;
   double kinetic = 0;
@@ -58,16 +58,16 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
     sum_outbox<R, Runs>(layout, n, s, force);
     alignas(64) R row[width];
     write_row<R, Runs>(row, force);
-    advance<R, Runs, Booking>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, row, s.inverse_mass[n], layout.fixed[std::size_t(n)], s, kinetic);
+    advance<R, Runs, Balance>(s.u + std::size_t(n) * width, s.v + std::size_t(n) * width, row, s.inverse_mass[n], layout.fixed[std::size_t(n)], s, kinetic);
   }
-  if (Booking && !Runs) energy->kinetic += kinetic;
+  if (Balance && !Runs) energy->kinetic += kinetic;
 }
 
 /// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
 /// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
-/// kept, the energy of the impact is not, and is booked as dissipated.
-template <class R, bool Runs, bool Booking>
+/// kept, the energy of the impact is not, and counts as dissipated.
+template <class R, bool Runs, bool Balance>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
                                          const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
                                          typename Row<R, Runs>::Lane (&steel)[3], EnergyTerms* energy) {
@@ -97,7 +97,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
     store(open, now);
   else
     *open = now;
-  if constexpr (Booking && !Runs) {
+  if constexpr (Balance && !Runs) {
     const double half_way = 0.5 * double(s.dt) * double(r.mass_node) / double(s.kick) * double(change);
     double rel_before = 0, rel_after = 0;
     for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
@@ -106,7 +106,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
 }
 
 /// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run.
-template <class R, bool Runs, bool Booking, bool Extended = false>
+template <class R, bool Runs, bool Balance, bool Extended = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
@@ -124,7 +124,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       force[c] += stress * r.load_area[c];
       v[c] = r.fixed_node & (1 << c) ? L{} : before[c] + s.kick / r.mass_node * force[c];
     }
-    if constexpr (Booking && !Runs)
+    if constexpr (Balance && !Runs)
       for (int c = 0; c < 3; ++c) {
         energy->boundary_before -= 0.5 * double(s.dt) * double(stress) * double(r.load_area[c]) * double(before[c]);
         energy->boundary_after -= 0.5 * double(s.dt) * double(stress) * double(r.load_area[c]) * double(v[c]);
@@ -143,7 +143,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const L p = greater(p_wave, p_least);
       const L vn_after = vn_free - a * p;
       for (int c = 0; c < 3; ++c) v[c] += (vn_after - vn_free) * n[c];
-      if constexpr (Booking && !Runs) {
+      if constexpr (Balance && !Runs) {
         energy->boundary_before += 0.5 * double(s.dt) * double(p) * double(r.rear_area) * double(vn_before);
         energy->boundary_after += 0.5 * double(s.dt) * double(p) * double(r.rear_area) * double(vn_after);
       }
@@ -158,7 +158,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
       const bool may_open = Extended && r.normals == 1;
       if constexpr (Extended)
-        if (may_open) advance_opening_pair<R, Runs, Booking>(r, i, s, before, steel_before, v, steel, energy);
+        if (may_open) advance_opening_pair<R, Runs, Balance>(r, i, s, before, steel_before, v, steel, energy);
       for (int k = 0; k < r.normals && !may_open; ++k) {
         const R* n = r.normal[k];
         const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
@@ -169,14 +169,14 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       for (int c = 0; c < 3; ++c) u[c] += s.dt * steel[c];
       write_row<R, Runs>(s.u + std::size_t(r.partner) * width, u);
       write_row<R, Runs>(s.v + std::size_t(r.partner) * width, steel);
-      if constexpr (Booking && !Runs)
+      if constexpr (Balance && !Runs)
         for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_partner) * double(steel_before[c]) * double(steel[c]);
     }
     read_row<R, Runs>(s.u + std::size_t(r.node) * width, u);
     for (int c = 0; c < 3; ++c) u[c] += s.dt * v[c];
     write_row<R, Runs>(s.u + std::size_t(r.node) * width, u);
     write_row<R, Runs>(s.v + std::size_t(r.node) * width, v);
-    if constexpr (Booking && !Runs)
+    if constexpr (Balance && !Runs)
       for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_node) * double(before[c]) * double(v[c]);
   }
 }

@@ -14,7 +14,7 @@ namespace {
 
 /// Interleaves the bits of three 21-bit coordinates (Morton 1966).
 std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  const auto spread = [](std::uint64_t v) {
+  const auto interleave = [](std::uint64_t v) {
     v &= 0x1fffff;
     v = (v | v << 32) & 0x1f00000000ffffull;
     v = (v | v << 16) & 0x1f0000ff0000ffull;
@@ -23,7 +23,7 @@ std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     v = (v | v << 2) & 0x1249249249249249ull;
     return v;
   };
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
+  return interleave(x) | interleave(y) << 1 | interleave(z) << 2;
 }
 
 std::vector<std::int32_t> element_order(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, const std::vector<std::uint8_t>& slow) {

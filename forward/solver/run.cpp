@@ -83,7 +83,7 @@ void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
     for (std::size_t n = k * node_chunk; n < std::min(mass_.size(), (k + 1) * node_chunk); ++n) {
       const double f = motion_factor_[n];
       R* v = v_.data() + n * width;
-      if (booking_)
+      if (energy_balance_)
         for (std::size_t c = 0; c < 3; ++c) damped_[k] += 0.5 * mass_[n] * (1 - f * f) * double(v[c]) * double(v[c]);
       for (std::size_t c = 0; c < width; ++c) v[c] *= R(f);
     }

@@ -57,7 +57,7 @@ class Run {
   [[nodiscard]] FieldSnapshot snapshot(std::int64_t n) const;
   /// Errors: NumericsError naming step, node and element where a displacement is not finite or beyond a metre.
   void check_finite(std::int64_t n) const;
-  /// Greatest effective stress [Pa] that any steel element has seen, and that mesh element; booked runs only.
+  /// Greatest effective stress [Pa] that any steel element has seen, and that mesh element; runs with an energy balance only.
   [[nodiscard]] std::pair<double, std::int32_t> greatest_stress() const;
 
   /// Everything that a step changes, as bytes.
@@ -108,7 +108,7 @@ class Run {
   const KernelTable<R>& kernel_;
   double dt_;
   int subcycles_;  ///< steps in one of the slow blocks
-  bool booking_;   ///< energies are wanted
+  bool energy_balance_;   ///< energies are wanted
   bool stateful_;  ///< the blocks keep state
   StepData<R> base_{};
   std::vector<double> mass_;         ///< by solver node [kg]

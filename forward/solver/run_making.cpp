@@ -27,8 +27,8 @@ std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / n
 
 template <class R>
 Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
-    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), booking_(options.booking),
-      stateful_(options.booking || setup.quadratic_viscosity > 0 || is_stressed()) {
+    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), energy_balance_(options.energy_balance),
+      stateful_(options.energy_balance || setup.quadratic_viscosity > 0 || is_stressed()) {
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
   expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
@@ -145,9 +145,9 @@ void Run<R>::make_stress(std::size_t b) {
     return;
   }
   const double lambda = setup_.steel.lambda, mu = setup_.steel.mu, three_k = 3 * lambda + 2 * mu;
-  const bool booked = booking_ && !packed_.runs;
+  const bool balanced = energy_balance_ && !packed_.runs;
   initial_[b] = AlignedArray<R>(slots * 6), thermal_[b] = AlignedArray<R>(slots);
-  if (booked) trace_[b] = AlignedArray<R>(slots);
+  if (balanced) trace_[b] = AlignedArray<R>(slots);
   for (std::size_t i = 0; i < slots; ++i) {
     if (elements[i] < 0) continue;
     const auto e = std::size_t(elements[i]);
@@ -157,7 +157,7 @@ void Run<R>::make_stress(std::size_t b) {
       const double trace = s[0] + s[1] + s[2];
       for (std::size_t k = 0; k < 6; ++k) initial_[b][(i / lanes * 6 + k) * lanes + i % lanes] = R((s[k] - (k < 3 ? lambda / three_k * trace : 0)) / (2 * mu));
     }
-    if (booked) trace_[b][i] = R(-3 * initial_pressure(e) + three_k * steel_strain(e).trace());
+    if (balanced) trace_[b][i] = R(-3 * initial_pressure(e) + three_k * steel_strain(e).trace());
   }
   blocks_[b].initial = initial_[b].data(), blocks_[b].thermal = thermal_[b].data(), blocks_[b].trace = trace_[b].data();
 }

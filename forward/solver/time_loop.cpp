@@ -139,7 +139,7 @@ class TimeLoop {
         run_.damp_motion(me, all);
         wait();
       }
-      if (options_.booking && t == 0) balance_.add(run_.energies(n), s.outer, n <= run_.subcycles(), has_initial_state_);
+      if (options_.energy_balance && t == 0) balance_.add(run_.energies(n), s.outer, n <= run_.subcycles(), has_initial_state_);
     }
   }
 
@@ -230,7 +230,7 @@ class TimeLoop {
     for (const auto& b : layout_.blocks) elements += b.elements.size();
     out_.element_steps_per_second = double(elements) * double(setup_.energies.size()) * double(steps_ - first_step_) / out_.wall_seconds;
     const Balance& b = balance_;
-    out_.energy_balance_error = options_.booking ? (b.scale > 0 ? b.worst / b.scale : 0) : std::nan("");
+    out_.energy_balance_error = options_.energy_balance ? (b.scale > 0 ? b.worst / b.scale : 0) : std::nan("");
     out_.hourglass_share = b.scale > 0 ? b.hourglass / b.scale : 0;
     const bool end_load = !setup_.end_stress.time.empty();  // a bar has no rear face: what goes out there is the load's work
     out_.energy_in = b.heat + b.initial - (end_load ? b.boundary : 0);

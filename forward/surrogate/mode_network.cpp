@@ -105,8 +105,8 @@ Eigen::VectorXd ModeNetwork::variance(const Eigen::VectorXd& theta) const {
   Eigen::MatrixXd z(basis_.modes(), Eigen::Index(members_.size()));
   for (std::size_t i = 0; i < members_.size(); ++i) z.col(Eigen::Index(i)) = (members_[i].forward(x).col(0).array() / weight_.array()).matrix().cast<double>();
   const Eigen::VectorXd mean = z.rowwise().mean();
-  const Eigen::VectorXd spread = (z.colwise() - mean).rowwise().squaredNorm() / double(std::max<std::size_t>(1, members_.size() - 1));
-  return basis_.variance(spread);
+  const Eigen::VectorXd of_members = (z.colwise() - mean).rowwise().squaredNorm() / double(std::max<std::size_t>(1, members_.size() - 1));
+  return basis_.variance(of_members);
 }
 
 void ModeNetwork::save(NetcdfWriter& file, const std::string& prefix) const {

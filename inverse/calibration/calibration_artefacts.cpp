@@ -12,7 +12,7 @@ namespace calomel {
 namespace {
 
 Json candidate(const Candidate& c, const ModelShape& shape, bool corrected) {
-  Json j{{"theta", named(shape, c.theta)},
+  Json j{{"theta", named(shape.parameters, c.theta)},
          {"objective_surrogate", number(c.objective_surrogate)},
          {"objective_model", c.objective_model ? number(*c.objective_model) : Json()}};
   if (c.score.ok) j["accuracy"] = number(c.score.accuracy), j["mae"] = number(c.score.mae);
@@ -79,7 +79,7 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
 Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem) {
   const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
   Json j{{"sentence", m.sentence}, {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)}, {"nominal_inside_emulator", s.at_nominal.inside_emulator}};
-  if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape, m.without);
+  if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape.parameters, m.without);
   j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
                        {"mae", of(m.best, &Score::mae)},
                        {"nominal_accuracy", of(m.at_nominal, &Score::accuracy)},
@@ -90,12 +90,6 @@ Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& p
 
 }  // namespace
 
-Json named(const ModelShape& shape, std::span<const double> theta) {
-  Json j = Json::object();
-  for (std::size_t k = 0; k < theta.size(); ++k) j[shape.parameters[k].name] = theta[k];
-  return j;
-}
-
 Json calibration_json(const Calibration& s, const Problem& problem, const Json& own, const Provenance& provenance) {
   const auto& shape = problem.shape;
   const auto average = [](const Candidate& c, double Score::*field) { return c.score.ok ? number(c.score.*field) : Json(); };
@@ -103,8 +97,8 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   Json j;
   j["status"] = s.status == CalibrationStatus::done ? "done" : s.status == CalibrationStatus::not_settled ? "not_settled" : s.status == CalibrationStatus::no_candidate ? "no_candidate" : "not_run";
   j["message"] = s.message;
-  j["theta"] = named(shape, s.theta);
-  j["nominal"] = named(shape, s.nominal);
+  j["theta"] = named(shape.parameters, s.theta);
+  j["nominal"] = named(shape.parameters, s.nominal);
   const double value = s.best.objective_model.value_or(std::numeric_limits<double>::quiet_NaN());
   j["objective"] = {{"name", s.objective.name},
                     {"value", number(value)},

@@ -85,10 +85,10 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   report_correction(out, problem, mesh);
 
   // 3. Whether other optimisers and objectives lead to the same answer.
-  plan.rounds = std::size_t(options.compare_rounds), plan.pool = 0;
+  plan.rounds = compared_rounds, plan.pool = 0;
   const Clock comparing;
   out.agreement = find_agreement(problem, searched, decided, out.objective, out.rounds,
-                                 {.optimizers = options.compare_optimizers, .objectives = options.compare_objectives, .rounds = plan, .tolerance = options.agreement}, seed, threads, progress);
+                                 {.optimizers = options.compare_optimizers, .objectives = options.compare_objectives, .rounds = plan}, seed, threads, progress);
   out.agreement_s = comparing.seconds();
   return out;
 }

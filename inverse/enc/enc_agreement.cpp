@@ -27,12 +27,11 @@ const EncRound* best_of(const std::vector<EncRound>& rounds, const Objective& ob
 
 double apart(const std::vector<double>& a, const std::vector<double>& b, const Bounds& bounds) { return distance({0, a}, {0, b}, bounds); }
 
-EncRival rival_of(const std::string& name, const std::vector<EncRound>& rounds, const EncRound& best, const Objective& objective, const Bounds& bounds,
-                  double tolerance) {
-  EncRival r{.name = name, .theta = {}};
+ComparedOptimizer compared(const std::string& name, const std::vector<EncRound>& rounds, const EncRound& best, const Objective& objective, const Bounds& bounds) {
+  ComparedOptimizer r{.name = name, .theta = {}};
   double squares = 0;
   for (const auto& x : rounds)
-    if (x.optimizer == name && std::isfinite(x.objective)) ++r.rounds, r.mean += x.objective, r.share += apart(x.theta, best.theta, bounds) <= tolerance;
+    if (x.optimizer == name && std::isfinite(x.objective)) ++r.rounds, r.mean += x.objective, r.share += apart(x.theta, best.theta, bounds) <= agreement_tolerance;
   const EncRound* own = best_of(rounds, objective, name);
   if (!own) {
     r.mean = r.sd = r.best = r.distance = r.shortfall = nan;
@@ -44,7 +43,7 @@ EncRival rival_of(const std::string& name, const std::vector<EncRound>& rounds, 
   r.sd = r.rounds > 1 ? std::sqrt(squares / (r.rounds - 1)) : nan;
   r.best = own->objective, r.theta = own->theta;
   r.distance = apart(r.theta, best.theta, bounds), r.shortfall = objective.cost(r.best) - objective.cost(best.objective);
-  r.agrees = r.distance <= tolerance;
+  r.agrees = r.distance <= agreement_tolerance;
   return r;
 }
 
@@ -54,7 +53,7 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
     if (r.rounds > 0 && !r.agrees)
       apart += fmt::format("{}{} ends {:.2f} of the bounds away, {:.3g} worse", apart.empty() ? "" : "; ", r.name, r.distance, r.shortfall);
   if (a.optimizers.size() > 1)
-    s = a.optimizers_agree ? fmt::format("The optimisers agree: the best of each lies within {:g} of the bounds of the best of all.", a.tolerance)
+    s = a.optimizers_agree ? fmt::format("The optimisers agree: the best of each lies within {:g} of the bounds of the best of all.", agreement_tolerance)
                            : "The optimisers disagree: " + apart + ".";
   apart.clear();
   for (const auto& f : a.objectives)
@@ -62,7 +61,7 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
       apart += f.theta.empty() ? fmt::format("{}{} has no value anywhere", apart.empty() ? "" : "; ", f.objective)
                                : fmt::format("{}{} moves {}", apart.empty() ? "" : "; ", f.objective, moves(shape, a.objectives[0].theta, f.theta));
   if (a.objectives.size() > 1)
-    s += std::string(s.empty() ? "" : " ") + (a.objectives_agree ? fmt::format("The objectives agree within {:g} of the bounds.", a.tolerance)
+    s += std::string(s.empty() ? "" : " ") + (a.objectives_agree ? fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance)
                                                                 : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");
   return s;
 }
@@ -94,7 +93,7 @@ void run_model(EncAgreement& a, const Problem& problem, const ForwardModel& true
 
 EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const Objective& objective,
                             const std::vector<EncRound>& own, const AgreementPlan& plan, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
-  EncAgreement out{.tolerance = plan.tolerance, .optimizers = {}, .objectives = {}, .sentence = {}};
+  EncAgreement out;
   const Bounds bounds = bounds_of(problem.shape);
   std::uint64_t searches = 0;
   const auto search = [&](const Objective& by, const std::vector<std::string>& optimizers, const std::string& what) {
@@ -123,7 +122,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
   if (!best) return out;
   out.optimizers_agree = true;
   for (const auto& name : names) {
-    out.optimizers.push_back(rival_of(name, all, *best, objective, bounds, plan.tolerance));
+    out.optimizers.push_back(compared(name, all, *best, objective, bounds));
     out.optimizers_agree = out.optimizers_agree && out.optimizers.back().agrees;
   }
 
@@ -138,7 +137,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
       const auto rounds = search(formulations[i], plan.rounds.optimizers, "rounds by " + formulations[i].name);
       const EncRound* answer = best_of(rounds, formulations[i]);
       EncFormulation f{.objective = formulations[i].name, .theta = answer ? answer->theta : std::vector<double>{}, .distance = nan, .model = {}, .values = {}};
-      if (answer) f.distance = apart(f.theta, best->theta, bounds), f.agrees = f.distance <= plan.tolerance;
+      if (answer) f.distance = apart(f.theta, best->theta, bounds), f.agrees = f.distance <= agreement_tolerance;
       out.objectives.push_back(std::move(f));
     }
     out.objectives_agree = std::all_of(out.objectives.begin(), out.objectives.end(), [](const auto& f) { return f.agrees; });
@@ -149,7 +148,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
 }
 
 Json agreement_json(const EncAgreement& a, const Problem& problem) {
-  Json j{{"tolerance", a.tolerance}, {"optimizers_agree", a.optimizers_agree}, {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)}, {"sentence", a.sentence}};
+  Json j{{"tolerance", agreement_tolerance}, {"optimizers_agree", a.optimizers_agree}, {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)}, {"sentence", a.sentence}};
   j["optimizers"] = Json::array(), j["objectives"] = Json::array();
   for (const auto& r : a.optimizers)
     j["optimizers"].push_back({{"name", r.name},
@@ -157,7 +156,7 @@ Json agreement_json(const EncAgreement& a, const Problem& problem) {
                                {"mean", number(r.mean)},
                                {"sd", number(r.sd)},
                                {"best", number(r.best)},
-                               {"theta", named(problem.shape, r.theta)},
+                               {"theta", named(problem.shape.parameters, r.theta)},
                                {"distance", number(r.distance)},
                                {"shortfall", number(r.shortfall)},
                                {"share_of_rounds", number(r.share)},
@@ -167,7 +166,7 @@ Json agreement_json(const EncAgreement& a, const Problem& problem) {
     for (const auto& [name, value] : f.values) values[name] = value ? Json(*value) : Json();
     const auto& s = f.model.score;
     j["objectives"].push_back({{"name", f.objective},
-                               {"theta", named(problem.shape, f.theta)},
+                               {"theta", named(problem.shape.parameters, f.theta)},
                                {"distance", number(f.distance)},
                                {"agrees", f.agrees},
                                {"accuracy", s.ok && s.banded_sensors > 0 ? number(s.accuracy) : Json()},

@@ -9,8 +9,13 @@
 
 namespace calomel {
 
+/// Rounds of each compared optimiser and objective: enough to tell their scatter, little beside the calibration's own.
+inline constexpr int compared_rounds = 4;
+/// Answers agree when they differ by no more than this, the largest over the parameters in units of their bounds.
+inline constexpr double agreement_tolerance = 0.05;
+
 /// Rounds of one optimiser together, of the calibration's own or of those it is compared with.
-struct EncRival {
+struct ComparedOptimizer {
   std::string name;
   int rounds = 0;
   double mean = 0, sd = 0, best = 0;  ///< of the objective at the end of a round; sd is NaN for one round
@@ -32,8 +37,7 @@ struct EncFormulation {
 };
 
 struct EncAgreement {
-  double tolerance = 0;                ///< in units of the bounds
-  std::vector<EncRival> optimizers;
+  std::vector<ComparedOptimizer> optimizers;
   std::vector<EncFormulation> objectives;  ///< the calibration's own first; empty when none is compared
   bool optimizers_agree = false, objectives_agree = false;
   std::string sentence;
@@ -44,7 +48,6 @@ struct EncAgreement {
 struct AgreementPlan {
   std::vector<std::string> optimizers, objectives;
   RoundPlan rounds;  ///< of each of them; its optimisers are those of the calibration
-  double tolerance = 0.05;
 };
 
 /// Runs the other searches, and the true model once an objective. `own`: the calibration's rounds by `objective`.

@@ -6,7 +6,7 @@
 
 #include "base/random.hpp"
 #include "inverse/enc/enc_rounds.hpp"
-#include "inverse/objective/objective_slope.hpp"
+#include "inverse/objective/objective_gradient.hpp"
 
 namespace calomel {
 
@@ -23,7 +23,7 @@ class SmoothedCost final : public ceres::FirstOrderFunction {
     ++evaluations_;
     const Prediction p = surrogate_.evaluate(theta);
     if (!p.ok) return false;
-    const ObjectiveSlope s = objective_slope(problem_, objective_, p.mean, width_);
+    const ObjectiveGradient s = objective_gradient(problem_, objective_, p.mean, width_);
     if (!std::isfinite(s.cost)) return false;
     *cost = s.cost;
     if (gradient) {

@@ -24,7 +24,7 @@ struct Provenance;  // base/provenance.hpp
 /// `[map]` of a case file.
 struct MapOptions {
   std::string product = "tuned";
-  bool screen = true;
+  bool score_tests = true;
   std::string compare_with;
 
   template <class V>
@@ -32,8 +32,9 @@ struct MapOptions {
     v("product", product,
       {.doc = "of the posterior, its mode and its samples. tuned: the case's own priors, no discrepancy, not a material property; physical: handbook priors and a discrepancy",
        .choices = {"tuned", "physical"}});
-    v("screen", screen,
+    v("score_tests", score_tests,
       {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the next to finest mesh, about two dozen"});
+    v.renamed("screen", "map.score_tests");
     v("compare_with", compare_with,
       {.doc = "output directory of a finished MAP of the same records by a model with fewer of these parameters, relative to the case: gives the Bayes factor of the two on one emulator and one covariance"});
     for (const char* gone : {"starts", "design", "candidates", "separation", "polish", "polish_runs", "secant"})

@@ -61,7 +61,7 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   own["p_value"] = number(s.fit.p_value), own["effective_p_value"] = number(s.fit.effective_p_value);
   own["chi2_critical"] = number(s.fit.chi2_critical);
   own["adequate"] = s.adequate, own["adequacy"] = s.fit.sentence;
-  if (s.score_tests) own["screening"] = score_tests_json(*s.score_tests);
+  if (s.score_tests) own["score_tests"] = score_tests_json(*s.score_tests);
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
   own["combinations"] = combinations_json(s.identification.combinations);

@@ -48,7 +48,7 @@ NestedModel compare_nested(const PosteriorFit& fit, const NestedModel& of) {
 
 Json nested_json(const NestedModel& n, const std::vector<Parameter>& parameters) {
   const char* verdict = n.verdict == NestedVerdict::added_favoured ? "favoured" : n.verdict == NestedVerdict::added_not_favoured ? "not favoured" : "undecided";
-  return {{"with", n.name}, {"added", n.added}, {"theta", by_name(parameters, n.theta)}, {"log_bayes_factor", number(n.log_bayes_factor)}, {"low", number(n.low)}, {"high", number(n.high)},
+  return {{"with", n.name}, {"added", n.added}, {"theta", named(parameters, n.theta)}, {"log_bayes_factor", number(n.log_bayes_factor)}, {"low", number(n.low)}, {"high", number(n.high)},
           {"chi2", number(n.chi2)}, {"nested_chi2", number(n.nested_chi2)}, {"emulator_variance", number(n.variance)}, {"nested_emulator_variance", number(n.nested_variance)},
           {"verdict", verdict}, {"sentence", n.sentence}};
 }

@@ -69,7 +69,7 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     return s;
   };
   const Eigen::MatrixXd hessian = value.asDiagonal() * chosen(data) * value.asDiagonal();
-  const Eigen::MatrixXd spread = value.cwiseInverse().asDiagonal() * chosen(covariance) * value.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd relative = value.cwiseInverse().asDiagonal() * chosen(covariance) * value.cwiseInverse().asDiagonal();
   const SymmetricEigen eigen = symmetric_eigen(hessian);
   for (Eigen::Index k = n; k-- > 0;) {
     Direction d;
@@ -79,7 +79,7 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     if (d.exponents[largest] < 0) d.exponents = -d.exponents;
     d.value = std::exp((d.exponents.array() * value.array().log()).sum());
     d.data_sd = eigen.values[k] > 1e-12 ? std::sqrt(1 / eigen.values[k]) : std::numeric_limits<double>::infinity();
-    d.sd = std::sqrt(std::max(0.0, d.exponents.dot(spread * d.exponents)));
+    d.sd = std::sqrt(std::max(0.0, d.exponents.dot(relative * d.exponents)));
     d.prior_sd = std::sqrt((d.exponents.array() * before.array()).square().sum());
     d.text = powers(names, d.exponents);
     out.directions.push_back(std::move(d));
@@ -88,7 +88,7 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     const auto sd_of = [&](double a, double b) {
       Eigen::VectorXd v = Eigen::VectorXd::Zero(n);
       v[rho] = a, v[c] = b;
-      return std::sqrt(std::max(0.0, v.dot(spread * v)));
+      return std::sqrt(std::max(0.0, v.dot(relative * v)));
     };
     out.combinations.push_back(combination("impedance rho c", value[rho] * value[c], sd_of(1, 1)));
     out.combinations.push_back(combination("stiffness rho c^2", value[rho] * value[c] * value[c], sd_of(1, 2)));

@@ -86,14 +86,14 @@ LogPosterior::Point LogPosterior::moved(const Point& from, Eigen::Index k, doubl
 }
 
 LogPosterior::Likelihood LogPosterior::likelihood(const Hypothesis& h, const Eigen::VectorXd& residual, double variance) const {
-  Likelihood l{.value = 0, .chi2 = 0, .weight = 1, .spread = 1 + variance * h.ratio.array(), .weighed = {}};
-  l.weighed = residual.array() / l.spread;
+  Likelihood l{.value = 0, .chi2 = 0, .weight = 1, .inflation = 1 + variance * h.ratio.array(), .weighed = {}};
+  l.weighed = residual.array() / l.inflation;
   l.chi2 = (residual.array() * l.weighed).sum();
-  const double p = double(residual.size()), log_spread = l.spread.log().sum();
+  const double p = double(residual.size()), log_inflation = l.inflation.log().sum();
   if (std::isinf(h.freedom)) {
-    l.value = h.log_norm - 0.5 * log_spread - 0.5 * l.chi2;
+    l.value = h.log_norm - 0.5 * log_inflation - 0.5 * l.chi2;
   } else {
-    l.value = h.log_norm - 0.5 * log_spread - 0.5 * (h.freedom + p) * std::log1p(l.chi2 / h.freedom);
+    l.value = h.log_norm - 0.5 * log_inflation - 0.5 * (h.freedom + p) * std::log1p(l.chi2 / h.freedom);
     l.weight = (h.freedom + p) / (h.freedom + l.chi2);
   }
   return l;
@@ -115,7 +115,7 @@ LogPosterior::Density LogPosterior::density(const Point& at) const {
   double chi2 = 0;
   for (const auto& h : hypotheses_) {
     const Likelihood l = likelihood(h, h.data - h.coefficients * x, out.variance);
-    const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.spread).sum());
+    const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.inflation).sum());
     gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
     logs.push_back(l.value + h.log_weight);
     if (logs.size() == 1 || logs.back() > logs[best]) best = logs.size() - 1, chi2 = l.chi2;

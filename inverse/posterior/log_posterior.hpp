@@ -100,7 +100,7 @@ class LogPosterior {
   /// log L_j of a residual A_j r under a variance; its chi-squared, d log L_j / d(-chi2 / 2), and r / (1 + v l).
   struct Likelihood {
     double value, chi2, weight;
-    Eigen::ArrayXd spread, weighed;
+    Eigen::ArrayXd inflation, weighed;
   };
   [[nodiscard]] Likelihood likelihood(const Hypothesis& h, const Eigen::VectorXd& residual, double variance) const;
   [[nodiscard]] double transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const;

@@ -6,12 +6,6 @@
 
 namespace calomel {
 
-Json by_name(const std::vector<Parameter>& parameters, std::span<const double> theta) {
-  Json j = Json::object();
-  for (std::size_t k = 0; k < theta.size(); ++k) j[parameters[k].name] = theta[k];
-  return j;
-}
-
 Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
   const auto& best = fit.modes[0];
   const auto density = fit.posterior->density(best.at);
@@ -19,17 +13,17 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
   const Eigen::VectorXd sd = covariance.diagonal().cwiseSqrt();
   Json rounds = Json::array(), levels = Json::array(), shares = Json::object(), others = Json::array(), discrepancy = Json::array();
   for (const auto& r : fit.rounds)
-    rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", by_name(parameters, r.theta)}, {"moved_sds", number(r.moved)},
+    rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", named(parameters, r.theta)}, {"moved_sds", number(r.moved)},
                       {"emulator_variance", number(r.variance)}, {"box_moved", r.moved_box}});
   for (const auto& l : fit.levels) levels.push_back({{"runs", l.runs}, {"left_out", number(l.left_out)}, {"noise", number(l.noise)}});
   for (const auto& [name, share] : fit.errors->shares()) shares[name] = number(share);
   for (std::size_t i = 1; i < fit.modes.size(); ++i)
-    others.push_back({{"theta", by_name(parameters, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
+    others.push_back({{"theta", named(parameters, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
   if (fit.hypotheses.size() > 1)
     for (std::size_t j = 0; j < fit.hypotheses.size(); ++j) discrepancy.push_back({{"scale", fit.hypotheses[j].discrepancy}, {"weight", number(density.weights[j])}});
   const auto& prior = fit.posterior->beyond_prior();
-  return {{"theta", by_name(parameters, best.at.theta)},
-          {"sd", by_name(parameters, {sd.data(), std::size_t(sd.size())})},
+  return {{"theta", named(parameters, best.at.theta)},
+          {"sd", named(parameters, {sd.data(), std::size_t(sd.size())})},
           {"covariance", matrix_json(covariance)},
           {"beyond", best.at.beyond},
           {"beyond_pull", fit.posterior->has_beyond() ? number((best.at.beyond - prior.mean) / prior.sd) : Json()},
@@ -52,7 +46,7 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
 Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters) {
   Json runs = Json::array();
   for (const auto& r : check.runs)
-    runs.push_back({{"theta", by_name(parameters, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
+    runs.push_back({{"theta", named(parameters, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
   return {{"holds", check.holds}, {"score", number(check.score)}, {"score_sd", number(check.score_sd)}, {"log_likelihood_shift", number(check.log_posterior_shift)},
           {"sentence", check.sentence}, {"runs", runs}};
 }

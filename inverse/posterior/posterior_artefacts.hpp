@@ -5,9 +5,6 @@
 
 namespace calomel {
 
-/// {parameter: value}
-Json by_name(const std::vector<Parameter>& parameters, std::span<const double> theta);
-
 /// Mode, covariance, evidence, rounds, levels and shares of the errors' covariance; theta by name.
 Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters);
 Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters);

@@ -211,10 +211,10 @@ void Fit::fit() {
   out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};
   out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
-  const Eigen::MatrixXd spread = 0.8 * first_design(d, 8, in_.seed + 77);
+  const Eigen::MatrixXd design = 0.8 * first_design(d, 8, in_.seed + 77);
   const auto search = [&](const LogPosterior& posterior, const std::vector<LocalMode>& known) {
     std::vector<Eigen::VectorXd> starts;
-    for (Eigen::Index i = 0; i < spread.cols(); ++i) starts.push_back(posterior.q(box_.theta(spread.col(i)), in_.errors.beyond));
+    for (Eigen::Index i = 0; i < design.cols(); ++i) starts.push_back(posterior.q(box_.theta(design.col(i)), in_.errors.beyond));
     for (const auto& m : known) starts.push_back(posterior.q(box_.nearest(m.at.theta), m.at.beyond));
     auto modes = find_modes(posterior, starts);
     if (modes.empty()) throw NumericsError("no mode of the posterior was found on the emulator");
@@ -277,10 +277,7 @@ Eigen::VectorXd PosteriorFit::history(const Eigen::VectorXd& u, double beyond) c
   const MultilevelRegression& e = posterior->emulator();
   const Eigen::VectorXd weights = e.weights(e.features(u, beyond));
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(Eigen::Index(runs[used[0]].record.mean.size()));
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const auto& v = runs[used[i]].record.mean;
-    sum += weights[Eigen::Index(i)] * Eigen::Map<const Eigen::VectorXf>(v.data(), Eigen::Index(v.size())).cast<double>();
-  }
+  for (std::size_t i = 0; i < used.size(); ++i) sum += weights[Eigen::Index(i)] * runs[used[i]].record.history();
   return sum;
 }
 

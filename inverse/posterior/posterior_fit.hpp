@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "forward/campaign/journal.hpp"
+#include "forward/runs/run_record.hpp"
 #include "inverse/posterior/mode.hpp"
 
 namespace calomel {

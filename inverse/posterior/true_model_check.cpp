@@ -42,7 +42,7 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
     CheckedRun r{.theta = {column.data(), column.data() + d}, .level = level[i], .done = records[i].done};
     if (r.done) {
       const Eigen::VectorXd u = posterior.box().u(r.theta), x = emulator.level_features(u, r.level);
-      const Eigen::VectorXd run = grid.apply(Eigen::Map<const Eigen::VectorXf>(records[i].mean.data(), Eigen::Index(records[i].mean.size())).cast<double>());
+      const Eigen::VectorXd run = grid.apply(records[i].history());
       const Eigen::VectorXd difference = run - fit.coefficients * x;
       const double promised = emulator.variance(x) + emulator.noise_ratio()[std::size_t(r.level)];
       r.distance = difference.norm() / run.norm();

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "forward/campaign/archive.hpp"
-#include "forward/campaign/journal.hpp"
 #include "forward/emulator/mesh_correction.hpp"
+#include "forward/runs/run_record.hpp"
 #include "inverse/calibration/calibration.hpp"
 #include "forward/surrogate/feasibility.hpp"
 #include "inverse/spe/surrogates.hpp"

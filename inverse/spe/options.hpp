@@ -24,12 +24,10 @@ struct SpeOptions {
   std::vector<double> lambdas{0.25, 0.5, 1, 2, 4};
   bool penalise_constant = false;
   double validation_fraction = 0.2;
-  int folds = 5;
   bool refit = true;
   int trials = 50;
   int iterations = 100;
   DgsOptions dgs;
-  double merge = 0.02;
   double bandwidth = 0.05;
   int candidates = 8;
   int refinements = 2;
@@ -61,12 +59,12 @@ struct SpeOptions {
        .least_size = 1});
     v("penalise_constant", penalise_constant, {.doc = "whether the constant term pays the penalty, as published"});
     v("validation_fraction", validation_fraction, {.range = between(0.05, 0.5), .doc = "share of the runs that is held out"});
-    v("folds", folds, {.range = between(2, 20), .doc = "of the cross-validation over the training runs"});
+    v.renamed("folds", "it is fixed: five folds of the training runs");
     v("refit", refit, {.doc = "fit again to all runs, held-out ones included, before the search (errors are those of the first fit)"});
     v("trials", trials, {.range = between(1, 10000), .doc = "searches of each surrogate from random starts"});
     v("iterations", iterations, {.range = between(1, 100000), .doc = "of a search"});
     v.table("dgs", dgs, "directional Gaussian smoothing");
-    v("merge", merge, {.range = between(0, 0.5), .doc = "ends of searches nearer than this, in units of the bounds, are one optimum of a surrogate"});
+    v.renamed("merge", "it is fixed: ends of searches within 2 % of the bounds are one optimum of a surrogate");
     v("bandwidth", bandwidth,
       {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "sd of the Gaussian that smooths the pooled optima, in units of the bounds"});
     v("candidates", candidates, {.range = between(1, 50), .doc = "modes, or optima where modes run out, that are re-run in the true model"});

@@ -16,6 +16,8 @@ namespace calomel {
 
 namespace {
 
+constexpr double one_optimum = 0.02;  ///< ends of searches nearer than this, in units of the bounds, are one optimum: well above where a search stops, well below the smoothing width
+
 struct Optimum {
   Eigen::VectorXd x;
   double f;
@@ -23,11 +25,11 @@ struct Optimum {
 };
 
 /// The distinct ends of searches, best first.
-std::vector<Optimum> distinct(std::vector<DgsTrial> trials, double merge) {
+std::vector<Optimum> distinct(std::vector<DgsTrial> trials) {
   std::stable_sort(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.f < b.f; });
   std::vector<Optimum> out;
   for (const auto& t : trials) {
-    const auto same = std::find_if(out.begin(), out.end(), [&](const auto& o) { return (o.x - t.x).cwiseAbs().maxCoeff() <= merge; });
+    const auto same = std::find_if(out.begin(), out.end(), [&](const auto& o) { return (o.x - t.x).cwiseAbs().maxCoeff() <= one_optimum; });
     if (same == out.end())
       out.push_back({t.x, t.f, 1});
     else
@@ -94,7 +96,7 @@ void search_round(SpeSummary& out, const Bounds& bounds, const Feasibility& feas
       RandomStream random(seed, i);
       const Eigen::MatrixXd starts = Eigen::MatrixXd::NullaryExpr(d, options.trials, [&] { return random.uniform(); });
       const BatchFunction function = [&](const Eigen::MatrixXd& units, std::span<double> values) { surrogate.expansion.evaluate(units, values); };
-      found[i] = distinct(minimise_dgs(function, starts, options.dgs, options.iterations, random()), options.merge);
+      found[i] = distinct(minimise_dgs(function, starts, options.dgs, options.iterations, random()));
       left_out[i] = std::erase_if(found[i], [&](const auto& o) { return !feasibility.feasible(box.theta(o.x)); });
     }
     const std::lock_guard guard(lock);

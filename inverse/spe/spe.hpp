@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "forward/campaign/archive.hpp"
-#include "forward/campaign/journal.hpp"
+#include "forward/runs/run_record.hpp"
 #include "inverse/calibration/calibration.hpp"
 #include "inverse/spe/modes.hpp"
 #include "inverse/spe/surrogates.hpp"

@@ -17,18 +17,20 @@ namespace calomel {
 
 namespace {
 
+constexpr int folds = 5;  ///< of the cross-validation over the training runs, the usual number
+
 PolynomialFit fit_over(const Eigen::VectorXd& predicted, const ScatteredData& data, const std::vector<std::size_t>& rows, const std::string& transform) {
-  double errors = 0, norm = 0, mean = 0, spread = 0;
+  double errors = 0, norm = 0, mean = 0, total = 0;
   for (const auto i : rows) mean += restored(transform, data.values[Eigen::Index(i)]) / double(rows.size());
   for (const auto i : rows) {
     const double actual = restored(transform, data.values[Eigen::Index(i)]), error = restored(transform, predicted[Eigen::Index(i)]) - actual;
-    errors += error * error, norm += actual * actual, spread += (actual - mean) * (actual - mean);
+    errors += error * error, norm += actual * actual, total += (actual - mean) * (actual - mean);
   }
-  return {std::sqrt(errors / norm), spread > 0 ? 1 - errors / spread : std::numeric_limits<double>::quiet_NaN()};
+  return {std::sqrt(errors / norm), total > 0 ? 1 - errors / total : std::numeric_limits<double>::quiet_NaN()};
 }
 
 Eigen::MatrixXi degrees_of(const PolynomialSpace& space, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed) {
-  return space.kind == adaptive_kind ? adaptive_degrees(data, space.order, std::size_t(options.most_terms), options.penalise_constant, options.folds, seed)
+  return space.kind == adaptive_kind ? adaptive_degrees(data, space.order, std::size_t(options.most_terms), options.penalise_constant, folds, seed)
                                      : space.degrees(std::size_t(data.units.rows()));
 }
 
@@ -42,7 +44,7 @@ std::vector<SparsePolynomial> fit_space(SpaceChoice& choice, const ScatteredData
 
   // 1. Which lambda the held-out runs and the folds of the training runs prefer.
   choice.validation = system.by_validation();
-  choice.cross_validation = system.by_cross_validation(options.folds, seed);
+  choice.cross_validation = system.by_cross_validation(folds, seed);
 
   // 2. The surrogates, from the largest lambda down.
   const auto& scale = options.lambda_scale;

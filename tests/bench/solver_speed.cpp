@@ -82,16 +82,16 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, const
         s.end = s.output_interval;
         const double first = solver.solve(s, {}, o).wall_seconds;
         s.end = s.output_interval * std::max(1.0, std::floor(seconds / std::max(first, 1e-6)));
-        Rate best, booked;
+        Rate best, balanced;
         for (int repeat = 0; repeat < 3; ++repeat) best.add(solver.solve(s, {}, o), threads);
-        if (!runs) o.booking = true, booked.add(solver.solve(s, {}, o), threads);
+        if (!runs) o.energy_balance = true, balanced.add(solver.solve(s, {}, o), threads);
         const std::size_t real = *precision == 's' ? 4 : 8, t = std::size_t(threads) - 1;
         const MeshWork work = mesh_work(mesh, real, runs);
         const auto& peaks = (real == 4 ? machine.single : machine.twice)[t];
         const int width = vector_bytes(kernels<float>().name, real, runs);
         fmt::print("  {:6}  {} thread{}  {:19} {:6.1f} M/s by the clock, {:6.1f} by processor time{}\n", precision, threads, threads > 1 ? "s" : " ",
                    runs ? "8 runs in the lanes" : "one run", best.wall / 1e6, best.processor / 1e6,
-                   runs ? "" : fmt::format(" (booked {:5.1f}, {:5.1f})", booked.wall / 1e6, booked.processor / 1e6));
+                   runs ? "" : fmt::format(" (with energy balance {:5.1f}, {:5.1f})", balanced.wall / 1e6, balanced.processor / 1e6));
         const double rate = best.wall * work.flops / 1e9;
         fmt::print("          {:.0f} flops, {:.0f} B, {:.2f} flops/B: {:.1f} GFLOP/s, {:.0f} % of {:.0f} with vectors of {} bytes, {:.0f} % of {:.0f} with {}; {:.0f} % of {:.0f} GB/s\n", work.flops,
                    work.bytes, work.flops / work.bytes, rate, 100 * rate / peaks.at(width), peaks.at(width), width, 100 * rate / peaks.rbegin()->second, peaks.rbegin()->second,

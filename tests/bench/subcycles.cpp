@@ -84,9 +84,9 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
     const Result& r = results[i];
     double balance = std::nan("");
     if (!lanes) {
-      SolveOptions booked = options;
-      booked.booking = true, booked.subcycles = allowed[i];
-      balance = solver.solve(setup, rows, booked).energy_balance_error;
+      SolveOptions balanced = options;
+      balanced.energy_balance = true, balanced.subcycles = allowed[i];
+      balance = solver.solve(setup, rows, balanced).energy_balance_error;
     }
     const double seconds = median(r.seconds), rate = double(model.mesh().elements.size() * runs) * double(r.last.steps) / seconds / 1e6;
     const auto d = differences(r.mean, results[0].mean, r.last.times.size());

@@ -102,7 +102,7 @@ def table(args):
 def precision(args):
     print("| | single against double, mean over gauges [%] | worst gauge [%] | processor time single / double |\n|---|---|---|---|")
     for title, name, words in (("one run", "one", ["simulate"]), ("mean of 8", "mean", ["simulate", "--mean"])):
-        runs = [Measured(args, f"precision_{name}_{p}", words + setting([("solver.precision", p), ("solver.booking", "false")])) for p in ("single", "double")]
+        runs = [Measured(args, f"precision_{name}_{p}", words + setting([("solver.precision", p), ("solver.energy_balance", "false")])) for p in ("single", "double")]
         a, b = change(runs[0].strain(), runs[1].strain())
         print(f"| {title} | {a:.3g} | {b:.3g} | {runs[0].usage['processor_s'] / runs[1].usage['processor_s']:.2f} |", flush=True)
 

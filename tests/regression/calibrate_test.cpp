@@ -46,7 +46,7 @@ TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
   EXPECT_EQ(map["scores_on"], "the finest mesh of the emulator");
   EXPECT_FALSE(map["provenance"]["inputs"].contains("floor.json"));
   EXPECT_EQ(map["parameters"].size(), 1u);
-  EXPECT_TRUE(map["screening"]["mechanisms"].is_array());
+  EXPECT_TRUE(map["score_tests"]["mechanisms"].is_array());
   EXPECT_NEAR(map["emulator"]["theta"]["density"].get<double>(), map["theta"]["density"].get<double>(), 1e-6);
   EXPECT_THAT(run(dir, words).said, HasSubstr("map: reused"));
 
@@ -58,7 +58,7 @@ TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
   // A larger model, whose beam the records know nothing of, on the runs of both.
   const std::string larger = with(calomel::read_text(dir / "case.toml"), "[campaign]", "[parameter.beam]\nkey = \"mechanism.beam_profile.offset_z\"\nmin = -0.004\nmax = 0.004\nnominal = 0\n[mechanism.beam_profile]\nenabled = true\n[campaign]");
   std::ofstream(dir / "larger.toml") << larger;
-  const auto compared = run(dir, "calibrate larger.toml --out b --method map --set map.compare_with=a --set map.screen=false" + settings);
+  const auto compared = run(dir, "calibrate larger.toml --out b --method map --set map.compare_with=a --set map.score_tests=false" + settings);
   ASSERT_TRUE(compared.status == 0 || compared.status == 4) << compared.said;
   const Json nested = read_json(dir / "b" / "map.json")["nested_model"];
   EXPECT_EQ(nested["added"], Json::parse(R"(["beam"])"));

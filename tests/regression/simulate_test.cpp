@@ -148,16 +148,16 @@ TEST(Simulate, TheFieldsAreGoneOnWithOrTheRunBeginsAnew) {
   EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint.old-1"));
 }
 
-// The greatest stress and the time at the cutoff are told where they are, and only of runs that were booked.
+// The greatest stress and the time at the cutoff are told where they are, and only of runs with an energy balance.
 TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   const auto dir = folder();
   const std::string coarse = "simulate case.toml --fields --set geometry.element_size=0.001 --set time.end=4e-5 --set fields.interval=1e-6";
-  ASSERT_EQ(run(dir, coarse + " --out booked").status, 0);
-  const auto json = calomel::read_json(dir / "booked" / "simulate.json");
+  ASSERT_EQ(run(dir, coarse + " --out balance").status, 0);
+  const auto json = calomel::read_json(dir / "balance" / "simulate.json");
   const double greatest = json["greatest_wall_stress_Pa"];
   const auto at = json["greatest_wall_stress_at_m"].get<std::vector<double>>();
   ASSERT_EQ(at.size(), 3u);
-  const NetcdfReader fields(dir / "booked" / "fields.exo");
+  const NetcdfReader fields(dir / "balance" / "fields.exo");
   const auto times = fields.doubles("time_whole");
   ASSERT_EQ(times.size(), 41u);
 
@@ -196,7 +196,7 @@ TEST(Simulate, TellsTheGreatestWallStressAndTheTimeAtTheCutoff) {
   EXPECT_GT(double(held), 0.95 * double(grown));
   for (const double v : fields.doubles("vals_elem_var3eb1")) EXPECT_EQ(v, 0);
 
-  ASSERT_EQ(run(dir, coarse + " --out bare --set solver.booking=false").status, 0);
+  ASSERT_EQ(run(dir, coarse + " --out bare --set solver.energy_balance=false").status, 0);
   const auto bare = calomel::read_json(dir / "bare" / "simulate.json");
   EXPECT_TRUE(bare["energy_balance_error"].is_null());
   EXPECT_FALSE(bare.contains("greatest_wall_stress_Pa"));

@@ -25,7 +25,7 @@ struct HeatedBox {
   }
   [[nodiscard]] SolveSummary run(double safety = 0.95) const {
     SolveOptions o;
-    o.booking = true, o.time_step_safety = safety;
+    o.energy_balance = true, o.time_step_safety = safety;
     return ExplicitSolver(mesh, steel()).solve(setup, {}, o);
   }
   Mesh mesh;
@@ -58,8 +58,8 @@ TEST(Energy, SuddenHeatIsTheEnergyOfItsPressure) {
   EXPECT_GT(std::abs(box.run().energy_in / expected - 1), 0.02);
 }
 
-// What viscosity takes and what leaves through the rear is booked; without either entry the balance would fail.
-TEST(Energy, DissipationAndRadiationAreBooked) {
+// What viscosity takes and what leaves through the rear is counted; without either entry the balance would fail.
+TEST(Energy, DissipationAndRadiationAreCounted) {
   HeatedBox box("non_reflecting");
   box.setup.liquid.viscosity = 2000;
   box.setup.hourglass = 0;

@@ -101,7 +101,7 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
 
   std::vector<ChainRecord> records(chains);
   std::optional<FrameFile> journal;
-  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 1", run.provenance, [&](std::string_view payload) { take_frame(payload, records); });
+  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 1", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
   SamplerResult result;
   for (const auto& r : records) result.summary.resumed += r.transitions;
 

@@ -171,24 +171,24 @@ TEST(ReportTables, CaptionsTellWhichMeshEverySimulationIsOn) {
 }
 
 TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
-  const auto dir = two_methods("rivals");
-  EXPECT_TRUE(rival_table(read_study(dir)).empty());
+  const auto dir = two_methods("optimizers");
+  EXPECT_TRUE(optimizer_agreement_table(read_study(dir)).empty());
   EXPECT_TRUE(formulation_table(read_study(dir), input()).empty());
   Json enc = read_json(dir / "enc.json");
-  const auto rival = [](const char* name, double best) {
+  const auto of = [](const char* name, double best) {
     return Json{{"name", name}, {"rounds", 4}, {"mean", best - 1}, {"sd", 0.5}, {"best", best}, {"shortfall", 66 - best}, {"distance", 0.01}, {"share_of_rounds", 0.75}};
   };
   const auto formulation = [&](const char* name, double accuracy) {
     return Json{{"name", name}, {"theta", enc["theta"]}, {"distance", 0.2}, {"accuracy", accuracy}, {"mae", 17.0}, {"objectives_model", {{"paper_enc", accuracy - 17}, {"rrmse", 0.25}}}};
   };
-  enc["agreement"] = {{"sentence", "The optimisers agree."}, {"optimizers", {rival("de", 66), rival("gradient", 65)}},
+  enc["agreement"] = {{"sentence", "The optimisers agree."}, {"optimizers", {of("de", 66), of("gradient", 65)}},
                       {"objectives", {formulation("paper_enc", 80), formulation("rrmse", 70)}}};
   write_json(dir / "enc.json", enc);
   const Study study = read_study(dir);
-  const Table rivals = rival_table(study), formulations = formulation_table(study, input());
-  ASSERT_EQ(rivals.rows.size(), 2u);
-  EXPECT_EQ(std::get<double>(rivals.rows[1][5].value), 1);
-  EXPECT_EQ(rivals.note, "The optimisers agree.");
+  const Table optimizers = optimizer_agreement_table(study), formulations = formulation_table(study, input());
+  ASSERT_EQ(optimizers.rows.size(), 2u);
+  EXPECT_EQ(std::get<double>(optimizers.rows[1][5].value), 1);
+  EXPECT_EQ(optimizers.note, "The optimisers agree.");
   ASSERT_EQ(formulations.rows.size(), 2u);
   for (const auto& row : formulations.rows) ASSERT_EQ(row.size(), formulations.columns.size());
   EXPECT_EQ(formulations.columns.back().key, "value_rrmse");

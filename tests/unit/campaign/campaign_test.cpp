@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include "base/artefact.hpp"
@@ -69,8 +70,16 @@ Provenance provenance_of(const CampaignOptions& o, std::uint64_t seed = 1) {
   return {.stage = "campaign", .options = {{"campaign", identity_options(o)}, {"load", {{"peak_pressure", 1e7}}}}, .seed = seed};
 }
 
+/// The campaign of `o` on the runs of DIR/runs.journal.
+CampaignSummary run(const ForwardModel& model, const std::filesystem::path& dir, const CampaignOptions& o, int threads, const Provenance& provenance,
+                    const CampaignProgress& progress = {}, const std::atomic<bool>* stop = nullptr) {
+  std::optional<RunStore> store;
+  const auto held = [&]() -> RunStore& { return store.emplace(Provenance{.stage = "runs", .options = {{"load", provenance.options.at("load")}}}, dir / "runs.journal"); };
+  return run_campaign(model, o, provenance.seed, threads, provenance, dir, held, progress, stop);
+}
+
 CampaignSummary run(const ForwardModel& model, const std::filesystem::path& dir, const CampaignOptions& o = small(), int threads = 2) {
-  return run_campaign(model, o, 1, threads, provenance_of(o), dir);
+  return run(model, dir, o, threads, provenance_of(o));
 }
 
 /// Every variable of campaign.nc as bytes (NaN included).
@@ -96,7 +105,6 @@ TEST(Campaign, WritesWhatTheModelGivesAndRecordsEveryFailureWithItsReason) {
   EXPECT_EQ(summary.completed + summary.failed, 40u);
   EXPECT_EQ(summary.reused, 0u);
   EXPECT_EQ(model.calls, 40);
-  EXPECT_FALSE(std::filesystem::exists(dir / "campaign.journal"));
 
   const Archive archive = read_archive(dir / "campaign.nc");
   ASSERT_EQ(archive.runs(), 40u);
@@ -200,7 +208,8 @@ TEST(Campaign, OtherSettingsAreRefusedByNameAndNothingIsLost) {
   other.options["load"]["peak_pressure"] = 2e7;
   const auto message = [&](const CampaignOptions& options, std::uint64_t seed, const Provenance& p) -> std::string {
     try {
-      (void)run_campaign(Ringing(), options, seed, 1, p, dir);
+      EXPECT_EQ(p.seed, seed);
+      (void)run(Ringing(), dir, options, 1, p);
     } catch (const InputError& e) {
       return e.what();
     }
@@ -212,9 +221,8 @@ TEST(Campaign, OtherSettingsAreRefusedByNameAndNothingIsLost) {
   EXPECT_THAT(message(o, 1, provenance_of(o)), HasSubstr("changed: campaign.design;"));
   EXPECT_EQ(read_text(dir / "campaign.nc"), before);
   EXPECT_EQ(read_text(dir / "campaign.json"), json);
-  EXPECT_FALSE(std::filesystem::exists(dir / "campaign.journal"));
 
-  set_campaign_aside(dir, provenance_of(o));  // --fresh
+  set_campaign_aside(dir);  // --fresh
   EXPECT_EQ(run(Ringing(), dir, o).reused, 0u);
   EXPECT_EQ(read_text(dir / "campaign.nc.old-1"), before);
 }
@@ -225,7 +233,7 @@ TEST(Campaign, TheStopFlagEndsItAfterTheRunsInProgressAndASecondCallResumes) {
   Ringing model(1, std::chrono::microseconds(100));
   model.stop_at = 11;
   const auto o = small();
-  EXPECT_THROW((void)run_campaign(model, o, 1, 2, provenance_of(o), dir, {}, &model.stop), Interrupted);
+  EXPECT_THROW((void)run(model, dir, o, 2, provenance_of(o), {}, &model.stop), Interrupted);
   EXPECT_THAT(model.calls, testing::AllOf(testing::Ge(11), testing::Le(13)));
   EXPECT_FALSE(std::filesystem::exists(dir / "campaign.nc"));
   const Ringing second;
@@ -235,19 +243,41 @@ TEST(Campaign, TheStopFlagEndsItAfterTheRunsInProgressAndASecondCallResumes) {
   EXPECT_EQ(arrays(dir), arrays(whole));
 }
 
-TEST(Campaign, AFreshStartSetsTheJournalOfOtherSettingsAsideAndResumesItsOwn) {
-  const auto dir = scratch("campaign_fresh");
-  const auto o = small(), other = small(30);
+TEST(Campaign, OneOfAnotherDesignTakesTheRunsThatStand) {
+  const auto dir = scratch("campaign_larger"), whole = scratch("campaign_larger_whole");
+  auto o = small(16);
+  o.design = "sobol";  // whose first points are those of a longer one
+  const auto first = run(Ringing(), dir, o);
+  EXPECT_EQ(first.reused, 0u);
+  o.runs = 40;
+  set_campaign_aside(dir);
+  const Ringing model;
+  const auto larger = run(model, dir, o);
+  EXPECT_EQ(larger.reused, 16u);
+  EXPECT_EQ(model.calls, 24);
+  (void)run(Ringing(), whole, o);
+  EXPECT_EQ(arrays(dir), arrays(whole));
+  // Runs without their pulses do not serve one that keeps them.
+  o.keep_pulses = !o.keep_pulses;
+  set_campaign_aside(dir);
+  EXPECT_EQ(run(Ringing(), dir, o).reused, 0u);
+}
+
+TEST(Campaign, RunsOfAnotherCaseAreRefusedByName) {
+  const auto dir = scratch("campaign_other_case");
+  const auto o = small();
   Ringing model;
   model.stop_at = 11;
-  EXPECT_THROW((void)run_campaign(model, o, 1, 1, provenance_of(o), dir, {}, &model.stop), Interrupted);
-  const auto journal = read_text(dir / "campaign.journal");
-  EXPECT_THROW((void)run(Ringing(), dir, other), InputError);
-  set_campaign_aside(dir, provenance_of(o));
-  EXPECT_EQ(read_text(dir / "campaign.journal"), journal);
-  set_campaign_aside(dir, provenance_of(other));
-  EXPECT_EQ(read_text(dir / "campaign.journal.old-1"), journal);
-  EXPECT_EQ(run(Ringing(), dir, other).reused, 0u);
+  EXPECT_THROW((void)run(model, dir, o, 1, provenance_of(o), {}, &model.stop), Interrupted);
+  auto other = provenance_of(o);
+  other.options["load"]["peak_pressure"] = 2e7;
+  try {
+    (void)run(Ringing(), dir, o, 1, other);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("load.peak_pressure"));
+  }
+  EXPECT_EQ(run(Ringing(), dir, o).reused, std::size_t(model.calls));
 }
 
 TEST(Campaign, ProgressCountsEveryRunOnce) {
@@ -255,7 +285,7 @@ TEST(Campaign, ProgressCountsEveryRunOnce) {
   std::vector<std::size_t> seen;
   std::size_t failures = 0;
   const auto summary =
-      run_campaign(Ringing(), o, 1, 3, provenance_of(o), scratch("campaign_progress"), [&](std::size_t n, std::size_t failed, std::size_t runs) {
+      run(Ringing(), scratch("campaign_progress"), o, 3, provenance_of(o), [&](std::size_t n, std::size_t failed, std::size_t runs) {
         EXPECT_EQ(runs, 40u);
         seen.push_back(n), failures = failed;
       });
@@ -270,14 +300,14 @@ TEST(Campaign, AJournalCutAtRandomBytesResumesToTheSameBytes) {
   const auto o = small();
   Ringing stopped;
   stopped.stop_at = 30;
-  EXPECT_THROW((void)run_campaign(stopped, o, 1, 2, provenance_of(o), dir, {}, &stopped.stop), Interrupted);
-  const auto journal = read_text(dir / "campaign.journal");
+  EXPECT_THROW((void)run(stopped, dir, o, 2, provenance_of(o), {}, &stopped.stop), Interrupted);
+  const auto journal = read_text(dir / "runs.journal");
   RandomStream random(7, 0);
   for (int trial = 0; trial < 25; ++trial) {
     for (const auto& entry : std::filesystem::directory_iterator(dir)) std::filesystem::remove(entry);
     auto torn = journal.substr(0, random.below(journal.size() + 1));
     if (trial % 3 == 0 && torn.size() > 2000) torn[torn.size() - 1 - random.below(1000)] ^= 0x40;  // and a damaged end
-    std::ofstream(dir / "campaign.journal", std::ios::binary) << torn;
+    std::ofstream(dir / "runs.journal", std::ios::binary) << torn;
     const auto summary = run(Ringing(), dir);
     EXPECT_LE(summary.reused, 31u);
     ASSERT_EQ(read_text(dir / "campaign.nc"), read_text(whole / "campaign.nc")) << trial;
@@ -316,7 +346,6 @@ TEST(Campaign, KilledAtRandomInstantsResumesToTheSameBytes) {
     }
     (void)run(Ringing(), dir);
     ASSERT_EQ(read_text(dir / "campaign.nc"), read_text(whole / "campaign.nc")) << round;
-    EXPECT_FALSE(std::filesystem::exists(dir / "campaign.journal"));
   }
   EXPECT_GT(killed, 10);
 }

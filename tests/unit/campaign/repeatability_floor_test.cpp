@@ -47,7 +47,8 @@ CampaignSummary run(const std::filesystem::path& dir, const FloorSource& floor) 
   CampaignOptions o;
   o.runs = 5, o.pulses = 1;
   const Provenance provenance{.stage = "campaign", .options = {{"campaign", identity_options(o)}}};
-  return run_campaign(Line(), o, 1, 1, provenance, dir, {}, nullptr, floor);
+  RunStore store({.stage = "runs"}, dir / "runs.journal");
+  return run_campaign(Line(), o, 1, 1, provenance, dir, [&]() -> RunStore& { return store; }, {}, nullptr, floor);
 }
 
 }  // namespace

@@ -192,7 +192,7 @@ TEST(BuiltInModel, ParametersOfTheSteelAndTheGeometryMakeTheirOwnModel) {
 TEST(BuiltInModel, SimulateIsTheRunAtEnergyOne) {
   const BuiltInModel model(small_case(), {.pulses = 1});
   SolveOptions o;
-  o.booking = true;
+  o.energy_balance = true;
   const auto s = model.simulate(o);
   EXPECT_LT(difference(s.strain, model.evaluate({}).mean), 1e-9);
   EXPECT_LT(s.summary.energy_balance_error, 1e-3);

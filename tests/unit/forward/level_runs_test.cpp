@@ -26,9 +26,8 @@ Eigen::VectorXd mean_of(const std::string& more) {
 std::vector<MechanismDirections> of_case(const std::string& more) {
   CaseFile file = CaseFile::from_text(small_case_text(more));
   static int number = 0;  // a store of its own for each case
-  const auto folder = scratch_file("runs" + std::to_string(++number));
-  std::filesystem::create_directories(folder);
-  RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, folder);
+  const auto path = scratch_file("runs" + std::to_string(++number));
+  RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, path);
   const ForwardCase c = ForwardCase::read(file);
   return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).mechanisms({}, 2);
 }

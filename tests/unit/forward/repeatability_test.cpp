@@ -126,18 +126,19 @@ TEST(Floor, StoppedItGoesOnFromItsJournalToTheSameNumbers) {
   std::atomic<bool> stop{false};
   std::size_t before = 0, after = 0;
   {
-    Journal journal(path, provenance);
+    RunStore store(provenance, path);
     EXPECT_THROW((void)measure_floor(small_case(), {}, beside(), 7, 1,
-                                     {.journal = &journal,
+                                     {.store = &store,
                                       .progress = [&](std::size_t done, std::size_t) { before = done, stop = done == 4; },
                                       .stop = &stop}),
                  Interrupted);
   }
   EXPECT_EQ(before, 4u);
-  Journal journal(path, provenance);
-  EXPECT_EQ(journal.size(), 4u);
-  const auto resumed = measure_floor(small_case(), {}, beside(), 7, 2, {.journal = &journal, .progress = [&](std::size_t, std::size_t total) { after = total; }});
-  EXPECT_EQ(journal.size(), after);
+  RunStore store(provenance, path);
+  EXPECT_EQ(store.size(), 4u);
+  const auto resumed = measure_floor(small_case(), {}, beside(), 7, 2, {.store = &store, .progress = [&](std::size_t, std::size_t total) { after = total; }});
+  EXPECT_EQ(store.size(), after);
   EXPECT_EQ(floor_json(resumed), floor_json(whole));
-  journal.remove();
+  store.remove();
+  EXPECT_FALSE(std::filesystem::exists(path));
 }

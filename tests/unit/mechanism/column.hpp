@@ -35,7 +35,7 @@ inline Decay decay(const Mesh& mesh, RunSetup s, double k, double w, int periods
   ObservationRow row;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) row.nodes.push_back(NodeId(n)), row.weights.push_back({std::cos(k * mesh.nodes[n][0]), 0, 0});
   SolveOptions o;
-  o.booking = true;
+  o.energy_balance = true;
   const auto out = ExplicitSolver(mesh, s.steel).solve(s, std::vector<ObservationRow>{row}, o);
   const auto a = row_of(out, 0);
   const auto amplitude = [&](std::size_t i) { return std::hypot(a[i], a[i + 1]); };

@@ -29,8 +29,8 @@ TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
     }
 }
 
-// In a target: only the steel is damped, and what is lost is booked.
-TEST(StructuralDamping, ABoxLosesEnergyThatIsBooked) {
+// In a target: only the steel is damped, and what is lost is counted.
+TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.03, g.wall = 0.003, g.plane_strain = true, g.rear = "wall", g.element_size = 0.0015;
   const Mesh mesh = make_mesh(g);
@@ -40,7 +40,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsBooked) {
   for (const double v : heating_shape(mesh, profile).element) s.p0.push_back(25e6 * v);
   s.pulse_length = 0.7e-6;
   SolveOptions o;
-  o.booking = true;
+  o.energy_balance = true;
   const ExplicitSolver solver(mesh, steel());
   EXPECT_EQ(solver.solve(s, {}, o).dissipated, 0);
   const auto entry = structural_damping();
@@ -52,7 +52,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsBooked) {
     measured(std::string(key) + "_balance", out.energy_balance_error);
     EXPECT_GT(out.dissipated, 1e-3 * out.energy_in);
     EXPECT_LT(out.energy_balance_error, 1e-3);
-    for (const int threads : {2, 3}) {  // the books are the same bits too
+    for (const int threads : {2, 3}) {  // the energy balance has the same bits too
       SolveOptions several = o;
       several.threads = threads;
       const auto again = solver.solve(damped, {}, several);

@@ -44,9 +44,9 @@ struct Stopped {
   }
   ~Stopped() { std::filesystem::remove(path); }
 
-  [[nodiscard]] SolveOptions options(const std::string& precision, bool booking) const {
+  [[nodiscard]] SolveOptions options(const std::string& precision, bool energy_balance) const {
     SolveOptions o;
-    o.precision = precision, o.booking = booking, o.subcycles = subcycles;
+    o.precision = precision, o.energy_balance = energy_balance, o.subcycles = subcycles;
     o.checkpoint = {.path = path, .every_seconds = 0, .identity = "this run", .before_saving = {}, .on_resume = {}};
     return o;
   }

@@ -63,20 +63,20 @@ TEST(LiquidLaw, RiemersThroughTheSeamGivesTheBaseHistories) {
     for (const char* kinematics : {"small", "finite"})
       for (const char* precision : {"double", "single"})
         for (const std::size_t runs : {1, 3})
-          for (const bool booking : {false, true}) {
-            if (booking && runs > 1) continue;
+          for (const bool energy_balance : {false, true}) {
+            if (energy_balance && runs > 1) continue;
             RunSetup s = heated(mesh, 1.2e-5);
             if (runs > 1) s.energies = {0.9, 1.0, 1.1};
             SolveOptions o;
-            o.kinematics = kinematics, o.precision = precision, o.booking = booking;
+            o.kinematics = kinematics, o.precision = precision, o.energy_balance = energy_balance;
             const std::vector<ObservationRow> rows{component(nearest(mesh, {0.016, 0.006, 0.012}), 0), component(nearest(mesh, {0.008, 0, 0.008}), 2)};
             const auto base = solver.solve(s, rows, o);
             s.liquid_law = std::make_shared<RiemerAgain>(s.liquid);
             const auto seam = solver.solve(s, rows, o);
-            const std::string name = std::string(distorted ? "general_" : "parallelepiped_") + kinematics + '_' + precision + '_' + std::to_string(runs) + (booking ? "_booked" : "");
+            const std::string name = std::string(distorted ? "general_" : "parallelepiped_") + kinematics + '_' + precision + '_' + std::to_string(runs) + (energy_balance ? "_balance" : "");
             measured(name, greatest_difference(base, seam));
             EXPECT_LT(greatest_difference(base, seam), *precision == 'd' ? 1e-10 : 1e-4) << name;
-            if (booking && *precision == 'd') {
+            if (energy_balance && *precision == 'd') {
               measured(name + "_balance", seam.energy_balance_error);
               EXPECT_LT(seam.energy_balance_error, 2 * base.energy_balance_error + 1e-6) << name;
             }
@@ -238,7 +238,7 @@ TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
   const double expected = low, linear = std::sqrt(2 * energy / s.liquid.bulk_modulus);
   const auto greatest_compression = [&](const RunSetup& setup) {
     SolveOptions o;
-    o.time_step_safety = 0.03, o.every_step = true, o.booking = true;
+    o.time_step_safety = 0.03, o.every_step = true, o.energy_balance = true;
     const auto out = solver.solve(setup, std::vector<ObservationRow>{component(nearest(mesh, {h, 0, 0}), 0)}, o);
     EXPECT_LT(out.energy_balance_error, 1e-9);
     EXPECT_LE(out.time_step, 0.03 * 2 / std::sqrt(2 * setup.liquid_stiffness() / setup.liquid_density) * h * (1 + 1e-9));

@@ -77,7 +77,7 @@ TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
           s.thermal_strain.assign(mesh.elements.size(), a), s.pulse_length = 2e-6;
           if (runs == 2) s.energies = {0.8, 1.1};
           SolveOptions o;
-          o.kinematics = kinematics, o.precision = precision, o.booking = runs == 1;
+          o.kinematics = kinematics, o.precision = precision, o.energy_balance = runs == 1;
           const bool finite = *kinematics == 'f', twice = *precision == 'd';
           std::vector<Vec3> stretch;
           for (const double energy : s.energies) stretch.push_back(Vec3{1, 1, 1}), stretch.back().fill(finite ? std::sqrt(1 + 2 * a * energy) - 1 : a * energy);
@@ -100,7 +100,7 @@ TEST(ThermalStrain, AHeldBarComesUnderPressure) {
     RunSetup s = linear_setup(4e-6, 4e-6);
     s.thermal_strain.assign(mesh.elements.size(), a), s.pulse_length = pulse;
     SolveOptions o;
-    o.booking = true;
+    o.energy_balance = true;
     const Settled held = settle(mesh, s, o, {Vec3{}});
     EXPECT_LT(held.worst, 1e-12 * a * 0.012);
     EXPECT_NEAR(held.pressure, pressure, 1e-9 * pressure);
@@ -120,7 +120,7 @@ TEST(ThermalStrain, EnergyIsKept) {
         for (std::size_t e = 0; e < mesh.elements.size(); ++e) s.thermal_strain.push_back(1e-4 * std::exp(-double(e % 6)));
         if (stressed) s.initial_stress.assign(mesh.elements.size(), {30e6, -10e6, 20e6, 5e6, -3e6, 8e6});
         SolveOptions o;
-        o.booking = true, o.kinematics = kinematics;
+        o.energy_balance = true, o.kinematics = kinematics;
         const auto out = ExplicitSolver(mesh, steel()).solve(s, {}, o);
         measured("balance", out.energy_balance_error);
         EXPECT_LT(out.energy_balance_error, *kinematics == 'f' ? 1e-3 : 1e-9) << distorted << stressed;
@@ -128,7 +128,7 @@ TEST(ThermalStrain, EnergyIsKept) {
       }
 }
 
-// A bar that is heated at once moves as one that is let go from -alpha dT x without heat: the same is dissipated by damping of the steel, which is booked apart.
+// A bar that is heated at once moves as one that is let go from -alpha dT x without heat: the same is dissipated by damping of the steel, which is counted apart.
 TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
   const double a = 1e-4;
   for (const bool distorted : {false, true}) {
@@ -138,7 +138,7 @@ TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
     heated.thermal_strain.assign(mesh.elements.size(), a);
     cold.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{-a * x[0], -a * x[1], -a * x[2]}; });
     SolveOptions o;
-    o.booking = true;
+    o.energy_balance = true;
     const std::vector<ObservationRow> rows{component(nearest(mesh, {0.012, 0.006, 0.006}), 0)};
     const ExplicitSolver solver(mesh, steel());
     const auto hot = solver.solve(heated, rows, o), let_go = solver.solve(cold, rows, o);
@@ -166,7 +166,7 @@ TEST(InitialStress, AFreeBarGivesWayToItAndAHeldOneStays) {
       RunSetup s = settling();
       s.initial_stress.assign(mesh.elements.size(), sigma), s.energies.assign(runs, 1.0);
       SolveOptions o;
-      o.booking = runs == 1;
+      o.energy_balance = runs == 1;
       const Settled free = settle(mesh, s, o, std::vector<Vec3>(runs, stretch)), held = settle(fixed, s, o, std::vector<Vec3>(runs, Vec3{}));
       EXPECT_LT(free.worst, 1e-7 * std::abs(stretch[0]) * 0.012);
       EXPECT_LT(free.stress, 1e-6 * mises);
@@ -229,7 +229,7 @@ TEST(InitialStress, TensionBeforeTheRunStopsAtTheCutoff) {
     s.liquid.tensile_cutoff = cutoff;
     s.initial_stress.assign(mesh.elements.size(), {4e5, 4e5, 4e5, 0, 0, 0});
     SolveOptions o;
-    o.field_interval = 1e-6, o.booking = true;
+    o.field_interval = 1e-6, o.energy_balance = true;
     o.on_field = [&](const FieldSnapshot& f) {
       EXPECT_NEAR(f.pressure[7], -std::min(cutoff, 4e5), 1e-6);
       EXPECT_NEAR(f.time_at_cutoff[7], std::isfinite(cutoff) ? f.time : 0, 1e-12);
@@ -342,7 +342,7 @@ TEST(OpeningFace, HoldsUpToItsStrength) {
   EXPECT_NEAR(fastest_held, pull / z_steel, 0.1 * pull / z_steel);
 }
 
-// Mercury meets the steel over a gap: momentum is kept, the face moves with Z_m v / (Z_m + Z_s), the impact does not bounce and its loss is booked; the
+// Mercury meets the steel over a gap: momentum is kept, the face moves with Z_m v / (Z_m + Z_s), the impact does not bounce and its loss is counted; the
 // steel is pushed and never pulled.
 TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   const WettedFace face;
@@ -351,7 +351,7 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   RunSetup s = face.moving(v, gap, 0, end);
   const std::vector<ObservationRow> rows{component(face.wall(), 0), face.moment(s, false), face.moment(s, true), component(face.mesh.slip[0].mercury, 0)};
   SolveOptions o;
-  o.booking = true, o.every_step = true;
+  o.energy_balance = true, o.every_step = true;
   const auto out = solver.solve(s, rows, o);
   const auto wall = row_of(out, 0), pushed = row_of(out, 1), all = row_of(out, 2), mercury = row_of(out, 3);
   const double dt = out.time_step;
@@ -400,7 +400,7 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
     s.slip_strength.clear(), s.wetted_cutoff = cutoff;
     SolveOptions o;
     o.precision = precision;
-    o.booking = true;
+    o.energy_balance = true;
     const auto out = solver.solve(s, rows, o);
     const auto wall = row_of(out, 0), mercury = row_of(out, 1);
     const auto rate = [&](const auto& u) { return (u[190] - u[60]) / (out.times[190] - out.times[60]); };
@@ -408,7 +408,7 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
     EXPECT_NEAR(rate(mercury), -v + cutoff / z_mercury, 0.01 * v) << precision;
     EXPECT_LT(out.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
     s.energies.assign(8, 1.0);  // lanes
-    o.booking = false;
+    o.energy_balance = false;
     const auto lanes = solver.solve(s, rows, o);
     EXPECT_NEAR(lanes.observations[190], wall[190], *precision == 'd' ? 1e-15 : 1e-9);
     // A face weaker than the mercury carries nothing once it is open.

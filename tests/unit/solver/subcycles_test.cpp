@@ -229,7 +229,7 @@ double balance_of_noise(const Mesh& mesh, const ExplicitSolver& solver, double v
   for (auto& v : s.initial_velocity)
     for (auto& c : v) c = random.uniform(-1e-3, 1e-3);
   SolveOptions o = options;
-  o.booking = true;
+  o.energy_balance = true;
   const auto out = solver.solve(s, {}, o);
   EXPECT_EQ(out.subcycles, options.subcycles);
   return out.energy_balance_error;
@@ -307,7 +307,7 @@ TEST(Subcycles, EnergySwingsButDoesNotDrift) {
       RunSetup s = heated(mesh, end);
       s.liquid.viscosity = 0, s.liquid.tensile_cutoff = std::numeric_limits<double>::infinity();
       SolveOptions o = cycled(m);
-      o.booking = true;
+      o.energy_balance = true;
       errors.push_back(solver.solve(s, {}, o).energy_balance_error);
       measured(fmt::format("balance_{}_until_{}", m, end), errors.back());
     }

@@ -9,7 +9,7 @@
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "forward/emulator/run_store.hpp"
+#include "forward/runs/run_store.hpp"
 #include "forward/emulator/infill.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "inverse/enc/enc.hpp"
@@ -172,37 +172,28 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
   o.zoom = 1, o.refinements = 1;
   const auto whole = [&](const MakeRuns& make_runs) { return run_spe(c.problem, c.archive, c.working, o, 1, 1, {}, make_runs, &correction); };
   const auto expected = whole({});
-  const auto directory = scratch("spe_resume");
+  const auto path = scratch("spe_resume") / "runs.journal";
   const Provenance provenance{.stage = "runs", .seed = 1};
   const auto from = [&](RunStore& store, std::atomic<bool>* stop) -> MakeRuns {
     return [&, stop](const Eigen::MatrixXd& thetas) {
       std::vector<RunPoint> points;
-      for (Eigen::Index i = 0; i < thetas.cols(); ++i) {
-        RunPoint p;
-        for (std::size_t k = 0; k < c.working.shape().parameters.size(); ++k) p[c.working.shape().parameters[k].name] = thetas(Eigen::Index(k), i);
-        points.push_back(std::move(p));
-      }
-      const auto evaluate = [&](const RunPoint& p) {
-        std::vector<double> theta;
-        for (const auto& q : c.working.shape().parameters) theta.push_back(p.at(q.name));
-        return evaluate_run(c.working, theta, false);
-      };
+      const auto& parameters = c.working.shape().parameters;
+      for (Eigen::Index i = 0; i < thetas.cols(); ++i) points.push_back(point_at(parameters, {thetas.col(i).data(), parameters.size()}));
+      const auto evaluate = [&](const RunPoint& p) { return evaluate_run(c.working, theta_at(parameters, p), false); };
       const auto told = [&](std::size_t, std::size_t) {
         if (stop) *stop = store.made() >= 20;
       };
-      std::vector<RunRecord> records;
-      for (auto& r : store.run(points, evaluate, 1, {}, told, stop)) records.push_back(std::move(r.record));
-      return records;
+      return store.run(points, evaluate, 1, {}, told, stop);
     };
   };
   std::size_t first = 0;
   {
     std::atomic<bool> stop = false;
-    RunStore added(provenance, directory);
+    RunStore added(provenance, path);
     EXPECT_THROW((void)whole(from(added, &stop)), Interrupted);
     first = added.made();
   }
-  RunStore added(provenance, directory);
+  RunStore added(provenance, path);
   const auto resumed = whole(from(added, nullptr));
   EXPECT_EQ(resumed.theta, expected.theta);
   EXPECT_EQ(resumed.calibrated, expected.calibrated);

@@ -7,7 +7,7 @@
 #include "base/json.hpp"
 #include "inverse/objective/batch_scorer.hpp"
 #include "inverse/enc/enc.hpp"
-#include "inverse/objective/objective_slope.hpp"
+#include "inverse/objective/objective_gradient.hpp"
 #include "tests/unit/inverse/oscillations.hpp"
 
 using namespace calomel;
@@ -54,24 +54,24 @@ struct Case {
 EncOptions small() {
   EncOptions o;
   o.rounds = 6, o.generations = 40, o.population = 30, o.candidates = 3, o.optimizers = {"de", "mfo"};
-  o.compare_optimizers = {"cmaes_restarts", "gradient"}, o.compare_objectives = {"rrmse", "paper_spe"}, o.compare_rounds = 3;
+  o.compare_optimizers = {"cmaes_restarts", "gradient"}, o.compare_objectives = {"rrmse", "paper_spe"};
   return o;
 }
 
 EncSummary run(const Case& c, const EncOptions& o) { return run_enc(c.problem, c.model, c.model, o, 1, 2); }
 
 double cost_at(const Case& c, const Objective& objective, const std::vector<double>& values, double width) {
-  return objective_slope(c.problem, objective, values, width).cost;
+  return objective_gradient(c.problem, objective, values, width).cost;
 }
 
 }  // namespace
 
-TEST(ObjectiveSlope, AgreesWithDifferences) {
+TEST(ObjectiveGradient, AgreesWithDifferences) {
   const Case c;
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   for (const char* name : {"paper_enc", "paper_spe", "rrmse"}) {
     const Objective& objective = objectives().get(name);
-    const auto slope = objective_slope(c.problem, objective, values, 0.3);
+    const auto slope = objective_gradient(c.problem, objective, values, 0.3);
     double largest = 0;
     for (const double w : slope.weights) largest = std::max(largest, std::abs(w));
     for (const std::size_t i : {7u, 60u, 233u, 300u, 471u, 599u}) {
@@ -86,11 +86,11 @@ TEST(ObjectiveSlope, AgreesWithDifferences) {
   }
 }
 
-TEST(ObjectiveSlope, OfTheWrongSignWouldNotPass) {  // the check above can fail
+TEST(ObjectiveGradient, OfTheWrongSignWouldNotPass) {  // the check above can fail
   const Case c;
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   const Objective& objective = objectives().get("paper_enc");
-  const auto slope = objective_slope(c.problem, objective, values, 0.3);
+  const auto slope = objective_gradient(c.problem, objective, values, 0.3);
   std::vector<double> down = values, up = values;
   for (std::size_t i = 0; i < values.size(); ++i) down[i] -= 1e-14 * slope.weights[i], up[i] += 1e-14 * slope.weights[i];
   const double here = cost_at(c, objective, values, 0.3);
@@ -98,7 +98,7 @@ TEST(ObjectiveSlope, OfTheWrongSignWouldNotPass) {  // the check above can fail
   EXPECT_GT(cost_at(c, objective, up, 0.3), here);
 }
 
-TEST(ObjectiveSlope, SharpensIntoTheObjectiveItself) {
+TEST(ObjectiveGradient, SharpensIntoTheObjectiveItself) {
   const Case c;
   const auto values = c.model.evaluate(std::vector<double>{12300, 1640, 2.1e4}).mean;
   for (const char* name : {"paper_enc", "paper_spe", "rrmse"}) {
@@ -175,7 +175,7 @@ TEST(EncAgreement, ObjectivesDisagreeWhereOneGaugeSaysWhatTheModelCannot) {
 TEST(EncAgreement, AnOptimiserThatIsCutShortDisagrees) {
   const Case c;
   EncOptions o = small();
-  o.compare_optimizers = {"es"}, o.compare_rounds = 1, o.generations = 1, o.population = 5;
+  o.compare_optimizers = {"es"}, o.generations = 1, o.population = 5;
   const auto a = run(c, o).agreement;
   EXPECT_FALSE(a.optimizers_agree);
   EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("optimisers disagree"), HasSubstr("worse")));

@@ -1,4 +1,4 @@
-#include "inverse/objective/objective_slope.hpp"
+#include "inverse/objective/objective_gradient.hpp"
 
 #include <array>
 #include <cmath>
@@ -77,8 +77,8 @@ void pull_to_model(const Problem& problem, const Observation& o, const std::vect
 
 }  // namespace
 
-ObjectiveSlope objective_slope(const Problem& problem, const Objective& objective, std::span<const double> values, double width) {
-  ObjectiveSlope out;
+ObjectiveGradient objective_gradient(const Problem& problem, const Objective& objective, std::span<const double> values, double width) {
+  ObjectiveGradient out;
   const double sign = objective.maximise ? -1 : 1;
   std::vector<Part> parts;
   Averages total{};
