@@ -1,8 +1,11 @@
-#include "apps/pipeline/stages.hpp"
+#include "apps/pipeline/campaign_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
-ExitStatus run_campaign_verb(const CommandLine& command) { return Stages(command).campaign(); }
+ExitStatus run_campaign_verb(const CommandLine& command) {
+  StageCall call(command);
+  return campaign_stage(call);
+}
 
 }  // namespace calomel

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/pipeline/study_case.hpp"
+#include "apps/inputs/study_case.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/surrogate/emulator.hpp"
 #include "inverse/objective/objective.hpp"

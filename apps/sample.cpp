@@ -1,8 +1,11 @@
-#include "apps/pipeline/stages.hpp"
+#include "apps/pipeline/sample_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
-ExitStatus run_sample(const CommandLine& command) { return Stages(command).sample(); }
+ExitStatus run_sample(const CommandLine& command) {
+  StageCall call(command);
+  return sample_stage(call);
+}
 
 }  // namespace calomel

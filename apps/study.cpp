@@ -1,18 +1,24 @@
-#include "apps/pipeline/stages.hpp"
+#include "apps/pipeline/calibrate_stage.hpp"
+#include "apps/pipeline/campaign_stage.hpp"
+#include "apps/pipeline/report_stage.hpp"
+#include "apps/pipeline/sample_stage.hpp"
+#include "apps/pipeline/simulate_stage.hpp"
+#include "apps/pipeline/train_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
 ExitStatus run_study(const CommandLine& command) {
-  Stages stages(command);
+  StageCall call(command);
+  const auto& options = call.inputs.study().study;
   auto status = ExitStatus::done;
-  for (const auto& stage : stages.study().study.stages) {
-    if (stage == "simulate") status = worse(status, stages.simulate());
-    if (stage == "campaign") status = worse(status, stages.campaign());
-    if (stage == "train") status = worse(status, stages.train());
-    if (stage == "calibrate") status = worse(status, stages.calibrate(stages.study().study.methods));
-    if (stage == "sample") status = worse(status, stages.sample());
-    if (stage == "report") status = worse(status, stages.report());
+  for (const auto& stage : options.stages) {
+    if (stage == "simulate") status = worse(status, simulate_stage(call));
+    if (stage == "campaign") status = worse(status, campaign_stage(call));
+    if (stage == "train") status = worse(status, train_stage(call));
+    if (stage == "calibrate") status = worse(status, calibrate_stage(call, options.methods));
+    if (stage == "sample") status = worse(status, sample_stage(call));
+    if (stage == "report") status = worse(status, report_stage(call));
   }
   return status;
 }

@@ -1,19 +1,23 @@
-#include <fmt/format.h>
+#include "apps/pipeline/calibrate_stage.hpp"
 
 #include <algorithm>
+#include <optional>
 
-#include "apps/interrupt.hpp"
-#include "apps/pipeline/stages.hpp"
+#include "apps/inputs/provenances.hpp"
+#include "apps/pipeline/campaign_stage.hpp"
+#include "apps/pipeline/enc_stage.hpp"
+#include "apps/pipeline/map_stage.hpp"
+#include "apps/pipeline/spe_stage.hpp"
+#include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "forward/campaign/campaign.hpp"
 #include "inverse/comparison/comparison.hpp"
-#include "forward/surrogate/feasibility.hpp"
 
 namespace calomel {
 
 namespace {
-
 
 const std::vector<std::string> every_method{"enc", "spe", "map"};
 
@@ -34,73 +38,72 @@ std::optional<Json> finished(const std::filesystem::path& path, const std::strin
   return hash == recordings && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }
 
-}  // namespace
-
-ExitStatus Stages::calibrate(const std::vector<std::string>& methods) {
-  auto status = ExitStatus::done;
-  for (const auto& method : written_out(methods)) status = worse(status, calibrate(method));
-  compare();
+/// What the method learns from, made first where it is not there; the status of the campaign. What is wrong with other inputs is told before that long work.
+ExitStatus make_upstream(StageCall& call, const std::string& method) {
+  auto& inputs = call.inputs;
+  const bool emulator = takes_emulator(inputs.study(), method);
+  (void)inputs.problem();
+  if (method == "map" && !std::filesystem::exists(inputs.artefact("map.json"))) (void)compared_fit(inputs);
+  if (method != "map" && emulator) expect_own_mesh_among_emulators(inputs.study(), method);
+  const auto status = method == "map" ? ExitStatus::done : method == "spe" ? campaign_stage(call, Asked::upstream) : train_stage(call, Asked::upstream);
+  if (emulator) need_basin(call);
   return status;
 }
 
-void Stages::compare() {
+Calibration calibrated_by(StageCall& call, const std::string& method, const Provenance& provenance) {
+  const auto progress = stage_progress(method, call.inputs.command().quiet);
+  return call.inputs.study().file.locating([&]() -> Calibration {
+    if (method == "spe") return spe_stage(call, provenance, progress);
+    if (method == "map") return map_stage(call, provenance, progress);
+    return enc_stage(call, provenance, progress);
+  });
+}
+
+ExitStatus calibrate(StageCall& call, const std::string& method) {
+  auto& inputs = call.inputs;
+  const auto upstream = make_upstream(call, method);
+  const auto provenance = calibration_provenance(inputs, method);
+  if (!call.finished.due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
+    inputs.notes().say(reused_line(method));
+    const auto before = read_json(inputs.artefact(method + ".json"));
+    return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+  }
+  const auto summary = calibrated_by(call, method, provenance);
+  const auto& said = inputs.problem().warnings;
+  for (const auto& w : summary.warnings)
+    if (std::find(said.begin(), said.end(), w) == said.end()) inputs.notes().warn(w);
+  inputs.notes().say(stage_line(method, summary.message));
+  return worse(upstream, summary.trusted() ? ExitStatus::done : ExitStatus::not_to_be_trusted);
+}
+
+/// Writes comparison.json from the calibrations of these recordings that stand in --out, when there are two or more.
+void compare(const StudyInputs& inputs) {
   std::vector<MethodSummary> summaries;
-  Provenance provenance{.stage = "comparison", .seed = command_.seed, .inputs = {{"recordings", hash_file(study_.recordings_file())}}};
+  Provenance provenance = comparison_provenance(inputs);
   for (const auto& method : every_method) {
-    const auto path = command_.out / (method + ".json");
+    const auto path = inputs.artefact(method + ".json");
     auto json = finished(path, provenance.inputs.at("recordings"));
     if (!json) continue;
     provenance.inputs[method + ".json"] = hash_file(path);
     summaries.push_back({method, std::move(*json)});
   }
-  const auto path = command_.out / "comparison.json";
+  const auto path = inputs.artefact("comparison.json");
   if (summaries.size() < 2) {  // one of an earlier call would tell of answers that are gone
     set_aside(path);
     return;
   }
   const auto comparison = compare_calibrations(summaries);
   write_json(path, comparison_json(comparison, provenance));
-  say(comparison_text(comparison));
+  inputs.notes().say(comparison_text(comparison));
 }
 
-Recordings Stages::recordings() {
-  std::vector<std::string> said;
-  return study_.matched_recordings(model().shape().sensors, said);
-}
+}  // namespace
 
-void Stages::say_failures(const Archive& archive, const Feasibility& feasibility) const {
-  if (!feasibility.any_failed()) return;
-  say(fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
-                  feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy()));
-  for (const auto& [reason, count] : failure_reasons(archive)) say(fmt::format("  {} x {}", count, reason));
-}
-
-EncSummary Stages::calibrate_enc(const Provenance& provenance, const Surrogate& surrogate, const Archive& archive, const CalibrationProgress& progress) {
-  const Feasibility feasibility(archive);
-  say_failures(archive, feasibility);
-  const auto summary = run_enc(problem(), GuardedModel(surrogate, feasibility), model(), study_.enc, command_.seed, command_.threads, progress,
-                               mesh_correction("enc", study_.enc.mesh_correction, progress));
-  write_enc(summary, problem(), provenance, command_.out);
-  if (!summary.mesh.sentence.empty()) say("enc: " + summary.mesh.sentence);
-  if (!summary.agreement.sentence.empty()) say("enc: " + summary.agreement.sentence);
-  return summary;
-}
-
-SpeSummary Stages::calibrate_spe(const Provenance& provenance, const CalibrationProgress& progress) {
-  const Archive archive = read_archive(command_.out / "campaign.nc");
-  say_failures(archive, Feasibility(archive));
-  const MeshCorrection* correction = mesh_correction("spe", study_.spe.mesh_correction, progress);
-  const auto make_runs = [&](const Eigen::MatrixXd& thetas) {
-    const auto& parameters = model().shape().parameters;
-    std::vector<RunPoint> points;
-    for (Eigen::Index i = 0; i < thetas.cols(); ++i) points.push_back(point_at(parameters, {thetas.col(i).data(), parameters.size()}));
-    const auto evaluate = [&](const RunPoint& p) { return evaluate_run(model(), theta_at(parameters, p), false); };
-    return run_store().run(points, evaluate, command_.threads, {}, [&](std::size_t done, std::size_t all) { progress("runs of the true model", done, all); }, &stop_requested());
-  };
-  const auto summary = run_spe(problem(), archive, model(), study_.spe, command_.seed, command_.threads, progress, make_runs, correction);
-  write_spe(summary, problem(), provenance, command_.out);
-  if (!summary.mesh.sentence.empty()) say("spe: " + summary.mesh.sentence);
-  return summary;
+ExitStatus calibrate_stage(StageCall& call, const std::vector<std::string>& methods) {
+  auto status = ExitStatus::done;
+  for (const auto& method : written_out(methods)) status = worse(status, calibrate(call, method));
+  compare(call.inputs);
+  return status;
 }
 
 }  // namespace calomel

@@ -1,34 +1,37 @@
-// The stage that finds the mode of the posterior.
-#include <fmt/format.h>
+#include "apps/pipeline/map_stage.hpp"
 
+#include "apps/inputs/posterior_case.hpp"
+#include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/pipeline/nested_fit.hpp"
-#include "apps/pipeline/posterior_stage.hpp"
-#include "apps/pipeline/stages.hpp"
+#include "apps/presentation/calibration_lines.hpp"
 #include "base/artefact.hpp"
-#include "base/provenance.hpp"
 
 namespace calomel {
 
-std::filesystem::path Stages::nested_directory() const { return command_.case_file.parent_path() / study_.map.compare_with; }
+std::optional<NestedFit> compared_fit(StudyInputs& inputs) {
+  const auto& study = inputs.study();
+  if (study.map.compare_with.empty()) return std::nullopt;
+  return study.file.locating(
+      [&] { return read_nested_fit(nested_directory(inputs), posterior_parameters(study), study.forward.parameters.size(), study.map, hash_file(study.recordings_file())); });
+}
 
-MapSummary Stages::calibrate_map(const Provenance& provenance, const CalibrationProgress& progress) {
-  std::optional<NestedFit> nested;  // before any long work, so that a wrong one is told at once
-  if (!study_.map.compare_with.empty())
-    nested = read_nested_fit(nested_directory(), posterior_parameters(study_, model().shape()), model().shape().parameters.size(), study_.map, hash_file(study_.recordings_file()));
-  const auto with_nested = nested ? fit_case_posterior(progress, &*nested) : nullptr;
-  const CasePosterior* made = nested ? with_nested.get() : &case_posterior(progress);
+MapSummary map_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress) {
+  auto& inputs = call.inputs;
+  const auto& command = inputs.command();
+  const auto& options = inputs.study().map;
+  const auto nested = compared_fit(inputs);
+  std::optional<CasePosterior> with_nested;
+  if (nested) with_nested = fit_case_posterior(inputs, progress, &*nested);
+  const CasePosterior& made = nested ? *with_nested : call.posterior.get(progress);
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
-  if (study_.map.score_tests)
+  if (options.score_tests)
     left_out = [&](std::span<const double>) {
-      return made->runs->mechanisms(made->fit.modes[0].at.theta, command_.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); }, &stop_requested());
+      return inputs.levels().mechanisms(made.fit.modes[0].at.theta, command.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); },
+                                        &stop_requested());
     };
-  auto summary = run_map(*made->inputs, made->fit, study_.map.product, left_out, nested ? &nested->model : nullptr);
-  write_map(summary, *made->inputs, made->fit, provenance, command_.out);
-  if (summary.status != CalibrationStatus::no_candidate) say("map: " + summary.identification.sentence);
-  say("map: " + summary.check.sentence);
-  if (summary.score_tests) say("map: " + summary.score_tests->sentence);
-  if (summary.nested) say("map: " + summary.nested->sentence);
+  auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
+  write_map(summary, *made.inputs, made.fit, provenance, command.out);
+  inputs.notes().say(map_lines(summary));
   return summary;
 }
 

@@ -12,7 +12,7 @@
 #include <ctime>
 #include <thread>
 
-#include "apps/pipeline/study_case.hpp"
+#include "apps/inputs/study_case.hpp"
 #include "base/parallel.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "forward/surrogate/training.hpp"

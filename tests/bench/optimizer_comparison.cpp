@@ -15,7 +15,7 @@
 #include <pagmo/algorithms/de.hpp>
 #include <pagmo/algorithms/gwo.hpp>
 
-#include "apps/pipeline/study_case.hpp"
+#include "apps/inputs/study_case.hpp"
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "base/parallel.hpp"

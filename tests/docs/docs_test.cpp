@@ -1,9 +1,10 @@
 // What the documentation promises and a program can check: the generated page is current, links lead somewhere, every work
-// that is cited stands in references.bib, and the case file of the walk-through is one.
+// that is cited stands in references.bib, includes follow the layers, and the case file of the walk-through is one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -11,7 +12,7 @@
 #include <sstream>
 
 #include "apps/case_reference.hpp"
-#include "apps/pipeline/study_case.hpp"
+#include "apps/inputs/study_case.hpp"
 #include "base/artefact.hpp"
 
 namespace calomel {
@@ -98,6 +99,25 @@ std::string case_file_in(const std::string& text) {
   return out;
 }
 
+/// Layers from the lowest up; a file may include what stands in its own layer and below.
+const std::vector<std::string> house{"base", "forward", "inverse", "uq", "apps"};
+/// Those of apps/.
+const std::vector<std::string> rooms{"apps/report", "apps/inputs", "apps/presentation", "apps/pipeline"};
+
+/// "FILE includes INCLUDED" for every include of a file at `path` that leads up.
+std::vector<std::string> upward_includes(const std::string& path, const std::string& text, const std::vector<std::string>& layers) {
+  const auto layer_of = [&](const std::string& file) {
+    return std::find_if(layers.begin(), layers.end(), [&](const std::string& folder) { return file.starts_with(folder + '/'); });
+  };
+  std::vector<std::string> upward;
+  const std::regex include(R"rx(#include "([^"]+)")rx");
+  for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it) {
+    const std::string included = (*it)[1];
+    if (const auto layer = layer_of(included); layer != layers.end() && layer > layer_of(path)) upward.push_back(path + " includes " + included);
+  }
+  return upward;
+}
+
 TEST(CaseReference, IsWhatTheGeneratorWrites) {
   EXPECT_EQ(read_text(root / "docs" / "case_reference.md"), case_reference()) << "run: build/release/apps/case_reference > docs/case_reference.md";
 }
@@ -117,6 +137,26 @@ TEST(Links, LeadToFilesThatExist) {
 TEST(Links, ToAMissingFileAreFound) {
   EXPECT_THAT(broken_links("[a](CMakeLists.txt) ![b](nowhere.png) [c](https://example.org/x) `[d](code)`\n```\n[e](fenced)\n```\n[f](gone.md#part)", root),
               ElementsAre("nowhere.png", "gone.md#part"));
+}
+
+TEST(Layers, IncludeNothingAboveThem) {
+  std::size_t files = 0;
+  for (const auto& folder : house)
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const auto kind = entry.path().extension();
+      if (kind != ".hpp" && kind != ".cpp") continue;
+      const std::string path = fs::relative(entry.path(), root).generic_string(), text = read_text(entry.path());
+      EXPECT_THAT(upward_includes(path, text, house), IsEmpty());
+      EXPECT_THAT(upward_includes(path, text, rooms), IsEmpty());
+      ++files;
+    }
+  EXPECT_GT(files, 200u);
+}
+
+TEST(Layers, AnIncludeThatLeadsUpIsFound) {
+  EXPECT_THAT(upward_includes("apps/inputs/a.hpp", "#include \"apps/pipeline/b.hpp\"\n#include \"apps/inputs/c.hpp\"\n#include \"forward/d.hpp\"\n", rooms),
+              ElementsAre("apps/inputs/a.hpp includes apps/pipeline/b.hpp"));
+  EXPECT_THAT(upward_includes("forward/a.cpp", "#include \"inverse/b.hpp\"\n#include \"base/c.hpp\"\n", house), ElementsAre("forward/a.cpp includes inverse/b.hpp"));
 }
 
 TEST(Citations, StandInTheBibliography) {

@@ -102,3 +102,26 @@ TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndSaysWhereItIsNot) {
   EXPECT_FALSE(spe.contains("mesh"));
   EXPECT_FALSE(spe["provenance"]["options"].contains("emulator"));
 }
+
+TEST(CalibrateVerb, TheSurrogateThatTheBasinIsFoundOnIsAnInputOfTheCorrection) {
+  const auto dir = folder("calibrate_basin"), out = dir / "a";
+  const std::string words =
+      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set spe.zoom=0"
+      " --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set errors.young_sd=0 --set errors.gauge_place_sd=0";
+  const auto first = run(dir, words);
+  ASSERT_EQ(first.status, 0) << first.said;
+  EXPECT_THAT(first.said, HasSubstr("no trained surrogate in a: training it first"));
+  const Json inputs = read_json(out / "spe.json")["provenance"]["inputs"];
+  EXPECT_EQ(inputs.value("surrogate.nc", ""), calomel::hash_file(out / "surrogate.nc"));
+  EXPECT_TRUE(inputs.contains("campaign.nc"));
+  const auto again = run(dir, words);
+  EXPECT_EQ(again.status, 0) << again.said;
+  EXPECT_THAT(again.said, HasSubstr("spe: reused"));
+
+  // Another surrogate is another basin.
+  const std::string other = " --set surrogate.test_fraction=0.25";
+  ASSERT_EQ(run(dir, "train case.toml --out a --fresh" + other).status, 0);
+  const auto refused = run(dir, words + other);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.said, HasSubstr("the input surrogate.nc"));
+}

@@ -2,21 +2,16 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <fstream>
-#include <map>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "apps/report/page.hpp"
 #include "apps/report/study.hpp"
-#include "apps/report/surface.hpp"
 #include "apps/report/table.hpp"
 #include "apps/report/tables.hpp"
-#include "apps/report/traces.hpp"
 #include "base/artefact.hpp"
 #include "base/json.hpp"
+#include "tests/unit/apps/report_reading.hpp"
 #include "tests/unit/apps/report_study.hpp"
 
 using namespace calomel;
@@ -27,19 +22,6 @@ using testing::Not;
 
 namespace {
 
-/// The page without the bodies of its scripts and styles.
-std::string markup(const std::string& page) {
-  std::string out;
-  std::size_t at = 0;
-  for (;;) {
-    const auto script = page.find("<script", at), style = page.find("<style", at), open = std::min(script, style);
-    if (open == std::string::npos) return out + page.substr(at);
-    const auto body = page.find('>', open) + 1;
-    out += page.substr(at, body - at);
-    at = page.find(script < style ? "</script>" : "</style>", body);
-  }
-}
-
 /// What the page would fetch: src or href of elements that load, other than data: and anchors.
 std::vector<std::string> outside_loads(const std::string& page) {
   static const std::regex load("<(?:script|link|img|iframe)\\b[^>]*\\s(?:src|href)\\s*=\\s*[\"']?(?!data:|#)([^\"' >]+)", std::regex::icase);
@@ -47,44 +29,6 @@ std::vector<std::string> outside_loads(const std::string& page) {
   std::vector<std::string> found;
   for (std::sregex_iterator i(text.begin(), text.end(), load), end; i != end; ++i) found.push_back((*i)[1]);
   return found;
-}
-
-std::string report_of(const std::filesystem::path& dir, const ReportInput& in) {
-  write_report(dir, in);
-  return read_text(dir / "report.html");
-}
-
-Json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"report-data\">";
-  const auto at = page.find(open) + open.size();
-  return Json::parse(page.substr(at, page.find("</script>", at) - at));
-}
-
-/// RFC 4180: rows of fields, the header first.
-std::vector<std::vector<std::string>> csv_of(const std::filesystem::path& path) {
-  std::vector<std::vector<std::string>> rows{{""}};
-  bool quoted = false;
-  const std::string text = read_text(path);
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (quoted && text[i] == '"' && i + 1 < text.size() && text[i + 1] == '"')
-      rows.back().back() += '"', ++i;
-    else if (text[i] == '"')
-      quoted = !quoted;
-    else if (!quoted && text[i] == ',')
-      rows.back().emplace_back();
-    else if (!quoted && text[i] == '\n')
-      rows.emplace_back(1, "");
-    else
-      rows.back().back() += text[i];
-  }
-  rows.pop_back();  // after the last line end
-  return rows;
-}
-
-double number_in(const std::vector<std::vector<std::string>>& csv, std::size_t row, const std::string& column) {
-  const auto at = std::find(csv[0].begin(), csv[0].end(), column);
-  if (at == csv[0].end()) throw std::runtime_error("no column " + column);
-  return std::stod(csv.at(row + 1).at(std::size_t(at - csv[0].begin())));
 }
 
 }  // namespace
@@ -246,130 +190,6 @@ TEST(Report, AModelOfAnotherUnitIsShownInThatUnit) {
   EXPECT_THAT(markup(page), Not(HasSubstr("\u00b5\u03b5</strong>")));
 }
 
-TEST(Report, TellsTheRepeatabilityFloorOrHowToMeasureIt) {
-  const auto dir = scratch("floor");
-  const auto in = input();
-  write_study(dir, in);
-  const std::string text = markup(report_of(dir, in));
-  EXPECT_THAT(text, HasSubstr("here <strong>6.1\u00a0%</strong> of the signal on average over the gauges, 9.2\u00a0% at the worst (&lt;b&gt;"));
-  EXPECT_THAT(text, HasSubstr("<strong>9.2</strong>"));
-  EXPECT_THAT(text, HasSubstr("0.035"));  // single against double precision [%]
-  EXPECT_THAT(text, HasSubstr("left out: that mesh would have too many elements"));
-  EXPECT_THAT(text, Not(HasSubstr("No repeatability floor")));
-
-  // Without a campaign that of check --floor; without that, the way to it.
-  std::filesystem::remove(dir / "campaign.json");
-  EXPECT_THAT(markup(report_of(dir, in)), HasSubstr("calomel check slice.toml --floor"));
-  write_json(dir / "floor.json", repeatability(in));
-  EXPECT_THAT(markup(report_of(dir, in)), HasSubstr("9.2\u00a0% at the worst"));
-}
-
-TEST(ReportCsv, TheFloorEqualsTheSummary) {
-  const auto dir = scratch("floor_csv");
-  const auto in = input();
-  write_study(dir, in);
-  (void)write_tables_csv(dir, in);
-  const Json all = read_json(dir / "campaign.json")["floor"];
-  const auto rows = csv_of(dir / "report_csv/floor.csv");
-  ASSERT_EQ(rows.size(), 5u);
-  EXPECT_EQ(number_in(rows, 0, "mean"), all["mean"].get<double>());
-  EXPECT_EQ(number_in(rows, 1, "worst"), all["comparisons"][0]["worst"].get<double>());
-  EXPECT_EQ(rows[3][1], "");  // no numbers of what was left out
-  const auto gauges = csv_of(dir / "report_csv/floor_by_gauge.csv");
-  EXPECT_THAT(gauges[0], ElementsAre("gauge", "floor", "single_runs", "precision"));
-  const auto windows = csv_of(dir / "report_csv/floor_by_window.csv");
-  ASSERT_EQ(windows.size(), 3u);
-  for (std::size_t s = 0; s < in.sensors.size(); ++s) {
-    EXPECT_EQ(gauges[s + 1][0], in.sensors[s].name);
-    EXPECT_EQ(number_in(gauges, s, "floor"), all["sensors"][s]["relative"].get<double>());
-    EXPECT_EQ(number_in(gauges, s, "single_runs"), all["comparisons"][0]["sensors"][s]["relative"].get<double>());
-    EXPECT_EQ(windows[2][s + 2], number_text(all["sensors"][s]["sd"][1].get<double>()));
-  }
-}
-
-TEST(ReportCsv, ScoresEqualTheSummary) {
-  const auto dir = scratch("scores");
-  const auto in = input();
-  write_study(dir, in);
-  write_calibration(dir, in, "spe");
-  const auto paths = write_tables_csv(dir, in);
-  const Json enc = read_json(dir / "enc.json"), spe = read_json(dir / "spe.json");
-  for (const std::string key : {"accuracy", "mae"}) {
-    const auto csv = csv_of(dir / "report_csv" / (key + ".csv"));
-    ASSERT_EQ(csv.size(), in.sensors.size() + 1);
-    for (std::size_t i = 0; i < in.sensors.size(); ++i) {
-      EXPECT_EQ(csv[i + 1][0], in.sensors[i].name);
-      EXPECT_EQ(number_in(csv, i, "enc"), enc["sensors"][i][key].get<double>());
-      EXPECT_EQ(number_in(csv, i, "spe"), spe["sensors"][i][key].get<double>());
-      EXPECT_EQ(number_in(csv, i, "nominal"), enc["sensors"][i]["nominal_" + key].get<double>());
-    }
-  }
-  for (const auto& p : paths) EXPECT_TRUE(std::filesystem::exists(p)) << p;
-}
-
-TEST(ReportCsv, ParametersRoundsCandidatesAndTracesEqualTheSummary) {
-  const auto dir = scratch("tables");
-  const auto in = input();
-  write_study(dir, in);
-  (void)write_tables_csv(dir, in);
-  const Json enc = read_json(dir / "enc.json");
-  const auto parameters = csv_of(dir / "report_csv/parameters.csv");
-  for (std::size_t i = 0; i < in.parameters.size(); ++i) {
-    EXPECT_EQ(number_in(parameters, i, "enc"), enc["theta"][in.parameters[i].name].get<double>());
-    EXPECT_EQ(number_in(parameters, i, "max"), in.parameters[i].max);
-  }
-  EXPECT_DOUBLE_EQ(number_in(parameters, 3, "enc"), 10345.0 * 2020.0);  // impedance
-  EXPECT_DOUBLE_EQ(number_in(parameters, 3, "nominal"), 13500.0 * 1450.0);
-
-  const auto rounds = csv_of(dir / "report_csv/rounds.csv");
-  ASSERT_EQ(rounds.size(), enc["rounds"].size() + 1);
-  for (std::size_t i = 0; i < enc["rounds"].size(); ++i) {
-    EXPECT_EQ(number_in(rounds, i, "objective"), enc["rounds"][i]["objective"].get<double>());
-    EXPECT_EQ(number_in(rounds, i, "density"), enc["rounds"][i]["theta"]["density"].get<double>());
-  }
-  const auto candidates = csv_of(dir / "report_csv/candidates.csv");
-  for (std::size_t i = 0; i < enc["candidates"].size(); ++i)
-    EXPECT_EQ(number_in(candidates, i, "objective_model"), enc["candidates"][i]["objective_model"].get<double>());
-  const auto traces = csv_of(dir / "report_csv/convergence.csv");
-  EXPECT_EQ(traces.size(), 1u + 4 * 101);
-  EXPECT_EQ(number_in(traces, 101, "objective"), enc["optimizers"][1]["trace"][0].get<double>());
-  const auto failed = csv_of(dir / "report_csv/failed_runs.csv");
-  EXPECT_EQ(failed.size(), 4u);
-  EXPECT_EQ(number_in(failed, 0, "run"), 3);
-}
-
-TEST(ReportCsv, HistoriesAreWholeAndInMicrostrain) {
-  const auto dir = scratch("histories");
-  const auto in = input();
-  write_study(dir, in);
-  (void)write_tables_csv(dir, in);
-  const auto csv = csv_of(dir / "report_csv/histories.csv");
-  EXPECT_THAT(csv[0], ElementsAre("condition", "sensor", "time_s", "measured_mean", "band_low", "band_high", "nominal", "enc"));
-  ASSERT_EQ(csv.size(), 1 + in.sensors.size() * 601);
-  const NetcdfReader file(dir / "enc.nc");
-  const auto calibrated = file.doubles("calibrated"), mean = file.doubles("record_mean");
-  for (const std::size_t k : {0u, 100u, 500u}) {
-    EXPECT_DOUBLE_EQ(number_in(csv, 601 + k, "enc"), calibrated[601 + k] * 1e6);
-    EXPECT_DOUBLE_EQ(number_in(csv, 601 + k, "measured_mean"), mean[501 + k] * 1e6);
-  }
-  EXPECT_EQ(csv[1 + 601][1], in.sensors[1].name);
-  EXPECT_EQ(csv[1 + 501][3], "");            // after the end of the records
-  EXPECT_EQ(csv[1 + 5 * 601 + 205][3], "");  // within the last sensor's dropout
-  EXPECT_NE(csv[1 + 5 * 601 + 205][7], "");  // where the simulation goes on
-}
-
-TEST(ReportCsv, ATableOfAStageThatIsGoneDoesNotStay) {
-  const auto dir = scratch("stale");
-  const auto in = input();
-  write_study(dir, in);
-  (void)write_tables_csv(dir, in);
-  ASSERT_TRUE(std::filesystem::exists(dir / "report_csv/accuracy.csv"));
-  std::filesystem::remove(dir / "enc.json");
-  const auto paths = write_tables_csv(dir, in);
-  EXPECT_FALSE(std::filesystem::exists(dir / "report_csv/accuracy.csv"));
-  EXPECT_EQ(std::count(paths.begin(), paths.end(), dir / "report_csv/accuracy.csv"), 0);
-}
-
 TEST(ReportTables, BoldMarksWhereTheCalibratedSimulationIsAsGoodAsTheNominalOne) {
   const auto dir = scratch("bold");
   const auto in = input();
@@ -419,88 +239,4 @@ TEST(ReportTables, NumbersReadAsAPersonWouldWriteThem) {
   EXPECT_EQ(number_html(9999.96, 5), "10\u202f000");
   EXPECT_EQ(fixed_html(-0.04, 1), "0.0");
   EXPECT_EQ(number_html(std::nan(""), 4), "\u2013");
-}
-
-TEST(ReportTables, CsvQuotesWhatMustBeQuoted) {
-  EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
-  EXPECT_EQ(csv_field("say \"x\""), "\"say \"\"x\"\"\"");
-  EXPECT_EQ(csv_field("plain"), "plain");
-}
-
-TEST(ReportTraces, ThinningKeepsTheGreatestAndLeastValue) {
-  std::vector<double> t, y;
-  for (int i = 0; i < 10007; ++i) t.push_back(i), y.push_back(std::sin(i * 0.01));
-  y[5003] = 40, y[5004] = -50;
-  const Thinning thin(t.size(), 500);
-  const auto times = thin.times(t), values = thin.extremes(y);
-  ASSERT_EQ(times.size(), values.size());
-  EXPECT_LE(values.size(), 502u);
-  EXPECT_EQ(*std::max_element(values.begin(), values.end()), 40);
-  EXPECT_EQ(*std::min_element(values.begin(), values.end()), -50);
-  EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
-  EXPECT_EQ(std::set<double>(times.begin(), times.end()).size(), times.size());
-  for (std::size_t n = 501; n < 540; ++n) {  // whatever the size of the last window
-    const Thinning odd(n, 500);
-    EXPECT_EQ(odd.times(std::span(t).first(n)).size(), odd.extremes(std::span(y).first(n)).size()) << n;
-  }
-}
-
-TEST(ReportTraces, InterpolationGivesSamplesExactlyAndNothingOutside) {
-  const std::vector<double> t{0, 1, 2}, y{5, 7, std::nan("")}, at{-0.5, 0, 0.5, 1, 1.5, 2.5};
-  const auto v = interpolated(t, y, at);
-  EXPECT_TRUE(std::isnan(v[0]));
-  EXPECT_EQ(v[1], 5);
-  EXPECT_EQ(v[2], 6);
-  EXPECT_EQ(v[3], 7);  // although its neighbour is absent
-  EXPECT_TRUE(std::isnan(v[4]));
-  EXPECT_TRUE(std::isnan(v[5]));
-}
-
-TEST(ReportTraces, ALongStudyIsThinnedUntilThePageFits) {
-  const auto dir = scratch("long");
-  auto in = input();
-  const auto sensors = in.sensors;
-  for (int copy = 1; copy < 20; ++copy)
-    for (auto s : sensors) s.name += std::to_string(copy), in.sensors.push_back(s);
-  write_calibration(dir, in, "enc", 2e-7);  // 120 sensors of 3001 samples
-  const std::string page = report_of(dir, in);
-  EXPECT_LT(page.size(), 10'000'000u);
-  const Json data = data_of(page);
-  EXPECT_TRUE(data["histories"]["thinned"].get<bool>());
-  EXPECT_EQ(data["histories"]["conditions"][0]["sensors"].size(), 120u);
-}
-
-TEST(ReportSurface, ThinningKeepsTheBoxAndItsLimit) {
-  const Vec3 low{0, -0.05, 0}, high{0.211, 0.05, 0.062};
-  const ReportSurface fine = box(low, high, 300);
-  ASSERT_GT(fine.quads.size(), 50000u);
-  const ReportSurface thin = thinned(fine, 5000);
-  EXPECT_LE(thin.quads.size(), 5000u);
-  EXPECT_GT(thin.quads.size(), 1000u);
-  for (int axis = 0; axis < 3; ++axis) {
-    double least = 1, greatest = -1;
-    for (const auto& v : thin.vertices) least = std::min(least, v[axis]), greatest = std::max(greatest, v[axis]);
-    EXPECT_EQ(least, low[axis]);
-    EXPECT_EQ(greatest, high[axis]);
-  }
-  // The surface stays closed to within a cell: its area is that of the box.
-  double area = 0;
-  for (const auto& q : thin.quads) {
-    Vec3 d1, d2;
-    for (int i = 0; i < 3; ++i) d1[i] = thin.vertices[q[2]][i] - thin.vertices[q[0]][i], d2[i] = thin.vertices[q[3]][i] - thin.vertices[q[1]][i];
-    area += 0.5 * std::hypot(d1[1] * d2[2] - d1[2] * d2[1], d1[2] * d2[0] - d1[0] * d2[2], d1[0] * d2[1] - d1[1] * d2[0]);
-  }
-  const double exact = 2 * (0.211 * 0.1 + 0.211 * 0.062 + 0.1 * 0.062);
-  EXPECT_NEAR(area, exact, 0.03 * exact);
-  EXPECT_EQ(thinned(fine, fine.quads.size()).quads.size(), fine.quads.size());
-}
-
-TEST(ReportSurface, TheMeshGivesOnlyTheNodesOfItsFaces) {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i) mesh.nodes.push_back({double(i & 1), double(i >> 1 & 1), double(i >> 2)});
-  mesh.outer.push_back({{4, 5, 7, 6}, 0});
-  const ReportSurface s = report_surface(mesh, mesh.outer);
-  ASSERT_EQ(s.vertices.size(), 4u);
-  ASSERT_EQ(s.quads.size(), 1u);
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(s.vertices[std::size_t(s.quads[0][i])], mesh.nodes[std::size_t(mesh.outer[0].nodes[i])]);
 }

@@ -1,4 +1,4 @@
-#include "apps/pipeline/nested_fit.hpp"
+#include "apps/inputs/nested_fit.hpp"
 
 #include <fmt/format.h>
 

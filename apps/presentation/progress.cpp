@@ -1,4 +1,4 @@
-#include "apps/progress.hpp"
+#include "apps/presentation/progress.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "apps/pipeline/study_case.hpp"
+#include "apps/inputs/study_case.hpp"
 
 #include <fmt/format.h>
 

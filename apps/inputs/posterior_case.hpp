@@ -1,0 +1,42 @@
+#pragma once
+/// What the posterior takes from a case, by its options alone: parameters, the emulator's meshes and its first box, gauges, the mesh's error.
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "apps/inputs/study_case.hpp"
+
+namespace calomel {
+
+/// Parameters of the posterior: those of the case, with handbook priors for the physical product; after them the regularising viscosity and the steel's Young
+/// modulus where they have a prior and are none of them.
+std::vector<Parameter> posterior_parameters(const StudyCase& study);
+
+/// Element sizes of the emulator's meshes, finest last [m]: those that are set, else the case's own and its half; {0} for a mesh from a file, which has no other.
+std::vector<double> element_sizes(const StudyCase& study);
+
+/// What other meshes than the case's own the emulator has.
+enum class EmulatorMeshes {
+  several,
+  from_file,  ///< none: the mesh comes from a file
+  one_size    ///< none: emulator.element_sizes has one
+};
+EmulatorMeshes emulator_meshes(const StudyCase& study);
+
+/// Level of the case's own mesh among the emulator's, 0 the finest; nothing where it is none of them or comes from a file.
+std::optional<int> own_level(const StudyCase& study);
+
+/// Where the gauges sit, (sensors, 3) [m].
+Eigen::MatrixXd gauge_positions(const StudyCase& study);
+
+/// Error of the mesh over the local amplitude [-], for an emulator with one mesh: errors.mesh or its default.
+double mesh_error(const StudyCase& study);
+
+/// Whether the basin is sought on the campaign's surrogate (surrogate.nc); else it is at the nominal values. By emulator.start and the priors.
+bool basin_on_surrogate(const StudyCase& study);
+
+/// Half width of the emulator's first box in a parameter of posterior_parameters, of its logarithm where the lower bound is positive. `nuisance`: it is none of
+/// the case's own.
+double first_half_width(const Parameter& parameter, bool nuisance);
+
+}  // namespace calomel

@@ -1,0 +1,113 @@
+#include "apps/inputs/provenances.hpp"
+
+#include "apps/inputs/posterior_case.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "forward/campaign/campaign.hpp"
+
+namespace calomel {
+
+namespace {
+
+Json pulses_of(const CampaignOptions& campaign) { return {{"pulses", campaign.pulses}, {"pulse_energy_sd", campaign.pulse_energy_sd}}; }
+
+/// A stage that runs the case's model, which its options are those of.
+Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
+  return {.stage = stage, .options = inputs.study().model_options(), .seed = inputs.command().seed, .inputs = inputs.study().model_inputs()};
+}
+
+Json posterior_options(const StudyCase& study) {
+  Json options{{"product", study.map.product}, {"recordings", echo(*study.recordings)}, {"emulator", echo(study.emulator)}, {"errors", echo(study.errors)}, {"sampler", echo(study.sampler)}};
+  for (const auto& p : study.forward.parameters) options["parameter"][p.name] = echo(p);
+  return options;
+}
+
+/// The artefact that the first box of the emulator is found on, where there is one.
+void add_basin(Provenance& provenance, const StudyInputs& inputs) {
+  if (basin_on_surrogate(inputs.study())) provenance.inputs["surrogate.nc"] = hash_file(inputs.artefact("surrogate.nc"));
+}
+
+Provenance map_provenance(const StudyInputs& inputs) {
+  Provenance p = posterior_provenance(inputs);
+  p.stage = "map", p.options["map"] = echo(inputs.study().map), p.options.erase("sampler");
+  if (inputs.study().map.compare_with.empty()) return p;
+  const auto nested = nested_directory(inputs) / "map.json";
+  if (std::filesystem::exists(nested)) p.inputs["map.compare_with"] = hash_file(nested);
+  return p;
+}
+
+}  // namespace
+
+Provenance simulate_provenance(const StudyInputs& inputs) {
+  Provenance p = of_model(inputs, "simulate");
+  p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
+  return p;
+}
+
+Provenance floor_provenance(const StudyInputs& inputs) {
+  Provenance p = of_model(inputs, "floor");
+  p.options["campaign"] = pulses_of(inputs.study().campaign);
+  p.options["floor"] = echo(inputs.study().floor);
+  return p;
+}
+
+Provenance campaign_provenance(const StudyInputs& inputs) {
+  Provenance p = of_model(inputs, "campaign");
+  p.options["campaign"] = identity_options(inputs.study().campaign);
+  return p;
+}
+
+Provenance train_provenance(const StudyInputs& inputs) {
+  return {.stage = "train",
+          .options = {{"surrogate", echo(inputs.study().surrogate)}},
+          .seed = inputs.command().seed,
+          .inputs = {{"campaign.nc", hash_file(inputs.artefact("campaign.nc"))}}};
+}
+
+Provenance runs_provenance(const StudyCase& study) {
+  Json options = study.model_options();
+  options.erase("parameter");  // points name what they set
+  options["campaign"] = pulses_of(study.campaign);
+  return {.stage = "runs", .options = std::move(options), .seed = 0, .inputs = study.model_inputs()};
+}
+
+Provenance posterior_provenance(const StudyInputs& inputs) {
+  const auto& study = inputs.study();
+  Provenance p{.stage = "posterior",
+               .options = posterior_options(study),
+               .seed = inputs.command().seed,
+               .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
+  add_basin(p, inputs);
+  return p;
+}
+
+Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method) {
+  if (method == "map") return map_provenance(inputs);
+  const auto& study = inputs.study();
+  const bool spe = method == "spe";
+  const std::string learnt_from = spe ? "campaign.nc" : "surrogate.nc";  // SPE learns from the campaign itself
+  Provenance p{.stage = method,
+               .options = {{method, spe ? echo(study.spe) : echo(study.enc)}, {"recordings", echo(*study.recordings)}},
+               .seed = inputs.command().seed,
+               .inputs = {{learnt_from, hash_file(inputs.artefact(learnt_from))}, {"recordings", hash_file(study.recordings_file())}}};
+  if (takes_emulator(study, method)) {
+    const Json posterior = posterior_options(study);
+    for (const char* key : {"product", "emulator", "errors", "parameter"})  // where the emulator stands and what it is taught by
+      if (posterior.contains(key)) p.options[key] = posterior[key];
+    add_basin(p, inputs);
+  }
+  return p;
+}
+
+Provenance comparison_provenance(const StudyInputs& inputs) {
+  return {.stage = "comparison", .seed = inputs.command().seed, .inputs = {{"recordings", hash_file(inputs.study().recordings_file())}}};
+}
+
+bool takes_emulator(const StudyCase& study, const std::string& method) {
+  if (method == "map") return true;
+  return (method == "spe" ? study.spe.mesh_correction : study.enc.mesh_correction) && emulator_meshes(study) == EmulatorMeshes::several;
+}
+
+std::filesystem::path nested_directory(const StudyInputs& inputs) { return inputs.command().case_file.parent_path() / inputs.study().map.compare_with; }
+
+}  // namespace calomel

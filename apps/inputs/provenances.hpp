@@ -1,0 +1,32 @@
+#pragma once
+/// What each stage's artefacts come from: the options that it reads and hashes of its inputs. A finished stage is reused when they are the same.
+#include <string>
+
+#include "apps/inputs/study_inputs.hpp"
+
+namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
+
+[[nodiscard]] Provenance simulate_provenance(const StudyInputs& inputs);
+[[nodiscard]] Provenance floor_provenance(const StudyInputs& inputs);
+[[nodiscard]] Provenance campaign_provenance(const StudyInputs& inputs);
+/// campaign.nc stands.
+[[nodiscard]] Provenance train_provenance(const StudyInputs& inputs);
+/// Of runs.journal: the case without the numbers that points of a run may set.
+[[nodiscard]] Provenance runs_provenance(const StudyCase& study);
+/// surrogate.nc stands where the basin is sought on it, and is then an input.
+[[nodiscard]] Provenance posterior_provenance(const StudyInputs& inputs);
+/// Of `method`, "enc", "spe" or "map". What it learns from stands: for ENC surrogate.nc, for SPE campaign.nc, and where it takes the posterior's emulator what
+/// posterior_provenance asks for.
+[[nodiscard]] Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method);
+/// Of comparison.json, before the methods that it compares.
+[[nodiscard]] Provenance comparison_provenance(const StudyInputs& inputs);
+
+/// Whether `method` takes the posterior's emulator: MAP, and ENC and SPE where they are corrected for the mesh.
+[[nodiscard]] bool takes_emulator(const StudyCase& study, const std::string& method);
+
+/// map.compare_with from where the case stands.
+[[nodiscard]] std::filesystem::path nested_directory(const StudyInputs& inputs);
+
+}  // namespace calomel

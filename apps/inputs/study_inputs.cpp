@@ -1,0 +1,60 @@
+#include "apps/inputs/study_inputs.hpp"
+
+#include <iostream>
+
+#include "apps/inputs/posterior_case.hpp"
+#include "apps/inputs/provenances.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+
+namespace calomel {
+
+StudyInputs::StudyInputs(const CommandLine& command)
+    : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
+  if (command.verb != "check" && command.verb != "report") make_directory(command.out);
+}
+
+const BuiltInModel& StudyInputs::model() {
+  if (!model_)
+    model_ = study_.file.locating([&] {
+      const bool alone = command_.verb == "simulate" || command_.verb == "check";  // the other stages run evaluations side by side
+      return std::make_unique<BuiltInModel>(study_.forward, ensemble(), alone ? command_.threads : 1);
+    });
+  return *model_;
+}
+
+const Problem& StudyInputs::problem() {
+  if (!problem_) {
+    std::vector<std::string> warnings;
+    recordings_ = study_.matched_recordings(model().shape().sensors, warnings);
+    problem_ = study_.file.locating([&] { return make_problem(model().shape(), *recordings_, *study_.recordings); });
+    notes_.warn(warnings);
+    notes_.warn(problem_->warnings);
+  }
+  return *problem_;
+}
+
+const Recordings& StudyInputs::recordings() {
+  (void)problem();
+  return *recordings_;
+}
+
+RunStore& StudyInputs::runs() {
+  if (!runs_) {
+    const auto provenance = runs_provenance(study_);
+    const auto journal = artefact("runs.journal");
+    if (command_.fresh && std::filesystem::exists(journal) && RunStore::identity(journal) != provenance.identity()) set_aside(journal);
+    runs_ = std::make_unique<RunStore>(provenance, journal);
+  }
+  return *runs_;
+}
+
+LevelRuns& StudyInputs::levels() {
+  if (!levels_)
+    levels_ = study_.file.locating([&] {
+      return std::make_unique<LevelRuns>(study_.forward, ensemble(), posterior_parameters(study_), element_sizes(study_), study_.emulator.viscosity, runs());
+    });
+  return *levels_;
+}
+
+}  // namespace calomel

@@ -1,0 +1,13 @@
+#pragma once
+/// The point calibrations, METHOD.nc and METHOD.json, and comparison.json.
+#include <string>
+#include <vector>
+
+#include "apps/pipeline/stage_call.hpp"
+
+namespace calomel {
+
+/// Each of `methods` once, "all" standing for every one; where two or more then stand, comparison.json, whose tables are said.
+ExitStatus calibrate_stage(StageCall& call, const std::vector<std::string>& methods);
+
+}  // namespace calomel

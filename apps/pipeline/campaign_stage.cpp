@@ -1,0 +1,45 @@
+#include "apps/pipeline/campaign_stage.hpp"
+
+#include <iostream>
+
+#include "apps/inputs/provenances.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/pipeline/floor_stage.hpp"
+#include "apps/presentation/progress.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "forward/campaign/campaign.hpp"
+
+namespace calomel {
+
+ExitStatus campaign_stage(StageCall& call, Asked asked) {
+  auto& inputs = call.inputs;
+  const auto& command = inputs.command();
+  const auto& campaign = inputs.study().campaign;
+  const auto provenance = campaign_provenance(inputs);
+  const auto& model = inputs.model();
+  if (call.finished.to_be_set_aside(provenance, asked)) set_campaign_aside(command.out);
+  const bool finished = std::filesystem::exists(inputs.artefact("campaign.nc"));
+  if (!finished && asked == Asked::upstream) inputs.notes().say(made_first_line("finished campaign", command.out, "running"));
+  CampaignSummary summary;
+  {
+    std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command.quiet || finished), std::cerr);
+    FloorSource floor;
+    if (campaign.floor && (asked == Asked::by_user || !finished)) floor = [&] {
+      display.reset();
+      need_floor(call);
+      return read_floor(read_json(inputs.artefact("floor.json")));
+    };
+    const auto progress = [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed_note(failed)); };
+    summary = inputs.study().file.locating(
+        [&] {
+          return run_campaign(model, campaign, command.seed, command.threads, provenance, command.out, [&]() -> RunStore& { return inputs.runs(); }, progress,
+                               &stop_requested(), floor);
+        });
+  }
+  if (asked == Asked::by_user || !finished) inputs.notes().say(campaign_line(summary));
+  return summary.status;
+}
+
+}  // namespace calomel

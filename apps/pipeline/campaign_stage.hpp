@@ -1,0 +1,10 @@
+#pragma once
+/// The campaign: campaign.nc and campaign.json, the repeatability floor at its end.
+#include "apps/pipeline/stage_call.hpp"
+
+namespace calomel {
+
+/// See run_campaign. `upstream` says nothing of a campaign that stands finished.
+ExitStatus campaign_stage(StageCall& call, Asked asked = Asked::by_user);
+
+}  // namespace calomel

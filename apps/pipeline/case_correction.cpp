@@ -1,0 +1,56 @@
+#include "apps/pipeline/case_correction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/inputs/posterior_case.hpp"
+#include "apps/presentation/calibration_lines.hpp"
+#include "apps/presentation/posterior_lines.hpp"
+#include "apps/presentation/run_lines.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double same_viscosity = 1e-6;  ///< relative difference of two viscosities that are one
+
+}  // namespace
+
+void expect_own_mesh_among_emulators(const StudyCase& study, const std::string& method) {
+  if (own_level(study)) return;
+  throw study.file.located(
+      InputError({.problem = fmt::format("the case's element size, {} m, is none of the emulator's, so it cannot be corrected for the mesh", *study.forward.geometry.resolved().element_size),
+                  .key = "emulator.element_sizes",
+                  .suggestion = fmt::format("add the case's element size or set {}.mesh_correction = false", method)}));
+}
+
+const MeshCorrection* FittedCorrection::get(const std::string& method, bool wanted, const CalibrationProgress& progress) {
+  if (!wanted) return nullptr;
+  const auto& study = inputs_.study();
+  const auto& notes = inputs_.notes();
+  if (const auto meshes = emulator_meshes(study); meshes != EmulatorMeshes::several) {
+    notes.say(not_corrected_line(method, meshes));
+    return nullptr;
+  }
+  if (taught_) return &*taught_;
+  expect_own_mesh_among_emulators(study, method);
+  const CasePosterior& made = posterior_.get(progress);
+  const PosteriorFit& fit = made.fit;
+  if (!fit.settled) notes.warn(stage_line(method, emulator_sentence(fit.message)));
+  // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
+  const auto& parameters = made.inputs->parameters;
+  const double own_viscosity = inputs_.model().describe().viscosity;
+  std::vector<double> fine, working;
+  for (std::size_t k = inputs_.model().shape().parameters.size(); k < parameters.size(); ++k) {
+    const Parameter& p = parameters[k];
+    fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? own_viscosity : *p.nominal);
+  }
+  const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
+  if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity) notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
+  taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(study), fine, working);
+  return &*taught_;
+}
+
+}  // namespace calomel

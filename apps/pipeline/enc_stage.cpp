@@ -1,0 +1,26 @@
+#include "apps/pipeline/enc_stage.hpp"
+
+#include "apps/presentation/calibration_lines.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "forward/campaign/archive.hpp"
+#include "forward/surrogate/feasibility.hpp"
+#include "forward/surrogate/surrogate.hpp"
+
+namespace calomel {
+
+EncSummary enc_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress) {
+  auto& inputs = call.inputs;
+  const auto& command = inputs.command();
+  const auto& options = inputs.study().enc;
+  const auto surrogate = load_surrogate(inputs.artefact("surrogate.nc"));
+  const Archive archive = read_archive(inputs.artefact("campaign.nc"));
+  const Feasibility feasibility(archive);
+  inputs.notes().say(failure_lines(archive, feasibility));
+  const MeshCorrection* correction = call.correction.get("enc", options.mesh_correction, progress);
+  auto summary = run_enc(inputs.problem(), GuardedModel(*surrogate, feasibility), inputs.model(), options, command.seed, command.threads, progress, correction);
+  write_enc(summary, inputs.problem(), provenance, command.out);
+  inputs.notes().say(enc_lines(summary));
+  return summary;
+}
+
+}  // namespace calomel

@@ -1,0 +1,13 @@
+#pragma once
+/// The repeatability floor: floor.json.
+#include "apps/pipeline/stage_call.hpp"
+
+namespace calomel {
+
+/// Measures it, run by run kept in floor.journal until floor.json stands, which is written over.
+void floor_stage(StageCall& call);
+
+/// floor.json of this model, made first, saying so, where there is none.
+void need_floor(StageCall& call);
+
+}  // namespace calomel

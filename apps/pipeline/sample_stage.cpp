@@ -1,0 +1,111 @@
+#include "apps/pipeline/sample_stage.hpp"
+
+#include <cmath>
+
+#include "apps/inputs/posterior_case.hpp"
+#include "apps/inputs/provenances.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/pipeline/predictive_groups.hpp"
+#include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/posterior_lines.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "apps/presentation/stage_progress.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "inverse/posterior/posterior_artefacts.hpp"
+#include "inverse/posterior/true_model_check.hpp"
+#include "uq/convergence/assess.hpp"
+#include "uq/posterior_density.hpp"
+#include "uq/posterior_file.hpp"
+#include "uq/sampler/sampler.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double alarming = 2;  ///< prior standard deviations from the handbook beyond which something else is taken to be missing
+
+/// A sentence for every parameter whose posterior lies more than `alarming` prior standard deviations from its prior's middle.
+std::vector<std::string> absorption(const std::vector<Parameter>& parameters, const Convergence& convergence) {
+  std::vector<std::string> out;
+  for (const auto& p : parameters)
+    for (const auto& s : convergence.parameters) {
+      if (s.name != p.name) continue;
+      const bool normal = p.prior == "normal" || p.prior == "truncated_normal", lognormal = p.prior == "lognormal";
+      if (!normal && !lognormal) continue;
+      const double z = normal ? (s.mean - *p.mean) / *p.sd : (std::log(s.q50) - *p.mu) / *p.sigma;
+      if (std::abs(z) > alarming) out.push_back(absorption_sentence(p.name, z));
+    }
+  return out;
+}
+
+/// At the mode, with Laplace's covariance carried to q: du/dq = (1 - u^2) / 2.
+SamplerStart start_at_mode(const PosteriorFit& fit) {
+  const auto& best = fit.modes[0];
+  const Eigen::Index d = fit.posterior->box().size();
+  Eigen::VectorXd by_u = Eigen::VectorXd::Ones(fit.posterior->dimension());
+  by_u.head(d) = 2 / (1 - best.at.u.array().square()).max(0.05);
+  return {.mean = fit.posterior->q(best.at.theta, best.at.beyond), .covariance = by_u.asDiagonal() * best.covariance * by_u.asDiagonal(), .points = {}};
+}
+
+Convergence assessed(const SamplerResult& result, int thin) {
+  double acceptance = 0;
+  for (const double a : result.summary.acceptance) acceptance += a / double(result.summary.acceptance.size());
+  return assess(result.quantities, {.acceptance = acceptance, .thin = thin});
+}
+
+}  // namespace
+
+ExitStatus sample_stage(StageCall& call) {
+  auto& inputs = call.inputs;
+  const auto& command = inputs.command();
+  const auto& study = inputs.study();
+  const auto& notes = inputs.notes();
+  (void)inputs.problem();  // before any long work, so that wrong recordings are told at once
+  need_basin(call);
+  const auto provenance = posterior_provenance(inputs);
+  if (!call.finished.due(provenance, {"posterior.json", "posterior.nc"}, Asked::by_user)) {
+    notes.say(reused_line("sample"));
+    return read_json(inputs.artefact("posterior.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+  }
+  const auto progress = stage_progress("sample", command.quiet);
+  const CasePosterior& made = call.posterior.get(progress);
+  const PosteriorFit& fit = made.fit;
+  const auto& parameters = made.inputs->parameters;
+  notes.say(stage_line("sample", emulator_sentence(fit.message)));
+
+  const PosteriorDensity density(*fit.posterior);
+  const auto journal = inputs.artefact("posterior.journal");
+  const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
+                       .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
+  const auto result = run_sampler(density, start_at_mode(fit), study.sampler, run);
+  const Convergence convergence = assessed(result, study.sampler.thin);
+  const TrueModelCheck check = check_by_true_model(*made.inputs, fit, study.emulator.check_coarse, study.emulator.check_fine);
+  const auto alarms = absorption(parameters, convergence);
+
+  auto groups = posterior_groups(density, result);
+  for (auto& g : predictive_groups(fit, inputs.problem(), parameters, result, command.seed)) groups.push_back(std::move(g));
+  const bool trusted = convergence.converged && fit.settled && check.holds;
+  Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
+  json["status"] = trusted ? "done" : "not_to_be_trusted";
+  json["product"] = study.map.product == "physical" ? "physical" : "tuned";
+  json["final"] = trusted;
+  // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
+  json["chains_converged"] = convergence.converged, json["converged"] = trusted;
+  json["message"] = verdict_sentence(convergence, fit, check);
+  json["mode"] = fit_json(fit, parameters);
+  json["true_model_check"] = check_json(check, parameters);
+  json["absorption"] = alarms;
+  json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
+  write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
+  write_json(inputs.artefact("posterior.json"), json);
+  remove_journal(journal);
+  notes.say(draws_lines(convergence));
+  notes.say(stage_line("sample", check.sentence));
+  notes.warn(alarms);
+  notes.say(stage_line("sample", convergence.message));
+  if (!fit.settled) notes.warn(emulator_sentence(fit.message));
+  return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+}
+
+}  // namespace calomel

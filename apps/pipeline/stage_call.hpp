@@ -1,0 +1,26 @@
+#pragma once
+/// What the stages of one call share.
+#include "apps/inputs/study_inputs.hpp"
+#include "apps/pipeline/case_correction.hpp"
+#include "apps/pipeline/case_posterior.hpp"
+#include "apps/pipeline/finished_stages.hpp"
+
+namespace calomel {
+
+/// Each stage is a function of it, X_stage(call): it reuses what is finished and matches, makes first, saying so, what it needs and does not find, writes its
+/// artefacts to --out and says what came of it. Its status is done or not_to_be_trusted.
+struct StageCall {
+  /// `command` outlives the object. Errors: as StudyInputs.
+  explicit StageCall(const CommandLine& command) : inputs(command), finished(command.out, command.fresh), posterior(inputs), correction(inputs, posterior) {}
+
+  StudyInputs inputs;
+  FinishedStages finished;
+  FittedPosterior posterior;
+  FittedCorrection correction;
+  bool trained = false;  ///< train_stage has seen to surrogate.nc
+};
+
+/// The worse of two ends.
+inline ExitStatus worse(ExitStatus a, ExitStatus b) { return a == ExitStatus::done ? b : a; }
+
+}  // namespace calomel

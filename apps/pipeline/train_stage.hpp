@@ -1,0 +1,14 @@
+#pragma once
+/// Surrogates taught by the campaign: surrogate.nc and train.json.
+#include "apps/pipeline/stage_call.hpp"
+
+namespace calomel {
+
+/// The status is that of the campaign.
+ExitStatus train_stage(StageCall& call, Asked asked = Asked::by_user);
+
+/// surrogate.nc where the basin of the posterior is sought on it: it is then an input of all that takes the posterior's emulator. What is wrong with the
+/// emulator's meshes is told before the work.
+void need_basin(StageCall& call);
+
+}  // namespace calomel

@@ -1,0 +1,44 @@
+#include "apps/presentation/calibration_lines.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/presentation/run_lines.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// "METHOD: SENTENCE" for those that say something.
+std::vector<std::string> of_method(const std::string& method, std::span<const std::string> sentences) {
+  std::vector<std::string> lines;
+  for (const auto& s : sentences)
+    if (!s.empty()) lines.push_back(stage_line(method, s));
+  return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> enc_lines(const EncSummary& summary) { return of_method("enc", std::vector{summary.mesh.sentence, summary.agreement.sentence}); }
+
+std::vector<std::string> spe_lines(const SpeSummary& summary) { return of_method("spe", std::vector{summary.mesh.sentence}); }
+
+std::vector<std::string> map_lines(const MapSummary& summary) {
+  std::vector<std::string> sentences;
+  if (summary.status != CalibrationStatus::no_candidate) sentences.push_back(summary.identification.sentence);
+  sentences.push_back(summary.check.sentence);
+  if (summary.score_tests) sentences.push_back(summary.score_tests->sentence);
+  if (summary.nested) sentences.push_back(summary.nested->sentence);
+  return of_method("map", sentences);
+}
+
+std::string not_corrected_line(const std::string& method, EmulatorMeshes meshes) {
+  return method + ": predictions are not corrected for the mesh: " +
+         (meshes == EmulatorMeshes::from_file ? "the mesh comes from a file, of which the program makes no finer one" : "the emulator has one mesh only (emulator.element_sizes)");
+}
+
+std::string viscosity_left_sentence(const std::string& method, double of_case, double of_emulator) {
+  return fmt::format("{}: the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = 0: the difference is not taken off", method,
+                     of_case, of_emulator);
+}
+
+}  // namespace calomel

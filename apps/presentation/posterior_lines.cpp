@@ -1,0 +1,35 @@
+#include "apps/presentation/posterior_lines.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace calomel {
+
+std::string round_line(const PosteriorRound& r, const std::vector<Parameter>& parameters) {
+  std::string at;
+  for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
+  return fmt::format("emulator: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance);
+}
+
+std::vector<std::string> draws_lines(const Convergence& convergence) {
+  std::vector<std::string> lines;
+  for (const auto& p : convergence.parameters)
+    lines.push_back(fmt::format("sample: {} {:.5g} ± {:.2g} (90 %: {:.5g} to {:.5g}; R-hat {:.3f}, ESS {:.0f})", p.name, p.mean, p.sd, p.q05, p.q95, p.r_hat, p.ess_bulk));
+  return lines;
+}
+
+std::string emulator_sentence(const std::string& message) { return "the emulator " + message; }
+
+std::string absorption_sentence(const std::string& parameter, double prior_sds) {
+  return fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", parameter, std::abs(prior_sds),
+                     prior_sds > 0 ? "above" : "below");
+}
+
+std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check) {
+  if (!convergence.converged) return convergence.message;
+  if (!fit.settled) return emulator_sentence(fit.message);
+  return check.holds ? convergence.message : check.sentence;
+}
+
+}  // namespace calomel

@@ -1,0 +1,25 @@
+#pragma once
+/// What people are told of the posterior: the emulator's rounds, the chains, the check by the true model.
+#include <string>
+#include <vector>
+
+#include "inverse/posterior/posterior_fit.hpp"
+#include "inverse/posterior/true_model_check.hpp"
+#include "uq/convergence/assess.hpp"
+
+namespace calomel {
+
+/// After a round of the emulator: its runs, the mode with its deviations, the emulator's variance.
+std::string round_line(const PosteriorRound& round, const std::vector<Parameter>& parameters);
+
+/// Mean, deviation, interval and convergence, a line a parameter.
+std::vector<std::string> draws_lines(const Convergence& convergence);
+/// "the emulator MESSAGE", its own of whether it has settled.
+std::string emulator_sentence(const std::string& message);
+/// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
+std::string absorption_sentence(const std::string& parameter, double prior_sds);
+
+/// Why the posterior is to be trusted or not, the gravest reason first.
+std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check);
+
+}  // namespace calomel

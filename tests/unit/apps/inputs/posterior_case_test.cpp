@@ -1,0 +1,54 @@
+#include "apps/inputs/posterior_case.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/slice_case.hpp"
+
+using namespace calomel;
+using calomel::testing::folder_with;
+using calomel::testing::slice_case;
+using ::testing::ElementsAre;
+
+namespace {
+
+const std::string density = "[parameter.density]\nmin = 12000\nmax = 14500\n", normal = "prior = \"normal\"\nmean = 13500\nsd = 100\n";
+
+StudyCase study(const std::string& more, const std::vector<std::string>& set = {}) {
+  return StudyCase::read(folder_with("posterior_case", {{"case.toml", slice_case + more}}) / "case.toml", set);
+}
+
+std::vector<std::string> names(const std::vector<Parameter>& parameters) {
+  std::vector<std::string> out;
+  for (const auto& p : parameters) out.push_back(p.name);
+  return out;
+}
+
+}  // namespace
+
+TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
+  EXPECT_TRUE(basin_on_surrogate(study(density)));
+  EXPECT_FALSE(basin_on_surrogate(study(density + normal)));
+  EXPECT_FALSE(basin_on_surrogate(study(density, {"map.product=physical"})));
+  EXPECT_FALSE(basin_on_surrogate(study(density, {"emulator.start=nominal"})));
+  EXPECT_TRUE(basin_on_surrogate(study(density + normal, {"emulator.start=surrogate"})));
+}
+
+TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
+  EXPECT_THAT(names(posterior_parameters(study(density))), ElementsAre("density", "regularising_viscosity", "young"));
+  EXPECT_THAT(names(posterior_parameters(study(density, {"errors.young_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
+  const auto with_young = posterior_parameters(study(density + "[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n"));
+  EXPECT_THAT(names(with_young), ElementsAre("density", "steel", "regularising_viscosity"));
+  EXPECT_EQ(first_half_width(with_young[0], false), 0.035);
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[1], false), 0.1 * std::log(2.1 / 1.8));
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[2], true), 1.8 * *with_young[2].sigma);
+}
+
+TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
+  EXPECT_THAT(element_sizes(study(density)), ElementsAre(0.002, 0.001));
+  EXPECT_EQ(emulator_meshes(study(density)), EmulatorMeshes::several);
+  EXPECT_EQ(own_level(study(density)), 1);
+  EXPECT_EQ(own_level(study(density, {"emulator.element_sizes=[0.0015,0.001]"})), std::nullopt);
+  EXPECT_EQ(emulator_meshes(study(density, {"emulator.element_sizes=[0.002]"})), EmulatorMeshes::one_size);
+}

@@ -1,0 +1,57 @@
+#include "apps/inputs/provenances.hpp"
+
+#include <gmock/gmock.h>
+
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "tests/slice_case.hpp"
+
+using namespace calomel;
+using calomel::testing::folder_with;
+using calomel::testing::slice_case;
+using ::testing::ElementsAre;
+
+namespace {
+
+/// Names of a provenance's inputs in a folder where what it may hash stands.
+class Provenances : public ::testing::Test {
+ protected:
+  const std::filesystem::path dir = folder_with("provenances", {{"case.toml", slice_case + "[parameter.density]\nmin = 12000\nmax = 14500\n[recordings]\nfile = \"records.csv\"\n"},
+                                                                {"records.csv", "sensor,pulse,time,strain\n"},
+                                                                {"campaign.nc", "runs"},
+                                                                {"surrogate.nc", "learnt"}});
+  Provenance of(const std::string& method, std::vector<std::string> set = {}) const {
+    const CommandLine command{.verb = "calibrate", .case_file = dir / "case.toml", .out = dir, .overrides = std::move(set), .quiet = true};
+    const StudyInputs inputs(command);
+    return method == "sample" ? posterior_provenance(inputs) : calibration_provenance(inputs, method);
+  }
+  std::vector<std::string> inputs(const std::string& method, std::vector<std::string> set = {}) const {
+    std::vector<std::string> names;
+    for (const auto& [name, hash] : of(method, std::move(set)).inputs) names.push_back(name);
+    return names;
+  }
+};
+
+}  // namespace
+
+TEST_F(Provenances, ListTheSurrogateWhereTheBasinIsFoundOnIt) {
+  EXPECT_THAT(inputs("sample"), ElementsAre("model", "recordings", "surrogate.nc"));
+  EXPECT_THAT(inputs("map"), ElementsAre("model", "recordings", "surrogate.nc"));
+  EXPECT_THAT(inputs("spe"), ElementsAre("campaign.nc", "recordings", "surrogate.nc"));
+  EXPECT_THAT(inputs("enc"), ElementsAre("recordings", "surrogate.nc"));
+}
+
+TEST_F(Provenances, DoNotListItWhereTheBasinIsNominalOrThereIsNoCorrection) {
+  EXPECT_THAT(inputs("sample", {"emulator.start=nominal"}), ElementsAre("model", "recordings"));
+  EXPECT_THAT(inputs("map", {"emulator.start=nominal"}), ElementsAre("model", "recordings"));
+  EXPECT_THAT(inputs("spe", {"emulator.start=nominal"}), ElementsAre("campaign.nc", "recordings"));
+  EXPECT_THAT(inputs("spe", {"spe.mesh_correction=false"}), ElementsAre("campaign.nc", "recordings"));
+  EXPECT_THAT(inputs("spe", {"emulator.element_sizes=[0.002]"}), ElementsAre("campaign.nc", "recordings"));
+}
+
+TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
+  const auto spe = of("spe").identity(), bare = of("spe", {"spe.mesh_correction=false"}).identity();
+  write_atomically(dir / "surrogate.nc", "learnt anew");
+  EXPECT_NE(of("spe").identity(), spe);
+  EXPECT_EQ(of("spe", {"spe.mesh_correction=false"}).identity(), bare);
+}

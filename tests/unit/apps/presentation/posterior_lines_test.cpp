@@ -1,0 +1,43 @@
+#include "apps/presentation/posterior_lines.hpp"
+
+#include <gmock/gmock.h>
+
+using namespace calomel;
+using testing::ElementsAre;
+
+TEST(PosteriorLines, ARoundTellsItsRunsTheModeAndTheVariance) {
+  PosteriorRound round{.coarse = 48, .fine = 14, .theta = {13310.4, 1462}, .theta_sd = {21.3, 2}, .variance = 0.25};
+  const std::vector<Parameter> parameters{{.name = "density"}, {.name = "sound_speed"}};
+  EXPECT_EQ(round_line(round, parameters), "emulator: 48 coarse and 14 fine runs: density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
+  round.failed = 3;
+  EXPECT_EQ(round_line(round, parameters), "emulator: 48 coarse and 14 fine runs (3 failed): density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
+}
+
+TEST(PosteriorLines, EveryParameterHasALineOfItsDraws) {
+  Convergence convergence;
+  EXPECT_TRUE(draws_lines(convergence).empty());
+  convergence.parameters.push_back({.name = "density", .mean = 13310, .sd = 21, .q05 = 13275, .q50 = 13310, .q95 = 13345, .r_hat = 1.002, .ess_bulk = 2345.6});
+  EXPECT_THAT(draws_lines(convergence), ElementsAre("sample: density 13310 ± 21 (90 %: 13275 to 13345; R-hat 1.002, ESS 2346)"));
+}
+
+TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
+  EXPECT_EQ(absorption_sentence("density", -3.14159),
+            "density sits 3.1 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs");
+  EXPECT_THAT(absorption_sentence("density", 2.5), testing::HasSubstr("2.5 prior standard deviations above"));
+}
+
+TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
+  Convergence convergence;
+  convergence.message = "the chains have not mixed";
+  PosteriorFit fit;
+  fit.message = "has not settled after 12 rounds";
+  TrueModelCheck check;
+  check.sentence = "the true model lies farther off than the emulator says";
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the chains have not mixed");
+  convergence.converged = true, convergence.message = "converged";
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the emulator has not settled after 12 rounds");
+  fit.settled = true;
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the true model lies farther off than the emulator says");
+  check.holds = true;
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), "converged");
+}
