@@ -64,6 +64,13 @@ double mesh_error(const StudyCase& study) {
   return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
 }
 
+std::optional<double> elements_per_front(const StudyCase& study) {
+  const auto& load = study.forward.load;
+  const double finest = element_sizes(study).back(), front = study.forward.mercury.sound_speed * load.pulse_length;
+  if (load.kind != "initial_pressure" || front <= 0 || finest <= 0) return std::nullopt;
+  return front / finest;
+}
+
 bool basin_on_surrogate(const StudyCase& study) {
   if (study.emulator.start != "auto") return study.emulator.start == "surrogate";
   const auto& own = study.forward.parameters;

@@ -32,6 +32,11 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study);
 /// Error of the mesh over the local amplitude [-], for an emulator with one mesh: errors.mesh or its default.
 double mesh_error(const StudyCase& study);
 
+/// Elements of the emulator's finest mesh through the front of the pulse (sound speed times pulse length); nothing where the load has no such front or the mesh
+/// comes from a file. Below front_resolved the deviations of density and sound speed were found too small by a factor of two (docs/benchmarks/posterior.md).
+std::optional<double> elements_per_front(const StudyCase& study);
+inline constexpr double front_resolved = 1.5;
+
 /// Whether the basin is sought on the campaign's surrogate (surrogate.nc); else it is at the nominal values. By emulator.start and the priors.
 bool basin_on_surrogate(const StudyCase& study);
 

@@ -34,11 +34,13 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
 CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress& progress, const NestedFit* nested) {
   CasePosterior out{.inputs = posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); }), .fit = {}};
   PosteriorInputs& in = *out.inputs;
+  const auto& study = inputs.study();
+  if (const auto elements = elements_per_front(study); elements && *elements < front_resolved) in.warnings.push_back(front_sentence(*elements, element_sizes(study).back()));
   put_first_box(in, basin(inputs, in, progress));
   in.round_done = [&inputs, &parameters = in.parameters](const PosteriorRound& r) { inputs.notes().say(round_line(r, parameters)); };
   if (nested) {
     in.held = nested->held, in.nested_centre = nested->theta;
-    expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], inputs.study().map);
+    expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], study.map);
   }
   out.fit = fit_posterior(in);
   return out;

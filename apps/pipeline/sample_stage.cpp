@@ -95,7 +95,7 @@ ExitStatus sample_stage(StageCall& call) {
   json["message"] = verdict_sentence(convergence, fit, check);
   json["mode"] = fit_json(fit, parameters);
   json["true_model_check"] = check_json(check, parameters);
-  json["absorption"] = alarms;
+  json["absorption"] = alarms, json["warnings"] = made.inputs->warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
   write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
   write_json(inputs.artefact("posterior.json"), json);
@@ -103,6 +103,7 @@ ExitStatus sample_stage(StageCall& call) {
   notes.say(draws_lines(convergence));
   notes.say(stage_line("sample", check.sentence));
   notes.warn(alarms);
+  notes.warn(made.inputs->warnings);
   notes.say(stage_line("sample", convergence.message));
   if (!fit.settled) notes.warn(emulator_sentence(fit.message));
   return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;

@@ -16,12 +16,15 @@ class StageDisplay {
   StageDisplay(std::string stage, bool quiet) : stage_(std::move(stage)), style_(progress_style(quiet)) {}
   void operator()(const std::string& what, std::size_t done, std::size_t total) {
     if (stop_requested()) throw Interrupted();
-    if (what != what_) display_.reset(), display_.emplace(stage_, what, style_, std::cerr), what_ = what;
+    const bool another = what != what_ || done < done_ || total != total_;  // the next batch of runs is timed by itself
+    if (another) display_.reset(), display_.emplace(stage_, what, style_, std::cerr);
+    what_ = what, done_ = done, total_ = total;
     display_->update(done, total);
   }
 
  private:
   std::string stage_, what_;
+  std::size_t done_ = 0, total_ = 0;
   ProgressDisplay::Style style_;
   std::optional<ProgressDisplay> display_;
 };

@@ -19,6 +19,7 @@ RunPoint point_at(std::span<const Parameter> parameters, std::span<const double>
   expect(parameters.size() == theta.size(), "a point has a value for every parameter");
   RunPoint point;
   for (std::size_t k = 0; k < theta.size(); ++k) point[parameters[k].key] = theta[k];
+  expect(point.size() == theta.size(), "every parameter has a key of its own");
   return point;
 }
 

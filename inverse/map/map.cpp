@@ -125,6 +125,7 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.product = product;
   out.nominal = nominal(in.problem.shape);
   out.warnings = in.problem.warnings;
+  out.warnings.insert(out.warnings.end(), in.warnings.begin(), in.warnings.end());
   out.mesh.scores_on = in.levels > 1 ? "the finest mesh of the emulator" : "the case's own mesh";
   run_candidates(out, in, fit);
 

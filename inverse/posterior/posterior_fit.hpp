@@ -70,6 +70,7 @@ struct PosteriorInputs {
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
+  std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
 };

@@ -41,7 +41,7 @@ class AnalyticModel : public ForwardModel {
 
 inline Parameter uniform_parameter(const std::string& name, double low, double high, double nominal) {
   Parameter p;
-  p.name = name, p.min = low, p.max = high, p.nominal = nominal;
+  p.name = name, p.key = "material.mercury." + name, p.min = low, p.max = high, p.nominal = nominal;
   return p;
 }
 

@@ -38,7 +38,7 @@ class Oscillations : public ForwardModel {
  private:
   static Parameter parameter(const char* name, double low, double high, double nominal) {
     Parameter p;
-    p.name = name, p.min = low, p.max = high, p.nominal = nominal;
+    p.name = name, p.key = std::string("material.mercury.") + name, p.min = low, p.max = high, p.nominal = nominal;
     return p;
   }
   ModelShape shape_;

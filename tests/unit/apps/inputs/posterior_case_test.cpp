@@ -52,3 +52,13 @@ TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
   EXPECT_EQ(own_level(study(density, {"emulator.element_sizes=[0.0015,0.001]"})), std::nullopt);
   EXPECT_EQ(emulator_meshes(study(density, {"emulator.element_sizes=[0.002]"})), EmulatorMeshes::one_size);
 }
+
+TEST(PosteriorCase, TheFinestMeshIsHeldAgainstTheFrontOfThePulse) {
+  const auto elements = [](const std::vector<std::string>& set) { return elements_per_front(study(density, set)); };
+  const double front = study(density).forward.mercury.sound_speed * 0.7e-6;
+  EXPECT_DOUBLE_EQ(elements({}).value(), front / 0.001);
+  EXPECT_LT(elements({}).value(), front_resolved);
+  EXPECT_DOUBLE_EQ(elements({"emulator.element_sizes=[0.001,0.0005]"}).value(), front / 0.0005);
+  EXPECT_GT(elements({"emulator.element_sizes=[0.001,0.0005]"}).value(), front_resolved);
+  EXPECT_EQ(elements({"load.pulse_length=0"}), std::nullopt);
+}

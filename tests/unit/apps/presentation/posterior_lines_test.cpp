@@ -20,6 +20,12 @@ TEST(PosteriorLines, EveryParameterHasALineOfItsDraws) {
   EXPECT_THAT(draws_lines(convergence), ElementsAre("sample: density 13310 ± 21 (90 %: 13275 to 13345; R-hat 1.002, ESS 2346)"));
 }
 
+TEST(PosteriorLines, AMeshThatDoesNotResolveTheFrontIsToldWithOneThatDoes) {
+  const auto said = front_sentence(1.016, 1e-3);
+  EXPECT_THAT(said, testing::StartsWith("the emulator's finest mesh, 1 mm, has only 1.0 elements through the front of the pulse"));
+  EXPECT_THAT(said, testing::HasSubstr("elements of 0.508 mm (emulator.element_sizes)"));
+}
+
 TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
   EXPECT_EQ(absorption_sentence("density", -3.14159),
             "density sits 3.1 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs");
