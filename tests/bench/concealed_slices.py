@@ -183,16 +183,19 @@ def table(args):
         cells = []
         for n in names:
             off = math.log(value[n] / truth[n]) * (1 if n == "tensile_cutoff" else 100)
-            dev = sd.get(n, math.nan) / value[n] * (1 if n == "tensile_cutoff" else 100)
-            distances[n].append(off), scores[n].append(off / dev)
-            cells.append(f"{off:+.3f} ± {dev:.3f} ({off / dev:+.1f})" if n == "tensile_cutoff" else f"{off:+.1f} ± {dev:.1f} % ({off / dev:+.1f})")
+            distances[n].append(off)
+            cells.append(f"{off:+.3f}" if n == "tensile_cutoff" else f"{off:+.1f} %")
+            if n in sd:  # a point calibration has none
+                dev = sd[n] / value[n] * (1 if n == "tensile_cutoff" else 100)
+                scores[n].append(off / dev)
+                cells[-1] = f"{off:+.3f} ± {dev:.3f} ({off / dev:+.1f})" if n == "tensile_cutoff" else f"{off:+.1f} ± {dev:.1f} % ({off / dev:+.1f})"
         print(f"| {draw} | " + " | ".join(cells) + f" | {'yes' if passes else 'no'} |")
     for n in names:
         d, z = distances[n], scores[n]
         if len(d) > 1:
             rms = math.sqrt(statistics.fmean(x * x for x in d))
-            print(f"{n}: rms {rms:.3g}{'' if n == 'tensile_cutoff' else ' %'}; in deviations rms {math.sqrt(statistics.fmean(x * x for x in z)):.2f}, "
-                  f"mean {statistics.fmean(z):+.2f} ± {statistics.stdev(z) / math.sqrt(len(z)):.2f}")
+            print(f"{n}: rms {rms:.3g}{'' if n == 'tensile_cutoff' else ' %'}, mean {statistics.fmean(d):+.2g}"
+                  + (f"; in deviations rms {math.sqrt(statistics.fmean(x * x for x in z)):.2f}, mean {statistics.fmean(z):+.2f} ± {statistics.stdev(z) / math.sqrt(len(z)):.2f}" if len(z) > 1 else ""))
 
 
 def main():
