@@ -112,7 +112,7 @@ void respond(const ForwardCase& at, const SensorOptions& s, double interval, std
 
 }  // namespace
 
-BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads)
+BuiltInModel::BuiltInModel(const ForwardCase& forward_case, EnsembleOptions ensemble, int threads)
     : BuiltInModel(forward_case, ensemble, threads, mesh_of(forward_case.geometry)) {
   for (const auto& p : case_.parameters) remesh_ = remesh_ || p.key.rfind("geometry.", 0) == 0;
 }

@@ -43,7 +43,7 @@ class BuiltInModel : public ForwardModel {
  public:
   /// `threads`: of one run at most, as many as it gains by (a campaign runs points side by side on one thread each).
   /// Errors: InputError for a mesh or gauge that cannot be made.
-  explicit BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble = {}, int threads = 1);
+  explicit BuiltInModel(const ForwardCase& forward_case, EnsembleOptions ensemble = {}, int threads = 1);
   /// The same on a mesh that the caller made (jittered, deformed), which mechanisms then change; parameters of the geometry are refused.
   BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh);
   ~BuiltInModel() override;

@@ -114,8 +114,8 @@ class FloorRuns {
 /// Windows, sd and signal of the floor from the members that finished.
 void add_windows(RepeatabilityFloor& floor, const ModelShape& shape, const std::vector<const Values*>& finished, const FloorOptions& options) {
   const double end = shape.times.back(), interval = shape.times.size() > 1 ? shape.times[1] - shape.times[0] : end;
-  for (double begin = 0; begin < end - 0.5 * interval; begin += options.window)
-    floor.window_begin.push_back(begin), floor.window_end.push_back(std::min(end, begin + options.window));
+  const int several = std::max(1, int(std::ceil((end - 0.5 * interval) / options.window)));
+  for (int w = 0; w < several; ++w) floor.window_begin.push_back(w * options.window), floor.window_end.push_back(std::min(end, (w + 1) * options.window));
   const std::size_t windows = floor.window_begin.size();
   for (std::size_t condition = 0; condition < shape.conditions.size(); ++condition)
     for (std::size_t sensor = 0; sensor < shape.sensors.size(); ++sensor) {

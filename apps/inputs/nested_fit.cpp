@@ -35,7 +35,7 @@ NestedFit read_nested_fit(const std::filesystem::path& directory, const std::vec
   out.model.name = directory.lexically_normal().filename().string();
   const Json& theta = json.at("emulator").at("theta");
   for (const auto& [name, value] : theta.items())
-    if (std::none_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == name; }))
+    if (std::none_of(parameters.begin(), parameters.end(), [&, sought = name](const Parameter& p) { return p.name == sought; }))
       refuse(options, fmt::format("the fit in {} sought {}, which is not a parameter of this case", where, name), "the smaller model's parameters must be among this one's");
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const Parameter& p = parameters[k];

@@ -69,7 +69,7 @@ void add_theta(std::vector<Cell>& row, const Json& theta, const std::vector<std:
 
 std::string objective_name(const Study& study) {
   for (const auto& c : study.calibrations)
-    if (const auto name = text_at(part_at(c.summary, "objective"), "name"); !name.empty()) return name;
+    if (auto name = text_at(part_at(c.summary, "objective"), "name"); !name.empty()) return name;
   return "objective";
 }
 

@@ -147,7 +147,7 @@ std::vector<double> union_times(const std::vector<Series>& series) {
 
 /// The times of the plots: those of the records, continued by those of the simulation before and after.
 std::vector<double> plot_times(const std::vector<Series>& series) {
-  const auto all = union_times(series);
+  auto all = union_times(series);
   const auto records = std::find_if(series.begin(), series.end(), [](const Series& s) { return s.on_records && !s.times().empty(); });
   if (records == series.end()) return all;
   const auto& grid = records->times();

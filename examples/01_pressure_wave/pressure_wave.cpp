@@ -106,8 +106,8 @@ double incident_impulse(double t) {  // its integral up to t [Pa s]
 }
 /// sum over k of R^k f(t - k tau): the rounds in the wall.
 double rounds(const std::function<double(double)>& f, double t, double tau) {
-  double sum = 0;
-  for (double factor = 1; factor > 1e-12; factor *= R, t -= tau) sum += factor * f(t);
+  double sum = 0, factor = 1;
+  while (factor > 1e-12) sum += factor * f(t), factor *= R, t -= tau;
   return sum;
 }
 /// Pressure at x in the mercury before a wall of thickness h: what comes, what the inner face and what the rounds return [Pa].

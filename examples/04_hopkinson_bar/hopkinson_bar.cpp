@@ -97,8 +97,10 @@ bool residual(const std::filesystem::path& path, const std::filesystem::path& ou
   // 1. A one-dimensional bar carries the first gauge's signal on undispersed: delay and gain fitted.
   Residual line{1e300, 0};
   double delay = 0;
-  for (double d = 215e-6; d < 225e-6; d += 1e-8)
+  for (int i = 0; i < 1000; ++i) {
+    const double d = 215e-6 + 1e-8 * i;
     if (const auto x = residual_of(r, [&](double t) { return at(r.time, r.first, t - d); }); x.rms < line.rms) line = x, delay = d;
+  }
 
   // 2. The 3-D bar at the calibrated and at the nominal parameters.
   const Json summary = read_json(out / "enc.json");

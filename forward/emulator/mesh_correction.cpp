@@ -69,7 +69,7 @@ HistoryBasis CorrectedModel::basis() const {
 }
 
 Eigen::MatrixXf CorrectedModel::coefficients(const Eigen::MatrixXd& thetas) const {
-  const Eigen::MatrixXf own = model_.coefficients(thetas);
+  Eigen::MatrixXf own = model_.coefficients(thetas);
   if (correction_.empty()) return own;
   Eigen::MatrixXf all(own.rows() + correction_.directions().cols(), own.cols());
   all.topRows(own.rows()) = own;

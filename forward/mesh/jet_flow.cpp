@@ -102,8 +102,8 @@ class SectionBuilder {
       // The rear end is plane.
       return core_boundary_[0] + (core_boundary_[std::size_t(last_)] - core_boundary_[0]) * j / front_;
     };
-    std::vector<NodeId> core(std::size_t((corner_ + 1) * (front_ + 1)));
-    const auto at = [&](int i, int j) -> NodeId& { return core[std::size_t(i * (front_ + 1) + j)]; };
+    std::vector<NodeId> core(std::size_t(corner_ + 1) * std::size_t(front_ + 1));
+    const auto at = [&](int i, int j) -> NodeId& { return core[std::size_t(i) * std::size_t(front_ + 1) + std::size_t(j)]; };
     for (int i = 0; i <= corner_; ++i)
       for (int j = 0; j <= front_; ++j) {
         if (j == 0 || j == front_ || i == corner_)
@@ -118,10 +118,10 @@ class SectionBuilder {
 
  private:
   [[nodiscard]] double offset(const ContourPoint& c) const { return c.wall + (plates_ ? g_.jet.channel + g_.jet.thickness : 0); }
-  [[nodiscard]] bool behind(int i) const { return contour_[std::size_t(i)].behind || contour_[std::size_t(i + 1)].behind; }
+  [[nodiscard]] bool behind(int i) const { return contour_[std::size_t(i)].behind || contour_[std::size_t(i) + 1].behind; }
   [[nodiscard]] bool plate_between(int i) const {
     if (!plates_) return false;
-    const auto &a = contour_[std::size_t(i)], &b = contour_[std::size_t(i + 1)];
+    const auto &a = contour_[std::size_t(i)], &b = contour_[std::size_t(i) + 1];
     const double turn = a.upper && b.upper ? g_.jet.upper_turn : g_.jet.lower_turn;
     return a.upper == b.upper && std::max(a.angle, b.angle) <= turn * (1 + 1e-12);
   }

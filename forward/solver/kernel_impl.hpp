@@ -46,12 +46,12 @@ struct Lanes {
     if constexpr (Runs) {
       V u[8];
       for (int c = 0; c < 3; ++c) {
-        for (int n = 0; n < 8; ++n) u[n] = load<V>(w + std::size_t(at[n]) * (3 * width) + c * width);
+        for (int n = 0; n < 8; ++n) u[n] = load<V>(w + std::size_t(at[n]) * (3 * width) + std::size_t(c) * width);
         to_modes(u, um[c]);
       }
     } else {
       V u[3][8];
-      for (int n = 0; n < 8; ++n) gather_rows(w, at + n * width, u[0][n], u[1][n], u[2][n]);
+      for (int n = 0; n < 8; ++n) gather_rows(w, at + std::size_t(n) * width, u[0][n], u[1][n], u[2][n]);
       for (int c = 0; c < 3; ++c) to_modes(u[c], um[c]);
     }
   }
@@ -61,14 +61,14 @@ struct Lanes {
       for (int c = 0; c < 3; ++c) {
         to_corners(fm[c], f);
         for (int n = 0; n < 8; ++n) {
-          R* p = force + std::size_t(at[n]) * (3 * width) + c * width;
+          R* p = force + std::size_t(at[n]) * (3 * width) + std::size_t(c) * width;
           store(p, load<V>(p) + f[n]);
         }
       }
     } else {
       V f[3][8];
       for (int c = 0; c < 3; ++c) to_corners(fm[c], f[c]);
-      for (int n = 0; n < 8; ++n) scatter_rows(force, at + n * width, f[0][n], f[1][n], f[2][n]);
+      for (int n = 0; n < 8; ++n) scatter_rows(force, at + std::size_t(n) * width, f[0][n], f[1][n], f[2][n]);
     }
   }
   /// One number of each element of a group.

@@ -41,8 +41,8 @@ struct EncOptions {
        .choices = and_gradient_search(calomel::optimizers().names())});
     v("compare_objectives", compare_objectives,
       {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = objectives().names()});
-    v.renamed("compare_rounds", "always four rounds of each compared optimiser and objective");
-    v.renamed("agreement", "always answers agree when they differ by no more than 5 % of the bounds");
+    v.renamed("compare_rounds", "each compared optimiser and objective always has four rounds");
+    v.renamed("agreement", "answers always agree when they differ by no more than 5 % of the bounds");
     visit_mesh_correction(v, mesh_correction);
   }
 

@@ -9,11 +9,11 @@ namespace calomel::CALOMEL_ISA {
 // Accumulators of a tile are 2 vectors of rows times `most` columns: 24 of the 32 registers of AVX-512, 12 of the 16 of AVX2, 8 of the 16 of the baseline,
 // which needs some for products.
 #if defined(__AVX512F__)
-constexpr int width = 16, most = 12;
+constexpr std::ptrdiff_t width = 16, most = 12;
 #elif defined(__AVX2__)
-constexpr int width = 8, most = 6;
+constexpr std::ptrdiff_t width = 8, most = 6;
 #else
-constexpr int width = 4, most = 4;
+constexpr std::ptrdiff_t width = 4, most = 4;
 #endif
 typedef float V __attribute__((vector_size(width * sizeof(float)), aligned(sizeof(float)), may_alias));
 typedef float Aligned __attribute__((vector_size(width * sizeof(float))));

@@ -11,7 +11,8 @@ namespace calomel {
 
 pagmo::population CmaesRestarts::evolve(pagmo::population population) const {
   const auto& problem = population.get_problem();
-  const auto [low, high] = problem.get_bounds();
+  const auto bounds = problem.get_bounds();
+  const auto &low = bounds.first, &high = bounds.second;
   RandomStream random(seed, 0);
   const std::size_t d = low.size(), budget = std::size_t(generations) * population.size();
   std::size_t spent = 0, size = std::max<std::size_t>(5, 4 + std::size_t(3 * std::log(double(d))));

@@ -128,7 +128,8 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
 
 pagmo::population DirectionalGaussianSmoothing::evolve(pagmo::population population) const {
   const auto& problem = population.get_problem();
-  const auto [low, high] = problem.get_bounds();
+  const auto bounds = problem.get_bounds();
+  const auto &low = bounds.first, &high = bounds.second;
   const Points start = population.get_x();
   const auto start_f = values_of(population);
   const std::size_t n = start.size(), d = low.size(), budget = std::size_t(generations) * n, each = dgs_evaluations(options, d);

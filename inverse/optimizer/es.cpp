@@ -20,7 +20,8 @@ double reflected(double x, double low, double high) {
 
 pagmo::population EvolutionStrategy::evolve(pagmo::population population) const {
   const auto& problem = population.get_problem();
-  const auto [low, high] = problem.get_bounds();
+  const auto bounds = problem.get_bounds();
+  const auto &low = bounds.first, &high = bounds.second;
   RandomStream random(seed, 0);
   const Points start = population.get_x();
   const auto start_f = values_of(population);

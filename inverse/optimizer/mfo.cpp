@@ -12,7 +12,8 @@ namespace calomel {
 
 pagmo::population MothFlame::evolve(pagmo::population population) const {
   const auto& problem = population.get_problem();
-  const auto [low, high] = problem.get_bounds();
+  const auto bounds = problem.get_bounds();
+  const auto &low = bounds.first, &high = bounds.second;
   RandomStream random(seed, 0);
   Points moths = population.get_x(), flames;
   auto f = values_of(population);

@@ -11,7 +11,8 @@ namespace calomel {
 
 pagmo::population NesterovRandomSearch::evolve(pagmo::population population) const {
   const auto& problem = population.get_problem();
-  const auto [low, high] = problem.get_bounds();
+  const auto bounds = problem.get_bounds();
+  const auto &low = bounds.first, &high = bounds.second;
   RandomStream random(seed, 0);
   Points x = population.get_x();
   auto f = values_of(population);

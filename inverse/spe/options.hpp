@@ -59,12 +59,12 @@ struct SpeOptions {
        .least_size = 1});
     v("penalise_constant", penalise_constant, {.doc = "whether the constant term pays the penalty, as published"});
     v("validation_fraction", validation_fraction, {.range = between(0.05, 0.5), .doc = "share of the runs that is held out"});
-    v.renamed("folds", "always five folds of the training runs");
+    v.renamed("folds", "there are always five folds of the training runs");
     v("refit", refit, {.doc = "fit again to all runs, held-out ones included, before the search (errors are those of the first fit)"});
     v("trials", trials, {.range = between(1, 10000), .doc = "searches of each surrogate from random starts"});
     v("iterations", iterations, {.range = between(1, 100000), .doc = "of a search"});
     v.table("dgs", dgs, "directional Gaussian smoothing");
-    v.renamed("merge", "always ends of searches within 2 % of the bounds are one optimum of a surrogate");
+    v.renamed("merge", "ends of searches within 2 % of the bounds are always one optimum of a surrogate");
     v("bandwidth", bandwidth,
       {.range = {.low = 0, .high = 1, .low_open = true}, .doc = "sd of the Gaussian that smooths the pooled optima, in units of the bounds"});
     v("candidates", candidates, {.range = between(1, 50), .doc = "modes, or optima where modes run out, that are re-run in the true model"});

@@ -131,7 +131,7 @@ TEST(ReportPosterior, ShowsSixQuantitiesAtMostAndThinsPointsEvenly) {
   for (int k = 0; k < 9; ++k) draws.names.push_back("nuisance_" + std::to_string(k));
   draws.names.push_back("sound_speed");
   RandomStream random(3, 0);
-  for (std::size_t i = 0; i < 2000 * 10; ++i) draws.values.push_back(random.normal());
+  for (std::size_t i = 0; i < 20000; ++i) draws.values.push_back(random.normal());
   const auto dir = scratch("posterior_many");
   const Json corner = corner_of(dir, input(), draws, 300);
   ASSERT_EQ(corner["axes"].size(), 6u);

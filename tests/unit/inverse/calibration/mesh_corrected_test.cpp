@@ -201,6 +201,25 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
   EXPECT_EQ(added.reused() + added.made(), resumed.model_runs - 1);  // the nominal point is asked of the model itself
 }
 
+TEST(OptionsThatBecameConstants, AreAnsweredWithWhatHolds) {
+  const auto said = [](const std::string& table, const std::string& line) -> std::string {
+    CaseFile file = CaseFile::from_text("[" + table + "]\n" + line + "\n");
+    EncOptions enc;
+    SpeOptions spe;
+    try {
+      table == "enc" ? file.read(table, enc) : file.read(table, spe);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(said("enc", "compare_rounds = 2"), HasSubstr("four rounds"));
+  EXPECT_THAT(said("enc", "agreement = 0.1"), HasSubstr("5 % of the bounds"));
+  EXPECT_THAT(said("spe", "folds = 4"), HasSubstr("five folds"));
+  EXPECT_THAT(said("spe", "merge = 0.1"), HasSubstr("2 % of the bounds"));
+  EXPECT_EQ(said("enc", "rounds = 4"), "");
+}
+
 TEST(MeshCorrectionOption, KeysThatItReplacesAreAnsweredWithIt) {
   for (const std::string table : {"enc", "spe"})
     for (const std::string key : {"mesh_pairs = 0", "mesh_beyond = 1", "draws = 8"}) {
