@@ -367,7 +367,7 @@ std::unique_ptr<BuiltInModel> finer_model(const BuiltInModel& model) {
   c.geometry.element_size = 0.5 * *element;
   c.geometry.wall_elements *= 2;
   c.geometry.max_elements *= 8;
-  return std::make_unique<BuiltInModel>(std::move(c), model.ensemble(), 1);
+  return std::make_unique<BuiltInModel>(c, model.ensemble(), 1);
 }
 
 }  // namespace calomel

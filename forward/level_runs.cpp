@@ -49,7 +49,7 @@ LevelRuns::LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, 
     ForwardCase c = on_mesh(case_, size);
     c.parameters = parameters_;
     c.mercury.least_mesh_viscosity = 0, c.mercury.regularising_viscosity = viscosity_;
-    models_.push_back(std::make_unique<BuiltInModel>(std::move(c), ensemble_, 1));
+    models_.push_back(std::make_unique<BuiltInModel>(c, ensemble_, 1));
   }
 }
 
@@ -72,7 +72,7 @@ RunRecord LevelRuns::evaluate(const RunPoint& point) const {
   ForwardCase changed = models_[level]->forward_case();
   try {
     for (const auto& [key, value] : rest) enable(changed, key), changed.set_number(key, value);
-    return evaluate_run(BuiltInModel(std::move(changed), ensemble_, 1), theta, false);
+    return evaluate_run(BuiltInModel(changed, ensemble_, 1), theta, false);
   } catch (const InputError& e) {  // a gauge off the target
     return {.message = e.what()};
   }

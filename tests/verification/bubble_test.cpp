@@ -83,7 +83,7 @@ TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
 // That with conduction of heat tells how good the default kappa is, which has three digits: 0.005 of it are 0.22 %.
 TEST(Bubble, SwingsAtMinnaertsFrequency) {
   for (const auto& [kappa, published] : {std::pair{1.0, 13.13}, {5.0 / 3, 16.99}, {1.16, 14.13}}) {
-    const auto f = [&](double surface_tension) { return std::sqrt(helium(kappa, surface_tension).natural_squared()) / (2e3 * M_PI); };
+    const auto f = [&, kappa = kappa](double surface_tension) { return std::sqrt(helium(kappa, surface_tension).natural_squared()) / (2e3 * M_PI); };
     const bool heat = kappa == 1.16;
     const std::string source = heat ? "with conduction of heat, He at 330 K" : "Minnaert with surface tension";
     verify({.item = "Bubbly dispersion",

@@ -37,7 +37,7 @@ TEST(BuiltInModel, TheHourglassCoefficientHasOneDefault) {
   const BuiltInModel other = [] {
     ForwardCase c = small_case();
     c.mercury.hourglass = 0.02;
-    return BuiltInModel(std::move(c), {.pulses = 1});
+    return BuiltInModel(c, {.pulses = 1});
   }();
   EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).hourglass, RunSetup{}.hourglass);
   EXPECT_EQ(RunSetup{}.hourglass, MercuryOptions{}.hourglass);

@@ -17,7 +17,7 @@ namespace calomel {
 class AnalyticModel : public ForwardModel {
  public:
   using Function = std::function<double(std::span<const double> theta, double time)>;
-  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V") : sensors_(sensors) {
+  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V") : sensors_(std::move(sensors)) {
     shape_.parameters = std::move(parameters);
     shape_.conditions = {"default"};
     for (std::size_t s = 0; s < sensors_.size(); ++s) shape_.sensors.push_back(fmt::format("S{}", s));

@@ -39,7 +39,7 @@ inline Decay decay(const Mesh& mesh, RunSetup s, double k, double w, int periods
   const auto out = ExplicitSolver(mesh, s.steel).solve(s, std::vector<ObservationRow>{row}, o);
   const auto a = row_of(out, 0);
   const auto amplitude = [&](std::size_t i) { return std::hypot(a[i], a[i + 1]); };
-  return {std::log(amplitude(0) / amplitude(std::size_t(4 * periods))) / (4 * quarter * periods), out.energy_balance_error};
+  return {std::log(amplitude(0) / amplitude(4 * std::size_t(periods))) / (4 * quarter * periods), out.energy_balance_error};
 }
 
 }  // namespace calomel::testing

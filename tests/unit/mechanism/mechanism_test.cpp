@@ -21,7 +21,7 @@ std::vector<std::string> built() {
   return names;
 }
 
-Prediction evaluate(ForwardCase c, int pulses) { return BuiltInModel(std::move(c), {.pulses = pulses}).evaluate({}); }
+Prediction evaluate(const ForwardCase& c, int pulses) { return BuiltInModel(c, {.pulses = pulses}).evaluate({}); }
 
 /// A value within the default prior that is not the off value.
 double somewhere(const MechanismKey& k) { return k.log_uniform ? std::sqrt(k.low * k.high) : 0.35 * k.low + 0.65 * k.high; }

@@ -58,7 +58,7 @@ TEST(Convergence, NumbersAreThoseOfASecondProgram) {
     SCOPED_TRACE(name);
     const auto values = flat(c["chains"]);
     const ChainDraws x{values, c["chains"].size()};
-    const auto near = [&](double got, const char* key) {
+    const auto near = [&, &c = c](double got, const char* key) {
       const double expected = c[key].get<double>();
       EXPECT_NEAR(got, expected, 1e-8 * (1 + std::abs(expected))) << key;
     };

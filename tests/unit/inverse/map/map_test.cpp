@@ -126,7 +126,7 @@ Coverage coverage(const RecordingOptions& recording, int values, bool repeats_kn
   for (int set = 0; set < 100; ++set) {
     RandomStream random(17, std::uint64_t(set));
     const std::vector<double> truth{random.uniform(15e3, 25e3), random.uniform(6e3, 3e4)};
-    auto recordings = pulses_of(model, truth, {.pulses = 12, .noise = 12, .noise_time = 12e-6}, std::uint64_t(1000 + set));
+    auto recordings = pulses_of(model, truth, {.pulses = 12, .noise = 12, .noise_time = 12e-6}, 1000 + std::uint64_t(set));
     if (!repeats_known) {  // the mean record as if it were one pulse of independent noise
       const std::size_t n = recordings.time.size();
       std::vector<double> mean(2 * n, 0.0);

@@ -97,7 +97,7 @@ TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError)
   double z = 0, squares = 0;
   constexpr int sets = 12;
   for (int i = 0; i < sets; ++i) {
-    const auto recordings = pulses_of(model, {1}, {.pulses = 15, .noise = 2, .noise_time = 8e-6, .energy_sd = 0.015}, std::uint64_t(100 + i));
+    const auto recordings = pulses_of(model, {1}, {.pulses = 15, .noise = 2, .noise_time = 8e-6, .energy_sd = 0.015}, 100 + std::uint64_t(i));
     const Problem problem = make_problem(model.shape(), recordings, {});
     const Decimation grid(problem, 200);
     const ReplicateNoise noise = learn_noise(problem, grid, recordings, {}, {});

@@ -30,7 +30,7 @@ struct Lines {
   EmulatorBox box{parameters, std::vector<double>{0.5, -3}, std::vector<double>{3.5, 3}};
 
   /// 20 coarse and 8 fine runs with numerical noise.
-  [[nodiscard]] LogPosterior posterior(double noise, ErrorOptions with) const {
+  [[nodiscard]] LogPosterior posterior(double noise, const ErrorOptions& with) const {
     RandomStream random(7, 0);
     const Eigen::MatrixXd u = first_design(2, 20, 4);
     EmulatorRuns runs{.u = Eigen::MatrixXd(2, 28), .level = {}, .levels = 2};
