@@ -144,7 +144,7 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   const auto report = [&](std::size_t made, std::size_t) {
     if (progress) progress(summary.reused + made, failed, runs);
   };
-  report(0, 0);
+  if (summary.reused == runs) report(0, 0);
   store.make(points, evaluate, threads, {}, report, stop);
 
   // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order.

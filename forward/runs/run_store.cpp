@@ -70,6 +70,7 @@ void RunStore::make(std::span<const RunPoint> points, const Evaluate& evaluate, 
   }
   if (cost) std::stable_sort(missing.begin(), missing.end(), [&](const auto* a, const auto* b) { return cost(*a) > cost(*b); });
   std::size_t done = 0;
+  if (progress && !missing.empty()) progress(0, missing.size());
   parallel_for(missing.size(), threads, [&](std::size_t k) {
     if (stop && stop->load()) return;
     const std::string text = text_of(*missing[k]);

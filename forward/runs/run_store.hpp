@@ -36,6 +36,7 @@ class RunStore {
   using Evaluate = std::function<RunRecord(const RunPoint&)>;
   /// Relative cost of a run at a point: the dear ones are begun first. Empty: all alike.
   using Cost = std::function<double(const RunPoint&)>;
+  /// Told before the first run that must be made and after each.
   using Progress = std::function<void(std::size_t done, std::size_t total)>;
 
   /// Opens or begins the journal at `path`. `provenance` names the case without the numbers that points may set.
