@@ -353,7 +353,7 @@ ModelDescription BuiltInModel::describe() const {
         fmt::format("a wall has only {} elements through its thickness; 3 or more show the bending strain within 4 %", mesh_->quality.least_wall_elements));
   if (!case_.geometry.slips())
     d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
-  if (case_.geometry.slips() && !case_.geometry.parts() && std::isfinite(liquid_laws().get(case_.mercury.law, "material.mercury.law")(case_.mercury, d.viscosity).tensile_cutoff))
+  if (case_.geometry.slips() && !case_.geometry.parts() && std::isfinite(s.liquid.tensile_cutoff))
     d.warnings.push_back("mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept for comparison");
   for (const auto& g : gauges_)
     if (g.distance > 1e-4) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));

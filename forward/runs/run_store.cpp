@@ -60,13 +60,13 @@ void RunStore::make(std::span<const RunPoint> points, const Evaluate& evaluate, 
   std::vector<const RunPoint*> missing;
   std::set<std::string> asked;  // a point that is asked for twice is run once
   for (const auto& p : points) {
-    if (!asked.insert(text_of(p)).second) continue;
-    if (!contains(p)) {
-      missing.push_back(&p);
-      continue;
-    }
+    const auto [text, first] = asked.insert(text_of(p));
+    if (!first) continue;
     const std::lock_guard guard(lock_);
-    ++reused_;
+    if (places_.contains(*text))
+      ++reused_;
+    else
+      missing.push_back(&p);
   }
   if (cost) std::stable_sort(missing.begin(), missing.end(), [&](const auto* a, const auto* b) { return cost(*a) > cost(*b); });
   std::size_t done = 0;
