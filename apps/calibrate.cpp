@@ -1,11 +1,11 @@
+#include "apps/pipeline/call_stage.hpp"
 #include "apps/pipeline/calibrate_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
 ExitStatus run_calibrate(const CommandLine& command) {
-  StageCall call(command);
-  return calibrate_stage(call, command.methods);
+  return call_stage(command, [&](StageCall& call) { return calibrate_stage(call, command.methods); });
 }
 
 }  // namespace calomel

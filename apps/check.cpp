@@ -1,11 +1,11 @@
+#include "apps/pipeline/call_stage.hpp"
 #include "apps/pipeline/check_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
 ExitStatus run_check(const CommandLine& command) {
-  StageCall call(command);
-  return check_stage(call);
+  return call_stage(command, [](StageCall& call) { return check_stage(call); });
 }
 
 }  // namespace calomel

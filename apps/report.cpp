@@ -1,11 +1,11 @@
+#include "apps/pipeline/call_stage.hpp"
 #include "apps/pipeline/report_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
 ExitStatus run_report(const CommandLine& command) {
-  StageCall call(command);
-  return report_stage(call);
+  return call_stage(command, [](StageCall& call) { return report_stage(call); });
 }
 
 }  // namespace calomel

@@ -3,6 +3,7 @@
 #include "apps/pipeline/report_stage.hpp"
 #include "apps/pipeline/sample_stage.hpp"
 #include "apps/pipeline/simulate_stage.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
 #include "apps/verbs.hpp"
 

@@ -8,6 +8,7 @@
 #include "apps/pipeline/enc_stage.hpp"
 #include "apps/pipeline/map_stage.hpp"
 #include "apps/pipeline/spe_stage.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"

@@ -5,6 +5,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/floor_stage.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "base/artefact.hpp"

@@ -1,8 +1,11 @@
 #pragma once
 /// The campaign: campaign.nc and campaign.json, the repeatability floor at its end.
-#include "apps/pipeline/stage_call.hpp"
+#include "apps/pipeline/finished_stages.hpp"
+#include "base/errors.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// See run_campaign. `upstream` says nothing of a campaign that stands finished.
 ExitStatus campaign_stage(StageCall& call, Asked asked = Asked::by_user);

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "apps/pipeline/floor_stage.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/case_lines.hpp"
 #include "base/json.hpp"
 #include "forward/mesh/write_mesh.hpp"

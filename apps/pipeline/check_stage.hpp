@@ -1,8 +1,10 @@
 #pragma once
 /// The whole case held against its rules.
-#include "apps/pipeline/stage_call.hpp"
+#include "base/errors.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// Reads every table, builds the mesh, places the sensors and holds the recordings against them. Tells on stdout what will be run and its cost, a screenful; with
 /// --resolved stdout is the case with all defaults as JSON and the rest goes to stderr, where warnings always are.

@@ -1,8 +1,9 @@
 #pragma once
 /// The repeatability floor: floor.json.
-#include "apps/pipeline/stage_call.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// Measures it, run by run kept in floor.journal until floor.json stands, which is written over.
 void floor_stage(StageCall& call);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/case_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/report/report.hpp"

@@ -1,8 +1,10 @@
 #pragma once
 /// The report of what stands in --out: report.html, with --csv its tables.
-#include "apps/pipeline/stage_call.hpp"
+#include "base/errors.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// Errors: InputError where there is nothing to report; see write_report.
 ExitStatus report_stage(StageCall& call);

@@ -6,6 +6,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"

@@ -8,6 +8,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/run_fields.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/case_lines.hpp"
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"

@@ -1,8 +1,10 @@
 #pragma once
 /// One run of the case's model, or its ensemble mean: simulate.nc, simulate.json and with --fields fields.exo.
-#include "apps/pipeline/stage_call.hpp"
+#include "base/errors.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// At the numbers of the case's tables. A single run that was cut off is gone on with. Errors: InputError for --fields with --mean, and for a nominal value that
 /// was asked for by --set and has no effect.

@@ -3,6 +3,7 @@
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/pipeline/campaign_stage.hpp"
+#include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"

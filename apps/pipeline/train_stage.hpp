@@ -1,8 +1,11 @@
 #pragma once
 /// Surrogates taught by the campaign: surrogate.nc and train.json.
-#include "apps/pipeline/stage_call.hpp"
+#include "apps/pipeline/finished_stages.hpp"
+#include "base/errors.hpp"
 
 namespace calomel {
+
+struct StageCall;
 
 /// The status is that of the campaign.
 ExitStatus train_stage(StageCall& call, Asked asked = Asked::by_user);
