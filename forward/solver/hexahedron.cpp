@@ -1,7 +1,10 @@
 #include "forward/solver/hexahedron.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "base/linear_algebra.hpp"
 
 namespace calomel {
 
@@ -141,9 +144,9 @@ double steel_eigenvalue(const HexGeometry& g, const LinearElastic& steel, const 
   root.topLeftCorner<3, 3>() = deviator * Eigen::Matrix3d::Identity() + (trace - deviator) / 3 * Eigen::Matrix3d::Ones();
   root.bottomRightCorner<3, 3>() = std::sqrt(steel.mu) * Eigen::Matrix3d::Identity();
   const Eigen::Matrix<double, 6, 6> scaled = root * gram * root;
-  const double constant = 8 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(scaled, Eigen::EigenvaluesOnly).eigenvalues()(5);
-  const double bending = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(k.bending, Eigen::EigenvaluesOnly).eigenvalues()(8);
-  const double last = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(k.last, Eigen::EigenvaluesOnly).eigenvalues()(2);
+  const double constant = 8 * symmetric_eigenvalues(scaled)(5);
+  const double bending = symmetric_eigenvalues(k.bending)(8);
+  const double last = symmetric_eigenvalues(k.last)(2);
   // u_I = h_a(I) e: q = 8 e, mass rho V; modes are orthogonal to linear fields in a parallelepiped.
   const double hourglass = 64 * std::max(bending, last) / g.volume;
   return g.parallelepiped ? std::max(constant, hourglass) : constant + hourglass;
