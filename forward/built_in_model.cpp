@@ -152,6 +152,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   if (at.geometry.parts()) s.wetted_cutoff = s.liquid.tensile_cutoff;
   s.hourglass = at.mercury.hourglass;
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
+  s.collapse_viscosity = at.mercury.collapse_viscosity;
   s.energies = std::move(energies);
   s.end = at.time.end, s.output_interval = at.time.output_interval;
   for_active(at, [&](const EnabledMechanism& m) {
@@ -320,12 +321,12 @@ ModelDescription BuiltInModel::describe() const {
   d.time_step = case_.time.output_interval / stepping.per_output, d.subcycles = stepping.subcycles;
   d.steps = std::int64_t(stepping.per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
-  const double element_steps = double(d.elements) * double(d.steps) * stepping.work;
+  d.element_steps = double(d.elements) * double(d.steps) * stepping.work;
   const ThreadChoice choice = solver_->useful_threads(s, options, threads_);
   d.run_threads = choice.threads, d.run_gain = choice.gain;
-  d.estimated_seconds = element_steps / measured_rate(single, d.elements, false);
+  d.estimated_seconds = d.element_steps / measured_rate(single, d.elements, false);
   const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
-  d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * element_steps / measured_rate(single, d.elements, true);
+  d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * d.element_steps / measured_rate(single, d.elements, true);
   d.estimated_bytes = double(d.elements) * (single ? 300 : 550);
   d.notes = case_.notes;
   d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());

@@ -26,6 +26,7 @@ struct ModelDescription {
   double time_step = 0;  ///< [s], at the case's own parameters
   std::int64_t steps = 0;
   int subcycles = 1;     ///< steps in one of the mercury away from the steel
+  double element_steps = 0;  ///< of one run; with sub-cycles in steps of all elements that would cost as much
   double viscosity = 0;  ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
   double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress

@@ -150,7 +150,7 @@ ExitStatus simulate_stage(StageCall& call) {
   inputs.notes().say(physics_lines(inputs.study().forward.load, description, model.mesh().plane_strain));
 
   const auto simulated = inputs.command().mean ? simulate_mean(inputs) : simulate_once(inputs, provenance);
-  Json json{{"elements", description.elements}, {"nodes", description.nodes}};
+  Json json{{"elements", description.elements}, {"nodes", description.nodes}, {"element_steps", description.element_steps}};
   json.update(simulated.json);
   json["regularising_viscosity"] = description.viscosity;
   json["deposited_energy_J"] = description.deposited_energy;

@@ -37,7 +37,8 @@ struct MercuryOptions {
   double regularising_viscosity = 2000;    // Pa s, physics.md section 1
   double least_mesh_viscosity = 0.1;       // eta >= this rho c h
   double quadratic_viscosity = 0;          // b2 of q = rho (b2 h de_v/dt)^2
-  double hourglass = 0.005;                // share of the greatest dilatational stiffness
+  double collapse_viscosity = 0.5;         // b of q = -b rho c h de_v/dt
+  double hourglass = 0.0005;               // share of the greatest dilatational stiffness
   double thermal_expansion = 1.8e-4;       // 1/K
   double specific_heat = 138.3;            // J/(kg K), Vukalovich tables at 333 K
   template <class V>
@@ -49,6 +50,8 @@ struct MercuryOptions {
     v("regularising_viscosity", regularising_viscosity, {.unit = "Pa s", .range = at_least(0), .doc = "fixed viscosity eta inside the cutoff, the same for every mesh"});
     v("least_mesh_viscosity", least_mesh_viscosity, {.range = between(0, 1), .doc = "eta is at least this times rho c h, h the liquid's element size"});
     v("quadratic_viscosity", quadratic_viscosity, {.range = between(0, 5), .doc = "b2 of the quadratic bulk viscosity rho (b2 h rate)^2 in compression; 0 = none"});
+    v("collapse_viscosity", collapse_viscosity,
+      {.range = between(0, 2), .doc = "b of the viscosity b rho c h against compression of liquid that has been at the cutoff: its closing is inelastic on any mesh; 0 = none"});
     v("hourglass", hourglass, {.range = between(0, 1), .doc = "hourglass stiffness of the liquid relative to its dilatational stiffness"});
     v("thermal_expansion", thermal_expansion, {.unit = "1/K", .range = above(0), .doc = "volumetric expansion coefficient beta of Gamma = beta c^2 / c_p"});
     v("specific_heat", specific_heat, {.unit = "J/(kg K)", .range = above(0), .doc = "specific heat c_p of Gamma = beta c^2 / c_p"});

@@ -25,7 +25,7 @@ SolveOptions solve_options(const SolverOptions& o) {
 
 /// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
-  std::array<double, 10> numbers;
+  std::array<double, 11> numbers;
   bool single, group;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
@@ -48,7 +48,7 @@ ElementKind kind_of(const SolveOptions& o) {
 }
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
-  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.hourglass,
+  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(1), s.hourglass,
                       s.steel_stiffness_damping, s.steel_mass_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
@@ -137,7 +137,7 @@ double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const 
     const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
     if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
-    step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, s.liquid.viscosity / k));
+    step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, (s.liquid.viscosity + s.collapse_resistance(parts_->mesh->liquid_element_size)) / k));
   }
   if (!liquid_alone) step = mass_damped_time_step(step, s.steel_mass_damping);
   if (!(step > 1e-12)) throw NumericsError(fmt::format("the stable time step collapses ({:.3g} s)", step));

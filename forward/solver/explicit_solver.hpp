@@ -62,6 +62,7 @@ struct RunSetup {
   Riemer liquid{};
   double hourglass = MercuryOptions{}.hourglass;      ///< liquid hourglass coefficient [-]
   double quadratic_viscosity = 0;                     ///< b2 [-]
+  double collapse_viscosity = MercuryOptions{}.collapse_viscosity;  ///< b [-]
   std::shared_ptr<const LiquidLaw> liquid_law;        ///< in place of Riemer's; null: Riemer's with the numbers of `liquid`
   double steel_mass_damping = 0;                      ///< a of a M v in the steel [1/s]
   double steel_stiffness_damping = 0;                 ///< b of b K v in the steel [s]
@@ -88,6 +89,10 @@ struct RunSetup {
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 
+  /// b rho c h of liquid elements of size h [Pa s]; 0 where the liquid never gives way, or follows a law of its own.
+  [[nodiscard]] double collapse_resistance(double h) const {
+    return liquid_law || !std::isfinite(liquid.tensile_cutoff) ? 0 : collapse_viscosity * std::sqrt(liquid.bulk_modulus * liquid_density) * h;
+  }
   /// Stiffness of the liquid from which the time step follows: the bulk modulus, or what a law of its own may come to where that is more [Pa].
   [[nodiscard]] double liquid_stiffness() const { return std::max(liquid.bulk_modulus, liquid_law ? liquid_law->greatest_stiffness() : 0.0); }
 };

@@ -13,11 +13,19 @@ namespace calomel {
 
 inline constexpr int run_lanes = 8;
 
-/// Lane vectors of state per liquid element with an energy balance or a viscosity needs the rate: volumetric strain and viscous
-/// pressure of the last step (with a law of its own: the whole pressure) and, with lanes as elements, the hourglass amplitudes
-/// and the time spent at the cutoff [s]. A steel element with it keeps the square of its greatest effective stress [Pa^2].
-inline constexpr int element_state = 15, run_state = 2, steel_state = 1;
+/// What blocks remember from one step to the next.
+enum class Keep : std::uint8_t {
+  nothing,
+  rate,     ///< what a viscosity needs that depends on the sign of the rate
+  energies  ///< what the energy balance needs, too; lanes as elements only
+};
+
+/// Lane vectors of state per liquid element. Keep::rate: volumetric strain of the last step, and 1 once the element has been at the cutoff, else 0.
+/// Keep::energies: strain and viscous pressure of the last step (with a law of its own: the whole pressure), the hourglass amplitudes and the time
+/// spent at the cutoff [s]. A steel element keeps the square of its greatest effective stress then [Pa^2].
+inline constexpr int rate_state = 2, energy_state = 15, steel_state = 1;
 inline constexpr int state_time_at_cutoff = 14;
+constexpr int liquid_state(Keep keep) { return keep == Keep::energies ? energy_state : keep == Keep::rate ? rate_state : 0; }
 
 /// How an element is written down.
 enum class Form : std::uint8_t {
@@ -63,7 +71,7 @@ struct BlockData {
   const R* geometry;
   const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
   const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
-  R* state;                             ///< (groups, element_state or steel_state, lanes) or (elements, run_state, lanes), null without an energy balance
+  R* state;                             ///< (groups, liquid_state or steel_state, lanes), null where nothing is kept
   std::int32_t first_node, interior;
   const NodeRange* ranges;
   std::int32_t range_count;
@@ -111,6 +119,7 @@ struct StepData {
   R dt, kick;              ///< kick = dt, half of it in the first step
   R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]
   R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
+  R collapse;              ///< b rho c h [Pa s]
   R rear_give, rear_push;  ///< rear face: give p' = push v_n; 1 - r and (1 + r) rho c
   R rear_late, rear_early;  ///< share of v_n after the step, and of v_n before it over that; 1/2 and 1 at r = 0
   R lambda, mu;            ///< of the steel
@@ -125,9 +134,9 @@ template <class R>
 struct KernelTable {
   const char* name;   ///< instruction set
   int lanes;          ///< elements at a time
-  /// Forces of a block, interior nodes advanced, forces on shared nodes left in the outbox. `energy_balance` adds to `energy`.
-  void (*element_block)(const BlockData<R>&, const StepData<R>&, bool energy_balance, EnergyTerms* energy);
-  void (*run_block)(const BlockData<R>&, const StepData<R>&, bool energy_balance);
+  /// Forces of a block, interior nodes advanced, forces on shared nodes left in the outbox. Keep::energies adds to `energy`.
+  void (*element_block)(const BlockData<R>&, const StepData<R>&, Keep keep, EnergyTerms* energy);
+  void (*run_block)(const BlockData<R>&, const StepData<R>&, Keep keep);
   /// Shared nodes without a rule, [begin, end) of layout.plain.
   void (*element_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&, bool energy_balance, EnergyTerms*);
   void (*run_plain)(const Layout&, std::size_t begin, std::size_t end, const StepData<R>&);

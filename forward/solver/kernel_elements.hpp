@@ -35,7 +35,7 @@ using Scalar = std::remove_reference_t<decltype(V{}[0])>;
 template <class V>
 struct LiquidStep {
   V bulk_modulus, minus_cutoff, hourglass, p0, p0_before;
-  V ratio, rate_factor, quadratic, cutoff, dt;  // energy balance: beta/dt, 1/dt
+  V ratio, rate_factor, quadratic, collapse, cutoff, dt;  // beta/dt, 1/dt
   V pressure;                                   // of a law of its own
 };
 
@@ -83,20 +83,28 @@ CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, 
   *before = q;
 }
 
-/// Pressure of Riemer's law, with the quadratic viscosity and the energies for the balance. `state`: strain and viscous pressure of
-/// the last step.
-template <bool Balance, class V>
+/// Pressure of Riemer's law, with what resists compression: the quadratic viscosity, and that of liquid that has been at the cutoff. `state` as in kernel.hpp.
+template <Keep K, class V>
 CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
   V p = s.p0 - s.bulk_modulus * w;
-  if constexpr (!Balance) {
+  if constexpr (K == Keep::nothing) {
     return greater(p, s.minus_cutoff);
   } else {
-    const V half = V{} + Scalar<V>(0.5);
-    const V before = state[0], viscous_before = state[1];
-    const V strain = (w + s.ratio * before) / (V{} + 1 + s.ratio);
+    const V before = state[0], one = V{} + 1;
+    const V strain = (w + s.ratio * before) / (one + s.ratio);
     const V change = strain - before, rate = change * s.rate_factor;
-    p += select(rate < 0, s.quadratic * rate * rate, V{});
+    V opened;
+    if constexpr (K == Keep::energies)
+      opened = select(state[state_time_at_cutoff] > 0, one, V{});
+    else
+      opened = state[1];
+    p += select(rate < 0, s.quadratic * rate * rate - s.collapse * opened * rate, V{});
     p = greater(p, s.minus_cutoff);
+    if constexpr (K == Keep::rate) {
+      state[0] = strain, state[1] = select(p <= s.minus_cutoff, one, opened);
+      return p;
+    }
+    const V half = V{} + Scalar<V>(0.5), viscous_before = state[1];
     const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
     const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
     const V viscous = p - elastic;
@@ -117,11 +125,10 @@ CALOMEL_INLINE void count_energies(V w, V volume, const LiquidStep<V>& s, V* sta
   state[0] = strain, state[1] = s.pressure;
 }
 
-/// `state`: strain and pressure of the last step, then, with Hourglass, the twelve hourglass amplitudes and the time at the cutoff.
 /// Given: the pressure is that of a law of its own.
-template <Form F, bool Balance, bool Hourglass, bool Given, class V, class Geometry>
+template <Form F, Keep K, bool Given, class V, class Geometry>
 CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
-  constexpr bool affine = F == Form::parallelepiped;
+  constexpr bool affine = F == Form::parallelepiped, balance = K == Keep::energies;
   constexpr int terms = affine ? 9 : 21;
   const V volume = g(terms), h = s.hourglass * g(terms + 1);
   V grad[3][3], cofactor[3][3];
@@ -134,11 +141,11 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
   V p;
   if constexpr (Given) {
     p = s.pressure;
-    if constexpr (Balance) count_energies(w, volume, s, state, sums);
+    if constexpr (balance) count_energies(w, volume, s, state, sums);
   } else {
-    p = riemer_pressure<Balance>(w, volume, s, state, sums);
+    p = riemer_pressure<K>(w, volume, s, state, sums);
   }
-  if constexpr (Hourglass) state[state_time_at_cutoff] += select(p <= s.minus_cutoff, s.dt, V{});
+  if constexpr (balance) state[state_time_at_cutoff] += select(p <= s.minus_cutoff, s.dt, V{});
   const V pv = p * volume;
   if constexpr (affine) {
     for (int c = 0; c < 3; ++c) {
@@ -146,7 +153,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)];
         f[c][hourglass_mode(a)] = -h * q;
-        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
+        if constexpr (balance) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
     }
   } else {
@@ -155,7 +162,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
       for (int a = 0; a < 4; ++a) {
         const V q = u[c][hourglass_mode(a)] - (g(23 + a) * grad[c][0] + g(27 + a) * grad[c][1] + g(31 + a) * grad[c][2]);
         force[c][a] = h * q;
-        if constexpr (Hourglass) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
+        if constexpr (balance) book_hourglass(q, h, s, state + 2 + c * 4 + a, sums);
       }
       for (int i = 0; i < 3; ++i) {
         V s2;

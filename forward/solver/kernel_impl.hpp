@@ -87,7 +87,7 @@ CALOMEL_INLINE LiquidStep<typename Lanes<R, Runs>::V> liquid_step(const StepData
   using V = typename Lanes<R, Runs>::V;
   LiquidStep<V> l;
   l.bulk_modulus = V{} + s.bulk_modulus, l.minus_cutoff = V{} - s.cutoff, l.cutoff = V{} + s.cutoff, l.hourglass = V{} + s.hourglass;
-  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0)), l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0)), l.quadratic = V{} + s.quadratic, l.dt = V{} + s.dt;
+  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0)), l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0)), l.quadratic = V{} + s.quadratic, l.collapse = V{} + s.collapse, l.dt = V{} + s.dt;
   return l;
 }
 
@@ -99,12 +99,12 @@ CALOMEL_INLINE void report_sums(const Sums<typename Lanes<R, Runs>::V>& sums, En
 }
 
 /// Stressed: the block has a stress before the run, or heat in the steel.
-template <class R, bool Runs, bool Liquid, Form F, bool Balance, bool Stressed = false>
+template <class R, bool Runs, bool Liquid, Form F, Keep K, bool Stressed = false>
 void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   using L = Lanes<R, Runs>;
   using V = typename L::V;
   constexpr int terms = geometry_terms(Liquid, F), W = L::width;
-  constexpr bool full = Balance && !Runs;  // runs in the lanes keep the state of the rate only
+  constexpr bool balance = K == Keep::energies;
   Sums<V> sums;
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
   const V lambda = V{} + s.lambda, mu = V{} + s.mu;
@@ -116,42 +116,43 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
     if constexpr (Liquid) {
       liquid.p0 = L::heating(b.p0, g, s.load);
       V* state = nullptr;
-      if constexpr (Balance)
-        liquid.p0_before = L::heating(b.p0, g, s.load_before), state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
+      if constexpr (K != Keep::nothing) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+      if constexpr (balance) liquid.p0_before = L::heating(b.p0, g, s.load_before);
       if constexpr (Stressed) {
         const V initial = L::numbers(b.initial, g);
-        liquid.p0 += initial, liquid.p0_before += initial;
+        liquid.p0 += initial;
+        if constexpr (balance) liquid.p0_before += initial;
       }
-      liquid_element<F, Balance, full, false>(um, fm, coefficient, liquid, state, sums);
+      liquid_element<F, K, false>(um, fm, coefficient, liquid, state, sums);
     } else if constexpr (F == Form::dense) {
-      dense_element<full>(um, fm, coefficient, sums);
+      dense_element<balance>(um, fm, coefficient, sums);
     } else {
       V* state = nullptr;
-      if constexpr (full) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * steel_state;
+      if constexpr (balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * steel_state;
       if constexpr (Stressed) {
         FreeStrain<V> free;
         free.thermal = L::heating(b.thermal, g, s.load), free.thermal_before = L::heating(b.thermal, g, s.load_before);
         const auto initial = L::coefficients(b.initial + std::size_t(g) * 6 * L::per_group);
         for (int k = 0; k < 6; ++k) free.initial[k] = initial(k);
-        free.trace = full && b.trace ? reinterpret_cast<V*>(b.trace) + std::size_t(g) : nullptr;
-        steel_element<F, full, true>(um, fm, coefficient, lambda, mu, state, sums, &free);
+        free.trace = balance && b.trace ? reinterpret_cast<V*>(b.trace) + std::size_t(g) : nullptr;
+        steel_element<F, balance, true>(um, fm, coefficient, lambda, mu, state, sums, &free);
       } else {
-        steel_element<F, full>(um, fm, coefficient, lambda, mu, state, sums);
+        steel_element<F, balance>(um, fm, coefficient, lambda, mu, state, sums);
       }
     }
     L::add_forces(fm, force, at);
   }
-  if constexpr (full) report_sums<R, Runs>(sums, energy);
+  if constexpr (balance) report_sums<R, Runs>(sums, energy);
   (void)W;
 }
 
 /// Liquid elements whose pressure is that of a law of its own: strains of a stretch of elements, the law, their forces.
-template <class R, bool Runs, Form F, bool Balance>
+template <class R, bool Runs, Form F, Keep K>
 void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   using L = Lanes<R, Runs>;
   using V = typename L::V;
   constexpr int terms = geometry_terms(true, F), W = L::width, stretch = 256 / W;
-  constexpr bool full = Balance && !Runs;
+  constexpr bool balance = K == Keep::energies;
   alignas(64) double strain[256], heating[256];
   Sums<V> sums;
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
@@ -180,49 +181,49 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       for (int l = 0; l < W; ++l) liquid.pressure[l] = R(pressure[std::size_t(g - first) * W + std::size_t(l)]);
       V um[3][8], fm[3][8];
       V* state = nullptr;
-      if constexpr (Balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * (Runs ? run_state : element_state);
+      if constexpr (balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
       L::modes(w, at, um);
-      liquid_element<F, full, full, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
+      liquid_element<F, balance ? K : Keep::nothing, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
       L::add_forces(fm, force, at);
     }
     for (std::size_t i = 0; i < count; ++i) before[i] = strain[i];
   }
-  if constexpr (full) report_sums<R, Runs>(sums, energy);
+  if constexpr (balance) report_sums<R, Runs>(sums, energy);
 }
 
-template <class R, bool Runs>
+template <class R, bool Runs, Keep K>
 void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   if (b.liquid) switch (b.form) {
-      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, true, true>(b, s, w, force, energy);
-      case Form::finite: return elements<R, Runs, true, Form::finite, true, true>(b, s, w, force, energy);
-      default: return elements<R, Runs, true, Form::general, true, true>(b, s, w, force, energy);
+      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K, true>(b, s, w, force, energy);
+      case Form::finite: return elements<R, Runs, true, Form::finite, K, true>(b, s, w, force, energy);
+      default: return elements<R, Runs, true, Form::general, K, true>(b, s, w, force, energy);
     }
   switch (b.form) {
-    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, true, true>(b, s, w, force, energy);
-    case Form::finite: return elements<R, Runs, false, Form::finite, true, true>(b, s, w, force, energy);
-    default: return elements<R, Runs, false, Form::general, true, true>(b, s, w, force, energy);
+    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, K, true>(b, s, w, force, energy);
+    case Form::finite: return elements<R, Runs, false, Form::finite, K, true>(b, s, w, force, energy);
+    default: return elements<R, Runs, false, Form::general, K, true>(b, s, w, force, energy);
   }
 }
 
-template <class R, bool Runs, bool Balance>
+template <class R, bool Runs, Keep K>
 void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   if (b.liquid && b.law.advance) switch (b.form) {
-      case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, Balance>(b, s, w, force, energy);
-      case Form::finite: return law_elements<R, Runs, Form::finite, Balance>(b, s, w, force, energy);
-      default: return law_elements<R, Runs, Form::general, Balance>(b, s, w, force, energy);
+      case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, K>(b, s, w, force, energy);
+      case Form::finite: return law_elements<R, Runs, Form::finite, K>(b, s, w, force, energy);
+      default: return law_elements<R, Runs, Form::general, K>(b, s, w, force, energy);
     }
-  if constexpr (Balance)  // stressed blocks always have state
-    if (b.initial) return stressed_forces<R, Runs>(b, s, w, force, energy);
+  if constexpr (K != Keep::nothing)  // of stressed runs something is always kept
+    if (b.initial) return stressed_forces<R, Runs, K>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
-      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, Balance>(b, s, w, force, energy);
-      case Form::finite: return elements<R, Runs, true, Form::finite, Balance>(b, s, w, force, energy);
-      default: return elements<R, Runs, true, Form::general, Balance>(b, s, w, force, energy);
+      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K>(b, s, w, force, energy);
+      case Form::finite: return elements<R, Runs, true, Form::finite, K>(b, s, w, force, energy);
+      default: return elements<R, Runs, true, Form::general, K>(b, s, w, force, energy);
     }
   switch (b.form) {
-    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, Balance>(b, s, w, force, energy);
-    case Form::finite: return elements<R, Runs, false, Form::finite, Balance>(b, s, w, force, energy);
-    case Form::dense: return elements<R, Runs, false, Form::dense, Balance>(b, s, w, force, energy);
-    default: return elements<R, Runs, false, Form::general, Balance>(b, s, w, force, energy);
+    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, K>(b, s, w, force, energy);
+    case Form::finite: return elements<R, Runs, false, Form::finite, K>(b, s, w, force, energy);
+    case Form::dense: return elements<R, Runs, false, Form::dense, K>(b, s, w, force, energy);
+    default: return elements<R, Runs, false, Form::general, K>(b, s, w, force, energy);
   }
 }
 
@@ -232,38 +233,39 @@ template <class R>
 void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* force, EnergyTerms* energy) {
   EnergyTerms of_u, of_v;
   copy_in<R, false>(b, s, R(1), R(0), w, force);
-  forces<R, false, true>(b, s, w, force, &of_u);
+  forces<R, false, Keep::energies>(b, s, w, force, &of_u);
   copy_in<R, false>(b, s, R(0), s.dt, w, force);  // dt v, the change in a step
   BlockData<R> unstressed = b;
   unstressed.initial = nullptr;
-  forces<R, false, true>(unstressed, s, w, force, &of_v);
+  forces<R, false, Keep::energies>(unstressed, s, w, force, &of_v);
   const double rate = double(s.steel_beta) / double(s.dt);
   energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel, energy->heat += of_u.heat;
 }
 
-template <class R, bool Runs, bool Balance>
+template <class R, bool Runs, Keep K>
 void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   constexpr int width = Row<R, Runs>::width;
   R* w = s.scratch;
   R* force = w + std::size_t(b.interior + b.shared_count) * width;
   const R beta = b.liquid ? s.beta : s.steel_beta;
-  const bool damped = Balance && !Runs && !b.liquid && beta != 0;
-  if constexpr (Balance && !Runs)
+  constexpr bool balance = K == Keep::energies;
+  const bool damped = balance && !b.liquid && beta != 0;
+  if constexpr (balance)
     if (damped) book_damped_steel(b, s, w, force, energy);
   copy_in<R, Runs>(b, s, R(1), beta, w, force);
   EnergyTerms here;
   if (damped && b.trace) {
     BlockData<R> balanced = b;
     balanced.trace = nullptr;  // its heat is counted already
-    forces<R, Runs, Balance>(balanced, s, w, force, &here);
+    forces<R, Runs, K>(balanced, s, w, force, &here);
   } else {
-    forces<R, Runs, Balance>(b, s, w, force, &here);
+    forces<R, Runs, K>(b, s, w, force, &here);
   }
-  if constexpr (Balance && !Runs)
+  if constexpr (balance)
     if (!damped) energy->add(here);
   double kinetic = 0;
-  advance_interior<R, Runs, Balance>(b, s, force, kinetic);
-  if (Balance && !Runs) energy->kinetic += kinetic;
+  advance_interior<R, Runs, balance>(b, s, force, kinetic);
+  if (balance) energy->kinetic += kinetic;
   const R* shared = force + std::size_t(b.interior) * width;
   R* out = s.outbox + b.outbox * width;
   if (s.outbox_scale == 1)
@@ -277,10 +279,16 @@ const KernelTable<R>& table() {
   static const KernelTable<R> t{
       CALOMEL_ISA_NAME,
       element_lanes<R>,
-      [](const BlockData<R>& b, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
-        energy_balance ? block<R, false, true>(b, s, e) : block<R, false, false>(b, s, e);
+      [](const BlockData<R>& b, const StepData<R>& s, Keep keep, EnergyTerms* e) {
+        switch (keep) {
+          case Keep::energies: return block<R, false, Keep::energies>(b, s, e);
+          case Keep::rate: return block<R, false, Keep::rate>(b, s, e);
+          default: return block<R, false, Keep::nothing>(b, s, e);
+        }
       },
-      [](const BlockData<R>& b, const StepData<R>& s, bool energy_balance) { energy_balance ? block<R, true, true>(b, s, nullptr) : block<R, true, false>(b, s, nullptr); },
+      [](const BlockData<R>& b, const StepData<R>& s, Keep keep) {
+        keep == Keep::nothing ? block<R, true, Keep::nothing>(b, s, nullptr) : block<R, true, Keep::rate>(b, s, nullptr);
+      },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
         energy_balance ? plain<R, false, true>(l, begin, end, s, e) : plain<R, false, false>(l, begin, end, s, e);
       },

@@ -46,10 +46,10 @@ StepPair<R> Run<R>::step(std::int64_t n, R* scratch) const {
 template <class R>
 void Run<R>::advance_block(std::size_t b, const StepPair<R>& pair) {
   const StepData<R>& s = is_slow(b) ? pair.slow : pair.fast;
-  if (packed_.runs) return kernel_.run_block(blocks_[b], s, stateful_);
+  if (packed_.runs) return kernel_.run_block(blocks_[b], s, keep_);
   EnergyTerms& energy = energies_[pair.parity][b];
   energy = {};
-  kernel_.element_block(blocks_[b], s, stateful_, &energy);
+  kernel_.element_block(blocks_[b], s, keep_, &energy);
 }
 
 template <class R>
@@ -58,7 +58,7 @@ void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
   energy = {};
   const Layout& layout = packed_.layout;
   const auto plain = [&](std::size_t begin, std::size_t end, const StepData<R>& s) {
-    packed_.runs ? kernel_.run_plain(layout, begin, end, s) : kernel_.element_plain(layout, begin, end, s, stateful_, &energy);
+    packed_.runs ? kernel_.run_plain(layout, begin, end, s) : kernel_.element_plain(layout, begin, end, s, keep_ == Keep::energies, &energy);
   };
   const StepData<R>& s = pair.fast;
   if (c < plain_chunks_) {
@@ -71,7 +71,7 @@ void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
   } else {
     const std::size_t begin = (c - plain_chunks_) * node_chunk, end = std::min(rules_.size(), begin + node_chunk);
     packed_.runs ? kernel_.run_special(packed_.layout, rules_.data(), begin, end, s)
-                 : kernel_.element_special(packed_.layout, rules_.data(), begin, end, s, stateful_, &energy);
+                 : kernel_.element_special(packed_.layout, rules_.data(), begin, end, s, keep_ == Keep::energies, &energy);
   }
 }
 
@@ -83,7 +83,7 @@ void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
     for (std::size_t n = k * node_chunk; n < std::min(mass_.size(), (k + 1) * node_chunk); ++n) {
       const double f = motion_factor_[n];
       R* v = v_.data() + n * width;
-      if (energy_balance_)
+      if (keep_ == Keep::energies)
         for (std::size_t c = 0; c < 3; ++c) damped_[k] += 0.5 * mass_[n] * (1 - f * f) * double(v[c]) * double(v[c]);
       for (std::size_t c = 0; c < width; ++c) v[c] *= R(f);
     }
@@ -114,6 +114,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
+  s.beta += s.bulk_modulus > 0 ? s.collapse / s.bulk_modulus : 0;  // all of the liquid closing at once
   s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {};
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
@@ -128,7 +129,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
     BlockData<R> block = blocks_[b];
     block.law = {}, block.initial = nullptr;
     EnergyTerms unused;
-    packed_.runs ? kernel_.run_block(block, own, false) : kernel_.element_block(block, own, false, &unused);
+    packed_.runs ? kernel_.run_block(block, own, Keep::nothing) : kernel_.element_block(block, own, Keep::nothing, &unused);
   });
   EnergyTerms unused;
   const Layout& layout = packed_.layout;

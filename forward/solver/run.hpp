@@ -108,8 +108,7 @@ class Run {
   const KernelTable<R>& kernel_;
   double dt_;
   int subcycles_;  ///< steps in one of the slow blocks
-  bool energy_balance_;   ///< energies are wanted
-  bool stateful_;  ///< the blocks keep state
+  Keep keep_;      ///< what the blocks remember
   StepData<R> base_{};
   std::vector<double> mass_;         ///< by solver node [kg]
   std::vector<double> motion_factor_;  ///< by solver node; empty: no damping of the motion

@@ -27,8 +27,10 @@ std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / n
 
 template <class R>
 Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
-    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles), energy_balance_(options.energy_balance),
-      stateful_(options.energy_balance || setup.quadratic_viscosity > 0 || is_stressed()) {
+    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles),
+      keep_(options.energy_balance                                                                                        ? Keep::energies
+            : setup.quadratic_viscosity > 0 || setup.collapse_resistance(mesh.liquid_element_size) > 0 || is_stressed() ? Keep::rate
+                                                                                                                          : Keep::nothing) {
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
   expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
@@ -51,6 +53,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.dt = R(dt_), base_.kick = R(dt_);
   base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited_cutoff)), base_.hourglass = R(setup.hourglass * k);
   base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
+  base_.collapse = R(setup.collapse_resistance(h));
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
@@ -90,8 +93,8 @@ void Run<R>::make_blocks() {
       for (std::size_t i = 0; i < slots; ++i)
         if (elements[i] >= 0 && !setup_.p0.empty()) p0_[b][i] = R(setup_.p0[std::size_t(elements[i])]);
     }
-    if (stateful_ && block.liquid) state_[b] = AlignedArray<R>(packed_.runs ? slots * run_state * run_lanes : slots * element_state);
-    if (stateful_ && !block.liquid && !packed_.runs) state_[b] = AlignedArray<R>(slots * steel_state);
+    if (block.liquid) state_[b] = AlignedArray<R>(slots * std::size_t(liquid_state(keep_)) * (packed_.runs ? run_lanes : 1));
+    if (!block.liquid && keep_ == Keep::energies) state_[b] = AlignedArray<R>(slots * steel_state);
     blocks_[b] = {block.liquid, packed_.form[b], std::int32_t(slots / lanes), packed_.geometry[b].data(), packed_.connectivity[b].data(), p0_[b].data(),
                   state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
                   std::int32_t(block.shared.size()), block.outbox, {}};
@@ -145,7 +148,7 @@ void Run<R>::make_stress(std::size_t b) {
     return;
   }
   const double lambda = setup_.steel.lambda, mu = setup_.steel.mu, three_k = 3 * lambda + 2 * mu;
-  const bool balanced = energy_balance_ && !packed_.runs;
+  const bool balanced = keep_ == Keep::energies;
   initial_[b] = AlignedArray<R>(slots * 6), thermal_[b] = AlignedArray<R>(slots);
   if (balanced) trace_[b] = AlignedArray<R>(slots);
   for (std::size_t i = 0; i < slots; ++i) {
@@ -235,7 +238,7 @@ void Run<R>::remember_strain() {
       const double strain = finite ? (Eigen::Matrix3d::Identity() + grad).determinant() - 1 : grad.trace();
       for (std::size_t l = 0; l < copies; ++l) {
         if (setup_.liquid_law) memory_[b][slot * copies + l] = strain;
-        if (stateful_) state_[b][packed_.runs ? (slot * run_state) * run_lanes + l : (slot / lanes * element_state) * lanes + slot % lanes] = R(strain);
+        if (keep_ != Keep::nothing) state_[b][slot / lanes * std::size_t(liquid_state(keep_)) * (packed_.runs ? run_lanes : lanes) + (packed_.runs ? l : slot % lanes)] = R(strain);
       }
     }
 }

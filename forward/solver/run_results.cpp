@@ -71,8 +71,8 @@ void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
         const double strain = finite ? (grad + Eigen::Matrix3d::Identity()).determinant() - 1 : grad.trace();
         f.pressure[e] = blocks_[b].law.advance ? memory_[b][blocks_[b].law.points + slot * copies]
                                                : setup_.liquid.pressure((setup_.p0.empty() ? 0 : setup_.p0[e] * share) + initial_pressure(e), strain, rate);
-        if (stateful_ && !packed_.runs)
-          f.time_at_cutoff[e] = double(state_[b][(slot / lanes * element_state + state_time_at_cutoff) * lanes + slot % lanes]);
+        if (keep_ == Keep::energies)
+          f.time_at_cutoff[e] = double(state_[b][(slot / lanes * energy_state + state_time_at_cutoff) * lanes + slot % lanes]);
       } else {
         Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
         if (finite) strain += 0.5 * grad.transpose() * grad;
@@ -123,7 +123,7 @@ void Run<R>::check_finite(std::int64_t n) const {
 template <class R>
 std::pair<double, std::int32_t> Run<R>::greatest_stress() const {
   std::pair<double, std::int32_t> greatest{0, -1};
-  if (!stateful_ || packed_.runs) return greatest;
+  if (keep_ != Keep::energies) return greatest;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     if (blocks_[b].liquid) continue;
     for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot)
