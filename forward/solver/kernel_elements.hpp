@@ -83,46 +83,67 @@ CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, 
   *before = q;
 }
 
-/// Pressure of Riemer's law, with what resists compression: the quadratic viscosity, and that of liquid that has been at the cutoff. `state` as in kernel.hpp.
+/// What an element's rate of volume does, found from its strain w = e_v + beta de_v/dt and `state` (kernel.hpp).
+template <class V>
+struct Motion {
+  V strain, change;      ///< e_v, and by how much it grew in the step
+  V quadratic, collapse; ///< pressures against compression: quadratic viscosity, and that of liquid that has been at the cutoff
+};
+
 template <Keep K, class V>
-CALOMEL_INLINE V riemer_pressure(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
-  V p = s.p0 - s.bulk_modulus * w;
-  if constexpr (K == Keep::nothing) {
-    return greater(p, s.minus_cutoff);
-  } else {
-    const V before = state[0], one = V{} + 1;
-    const V strain = (w + s.ratio * before) / (one + s.ratio);
-    const V change = strain - before, rate = change * s.rate_factor;
-    V opened;
-    if constexpr (K == Keep::energies)
-      opened = select(state[state_time_at_cutoff] > 0, one, V{});
-    else
-      opened = state[1];
-    p += select(rate < 0, s.quadratic * rate * rate - s.collapse * opened * rate, V{});
-    p = greater(p, s.minus_cutoff);
-    if constexpr (K == Keep::rate) {
-      state[0] = strain, state[1] = select(p <= s.minus_cutoff, one, opened);
-      return p;
-    }
-    const V half = V{} + Scalar<V>(0.5), viscous_before = state[1];
-    const V elastic = greater(s.p0 - s.bulk_modulus * strain, s.minus_cutoff);
-    const V elastic_before = greater(s.p0_before - s.bulk_modulus * before, s.minus_cutoff);
-    const V viscous = p - elastic;
-    sums.dissipated -= (viscous + viscous_before) * change * volume * half;
-    sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * half;
-    const V stretch = strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
-    sums.liquid += volume * select(stretch <= limit, half * s.bulk_modulus * stretch * stretch, s.cutoff * (stretch - half * limit));
-    state[0] = strain, state[1] = viscous;
-    return p;
-  }
+CALOMEL_INLINE Motion<V> motion(V w, const LiquidStep<V>& s, const V* state) {
+  const V one = V{} + 1;
+  Motion<V> m;
+  m.strain = (w + s.ratio * state[0]) / (one + s.ratio), m.change = m.strain - state[0];
+  V opened;
+  if constexpr (K == Keep::energies)
+    opened = select(state[state_time_at_cutoff] > 0, one, V{});
+  else
+    opened = state[1];
+  const V rate = m.change * s.rate_factor;
+  m.quadratic = select(rate < 0, s.quadratic * rate * rate, V{}), m.collapse = select(rate < 0, s.collapse * opened * rate, V{});
+  return m;
+}
+
+/// Stored, dissipated and heat of Riemer's law in a step that ends at pressure p.
+template <class V>
+CALOMEL_INLINE void count_riemer(V p, const Motion<V>& m, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+  const V half = V{} + Scalar<V>(0.5);
+  const V elastic = greater(s.p0 - s.bulk_modulus * m.strain, s.minus_cutoff);
+  const V elastic_before = greater(s.p0_before - s.bulk_modulus * state[0], s.minus_cutoff);
+  const V viscous = p - elastic;
+  sums.dissipated -= (viscous + state[1]) * m.change * volume * half;
+  sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * half;
+  const V stretch = m.strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
+  sums.liquid += volume * select(stretch <= limit, half * s.bulk_modulus * stretch * stretch, s.cutoff * (stretch - half * limit));
+  state[0] = m.strain, state[1] = viscous;
 }
 
 /// Work done on a liquid with a law of its own, stored and dissipated together.
 template <class V>
-CALOMEL_INLINE void count_energies(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
-  const V strain = (w + s.ratio * state[0]) / (V{} + 1 + s.ratio);
-  sums.dissipated -= (s.pressure + state[1]) * (strain - state[0]) * volume * (V{} + Scalar<V>(0.5));
-  state[0] = strain, state[1] = s.pressure;
+CALOMEL_INLINE void count_work(V p, const Motion<V>& m, V volume, V* state, Sums<V>& sums) {
+  sums.dissipated -= (p + state[1]) * m.change * volume * (V{} + Scalar<V>(0.5));
+  state[0] = m.strain, state[1] = p;
+}
+
+/// Pressure of a liquid element: Riemer's, or that of a law of its own; above the cutoff with the resistance of liquid that has been there.
+template <Keep K, bool Given, class V>
+CALOMEL_INLINE V liquid_pressure(V w, V volume, const LiquidStep<V>& s, V* state, Sums<V>& sums) {
+  if constexpr (K == Keep::nothing) {
+    return Given ? s.pressure : greater(s.p0 - s.bulk_modulus * w, s.minus_cutoff);
+  } else {
+    const Motion<V> m = motion<K>(w, s, state);
+    V p = Given ? s.pressure : greater(s.p0 - s.bulk_modulus * w + m.quadratic, s.minus_cutoff);
+    const V at_cutoff = select(p <= s.minus_cutoff, V{} + 1, V{});
+    p -= select(p > s.minus_cutoff, m.collapse, V{});
+    if constexpr (K == Keep::rate) {
+      state[0] = m.strain, state[1] = greater(state[1], at_cutoff);
+    } else {
+      Given ? count_work(p, m, volume, state, sums) : count_riemer(p, m, volume, s, state, sums);
+      state[state_time_at_cutoff] += s.dt * at_cutoff;
+    }
+    return p;
+  }
 }
 
 /// Given: the pressure is that of a law of its own.
@@ -138,14 +159,7 @@ CALOMEL_INLINE void liquid_element(const V (&u)[3][8], V (&f)[3][8], Geometry g,
     w = volume_change(grad, cofactor);
   else
     w = grad[0][0] + grad[1][1] + grad[2][2];
-  V p;
-  if constexpr (Given) {
-    p = s.pressure;
-    if constexpr (balance) count_energies(w, volume, s, state, sums);
-  } else {
-    p = riemer_pressure<K>(w, volume, s, state, sums);
-  }
-  if constexpr (balance) state[state_time_at_cutoff] += select(p <= s.minus_cutoff, s.dt, V{});
+  const V p = liquid_pressure<K, Given>(w, volume, s, state, sums);
   const V pv = p * volume;
   if constexpr (affine) {
     for (int c = 0; c < 3; ++c) {

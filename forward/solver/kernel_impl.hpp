@@ -181,9 +181,9 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       for (int l = 0; l < W; ++l) liquid.pressure[l] = R(pressure[std::size_t(g - first) * W + std::size_t(l)]);
       V um[3][8], fm[3][8];
       V* state = nullptr;
-      if constexpr (balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+      if constexpr (K != Keep::nothing) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
       L::modes(w, at, um);
-      liquid_element<F, balance ? K : Keep::nothing, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
+      liquid_element<F, K, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
       L::add_forces(fm, force, at);
     }
     for (std::size_t i = 0; i < count; ++i) before[i] = strain[i];

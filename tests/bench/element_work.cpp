@@ -90,8 +90,8 @@ ElementWork work() {
     w.gradients = operations([&] { gradients<affine>(modes, geometry, grad); });
     int element = 0;
     if constexpr (Liquid) {
-      w.law = operations([&] { any * riemer_pressure<false>(volumetric_strain<F>(grad), any, step, static_cast<Counted*>(nullptr), sums); });
-      element = operations([&] { liquid_element<F, false, false, false>(modes, forces, geometry, step, static_cast<Counted*>(nullptr), sums); });
+      w.law = operations([&] { any * liquid_pressure<Keep::nothing, false>(volumetric_strain<F>(grad), any, step, static_cast<Counted*>(nullptr), sums); });
+      element = operations([&] { liquid_element<F, Keep::nothing, false>(modes, forces, geometry, step, static_cast<Counted*>(nullptr), sums); });
     } else {
       w.law = operations([&] { steel_stress<F, false>(grad, any, constant, constant, t, static_cast<Counted*>(nullptr), sums); });
       element = operations([&] { steel_element<F, false>(modes, forces, geometry, constant, constant, static_cast<Counted*>(nullptr), sums); });

@@ -28,6 +28,7 @@ const std::vector<std::string>& items() {
                                             "Taylor plate",
                                             "Bleich-Sandler",
                                             "Water hammer",
+                                            "Closing cavity",
                                             "Bubble collapse",
                                             "Bubbly dispersion",
                                             "Rear face",

@@ -37,7 +37,7 @@ struct Stopped {
 
   explicit Stopped(const std::string& name) : path(scratch_file(name)) {
     std::filesystem::remove(path);
-    setup.liquid.tensile_cutoff = 1.5e5, setup.liquid.viscosity = 2000;
+    setup.liquid.tensile_cutoff = 1.5e5, setup.liquid.viscosity = 2000, setup.collapse_viscosity = 0.1;
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) setup.p0.push_back(mesh.region[e] == Region::mercury ? 1e6 * double(e % 11) : 0);
     setup.pulse_length = 0.7e-6;
     setup.steel_mass_damping = 100;
