@@ -102,14 +102,16 @@ def picture(args):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(2, len(args.names), figsize=(4.4 * len(args.names), 7.4), sharey="row", squeeze=False)
+    figure, axes = plt.subplots(2, len(args.names), figsize=(4.4 * len(args.names), 8.2), sharey="row", squeeze=False)
+    colours, lines = dict(zip(VARIANTS, plt.get_cmap("tab20").colors[::2] + plt.get_cmap("tab20").colors[1::2])), {}
     for column, name in enumerate(args.names):
         with open(os.path.join(args.work, name, "points.json")) as f:
             result = json.load(f)
         for row, (part, words) in enumerate((("early", "first 100 µs"), ("all", "whole record"))):
             ax = axes[row][column]
             for variant, points in result.items():
-                ax.loglog([p["element_steps"] for p in points], [p[part] for p in points], STYLE.get(variant, "x:"), ms=4, lw=1.6 if variant in STYLE else 0.9, label=variant)
+                lines[variant], = ax.loglog([p["element_steps"] for p in points], [p[part] for p in points], STYLE.get(variant, "x:"), ms=4, lw=1.8 if variant in STYLE else 0.9,
+                                            color=colours[variant])
             ax.axhline(5, color="0.5", lw=0.8)
             ax.set_title(f"{name}, {words}", fontsize=10)
             ax.grid(True, which="both", alpha=0.25)
@@ -118,8 +120,8 @@ def picture(args):
                 ax.set_xlabel("element-steps of one run")
             if column == 0:
                 ax.set_ylabel("error of the mean [%]")
-    axes[0][-1].legend(fontsize=7, loc="upper right")
-    figure.tight_layout()
+    figure.legend([lines[v] for v in VARIANTS if v in lines], [v for v in VARIANTS if v in lines], loc="lower center", ncol=5, fontsize=9, frameon=False)
+    figure.tight_layout(rect=(0, 0.08, 1, 1))
     figure.savefig(args.picture, dpi=110)
 
 

@@ -32,16 +32,30 @@ std::vector<double> run(const std::string& more, std::vector<double> theta = {},
 }  // namespace
 
 // One default: a run made by hand has what a case that says nothing has.
-TEST(BuiltInModel, TheHourglassCoefficientHasOneDefault) {
+TEST(BuiltInModel, TheMercurysNumericsHaveOneDefault) {
   const BuiltInModel model(small_case(), {.pulses = 1});
   const BuiltInModel other = [] {
     ForwardCase c = small_case();
-    c.mercury.hourglass = 0.02;
+    c.mercury.hourglass = 0.02, c.mercury.collapse_viscosity = 0.7;
     return BuiltInModel(c, {.pulses = 1});
   }();
   EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).hourglass, RunSetup{}.hourglass);
   EXPECT_EQ(RunSetup{}.hourglass, MercuryOptions{}.hourglass);
   EXPECT_EQ(other.setup(other.forward_case(), other.mesh(), 0, {1.0}).hourglass, 0.02);
+  EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).collapse_viscosity, RunSetup{}.collapse_viscosity);
+  EXPECT_EQ(RunSetup{}.collapse_viscosity, MercuryOptions{}.collapse_viscosity);
+  EXPECT_EQ(other.setup(other.forward_case(), other.mesh(), 0, {1.0}).collapse_viscosity, 0.7);
+}
+
+TEST(BuiltInModel, TellsTheElementStepsOfARun) {
+  const auto d = BuiltInModel(small_case(), {.pulses = 1}).describe();
+  EXPECT_EQ(d.element_steps, double(d.elements) * double(d.steps));
+  ForwardCase c = small_case();
+  c.geometry.wall_elements = 6, c.solver.subcycles = 4;
+  const auto cycled = BuiltInModel(c, {.pulses = 1}).describe();
+  EXPECT_GT(cycled.subcycles, 1);
+  EXPECT_LT(cycled.element_steps, double(cycled.elements) * double(cycled.steps));
+  EXPECT_GT(cycled.element_steps, double(cycled.elements) * double(cycled.steps) / cycled.subcycles);
 }
 
 // The eight energies of the reference solutions (README of ../shared/data/reference_solutions).
