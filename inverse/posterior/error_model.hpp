@@ -25,8 +25,8 @@ struct ErrorOptions {
   double coherent_noise = 0.1;
   double young_sd = 0.015;
   double gauge_place_sd = 0.0004;
-  double beyond = 0.2;
-  double beyond_sd = 0.2;
+  double beyond = 0.15;
+  double beyond_sd = 0.15;
   double beyond_rest = 0.5;
   double record_noise = 1;
   std::optional<double> mesh;
