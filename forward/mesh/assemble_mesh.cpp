@@ -145,23 +145,25 @@ MeshQuality measure_quality(const Mesh& mesh) {
   return q;
 }
 
+double shortest_edge(const Mesh& mesh, std::size_t e) {
+  const auto x = hexahedron::corners(mesh, e);
+  double least = 1e300;
+  for (const auto& edge : hexahedron::edges) {
+    const Point d = x[std::size_t(edge[1])] - x[std::size_t(edge[0])];
+    if (mesh.plane_strain && std::abs(d.y()) > 0.7 * d.norm()) continue;
+    least = std::min(least, d.squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
 double median_liquid_edge(const Mesh& mesh) {
   std::vector<double> shortest;
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-    if (mesh.region[e] != Region::mercury) continue;
-    const auto x = hexahedron::corners(mesh, e);
-    double least = 1e300;
-    for (const auto& edge : hexahedron::edges) {
-      const Point d = x[std::size_t(edge[1])] - x[std::size_t(edge[0])];
-      if (mesh.plane_strain && std::abs(d.y()) > 0.7 * d.norm()) continue;
-      least = std::min(least, d.squaredNorm());
-    }
-    shortest.push_back(least);
-  }
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    if (mesh.region[e] == Region::mercury) shortest.push_back(shortest_edge(mesh, e));
   if (shortest.empty()) return 0;
   const auto middle = shortest.begin() + std::ptrdiff_t(shortest.size() / 2);
   std::nth_element(shortest.begin(), middle, shortest.end());
-  return std::sqrt(*middle);
+  return *middle;
 }
 
 Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {

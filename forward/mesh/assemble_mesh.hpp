@@ -38,6 +38,8 @@ void update_slip_normals(Mesh& mesh);
 MeshQuality measure_quality(const Mesh& mesh);
 /// Median over the mercury elements of the shortest edge (in plane strain: of those not along y) [m]; 0 without mercury.
 double median_liquid_edge(const Mesh& mesh);
+/// Shortest edge of an element [m], in plane strain of those in the plane.
+double shortest_edge(const Mesh& mesh, std::size_t element);
 
 /// The distinct directions among area vectors: those within 40 degrees of each other, or of each other's opposite,
 /// merge into their sum; `fixed` directions (bits 0, 1, 2 = x, y, z) are projected out. Orthonormal, at most 3.

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <tuple>
 
 #include "base/parallel.hpp"
+#include "forward/mesh/assemble_mesh.hpp"
 #include "forward/solver/stable_step.hpp"
 #include "forward/solver/time_loop.hpp"
 
@@ -48,7 +51,7 @@ ElementKind kind_of(const SolveOptions& o) {
 }
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
-  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(1), s.hourglass,
+  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(), s.hourglass,
                       s.steel_stiffness_damping, s.steel_mass_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
@@ -63,6 +66,7 @@ struct ExplicitSolver::Parts {
   LinearElastic steel;
   ElementFacts facts;
   double liquid_eigenvalue = 0;  ///< / c^2
+  std::vector<std::pair<double, double>> stiffest;  ///< eigenvalue / c^2 and size [m] of those liquid elements that none exceeds in both
   double steel_eigenvalue = 0;   ///< x density
   NodalVolumes volumes;
 
@@ -102,7 +106,7 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
   p.threads = threads;
   const std::size_t n = mesh.elements.size();
   p.facts.parallelepiped.resize(n);
-  p.facts.stiffness.assign(n, 1.0f);
+  p.facts.stiffness.assign(n, 1.0f), p.facts.size.assign(n, 0.0f);
   if (softening != 0) {
     const auto reentrant = reentrant_elements(mesh);
     for (std::size_t e = 0; e < n; ++e)
@@ -116,6 +120,7 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
       if (!(g.volume > 0)) throw InputError({.problem = fmt::format("element {} is inverted (volume {:.3g} m^3)", e, g.volume), .key = "geometry"});
       p.facts.parallelepiped[e] = g.parallelepiped;
       volume[e] = g.volume;
+      if (mesh.region[e] == Region::mercury) p.facts.size[e] = float(shortest_edge(mesh, e));
       eigenvalue[e] = mesh.region[e] == Region::mercury ? liquid_eigenvalue(g, fixed_of(mesh, e)) : steel_eigenvalue(g, steel, hourglass_stiffness(g, steel), fixed_of(mesh, e));
     }
   });
@@ -123,8 +128,16 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
     const bool liquid = mesh.region[e] == Region::mercury;
     auto& greatest = liquid ? p.liquid_eigenvalue : p.steel_eigenvalue;
     greatest = std::max(greatest, eigenvalue[e]);
+    if (liquid) p.stiffest.emplace_back(eigenvalue[e], double(p.facts.size[e]));
     for (const NodeId node : mesh.elements[e]) (liquid ? p.volumes.liquid : p.volumes.steel)[std::size_t(node)] += volume[e] / 8;
   }
+  std::sort(p.stiffest.begin(), p.stiffest.end(), std::greater<>());
+  double largest = -1;
+  std::erase_if(p.stiffest, [&](const auto& element) {
+    if (element.second <= largest) return true;
+    largest = element.second;
+    return false;
+  });
 }
 ExplicitSolver::~ExplicitSolver() = default;
 ExplicitSolver::ExplicitSolver(ExplicitSolver&&) noexcept = default;
@@ -137,7 +150,8 @@ double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const 
     const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
     if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
-    step = std::min(step, stable_time_step(parts_->liquid_eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, (s.liquid.viscosity + s.collapse_resistance(parts_->mesh->liquid_element_size)) / k));
+    for (const auto& [eigenvalue, size] : parts_->stiffest)
+      step = std::min(step, stable_time_step(eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, (s.liquid.viscosity + s.collapse_resistance() * size) / k));
   }
   if (!liquid_alone) step = mass_damped_time_step(step, s.steel_mass_damping);
   if (!(step > 1e-12)) throw NumericsError(fmt::format("the stable time step collapses ({:.3g} s)", step));

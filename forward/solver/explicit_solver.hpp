@@ -89,9 +89,9 @@ struct RunSetup {
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 
-  /// b rho c h of liquid elements of size h [Pa s]; 0 where no strain below 1 reaches the cutoff.
-  [[nodiscard]] double collapse_resistance(double h) const {
-    return !(liquid.tensile_cutoff < liquid.bulk_modulus) ? 0 : collapse_viscosity * std::sqrt(liquid.bulk_modulus * liquid_density) * h;
+  /// b rho c, times the size of a liquid element its resistance to closing [Pa s/m]; 0 where no strain below 1 reaches the cutoff.
+  [[nodiscard]] double collapse_resistance() const {
+    return !(liquid.tensile_cutoff < liquid.bulk_modulus) ? 0 : collapse_viscosity * std::sqrt(liquid.bulk_modulus * liquid_density);
   }
   /// Stiffness of the liquid from which the time step follows: the bulk modulus, or what a law of its own may come to where that is more [Pa].
   [[nodiscard]] double liquid_stiffness() const { return std::max(liquid.bulk_modulus, liquid_law ? liquid_law->greatest_stiffness() : 0.0); }

@@ -79,6 +79,7 @@ struct BlockData {
   std::int32_t shared_count;
   std::size_t outbox;
   LawHook law;
+  const R* size = nullptr;              ///< liquid: shortest edge per element [m], as p0; with Keep::nothing `collapse` times it adds to the bulk modulus, null: nothing does
   // Stressed blocks only, all null in the base model:
   const R* initial = nullptr;           ///< liquid: pressure before the run [Pa], per element; steel: strain of the stress before the run, xx yy zz xy yz zx [-], as the geometry
   const R* thermal = nullptr;           ///< steel: alpha dT at full pulse and energy 1 [-], per element
@@ -119,7 +120,7 @@ struct StepData {
   R dt, kick;              ///< kick = dt, half of it in the first step
   R bulk_modulus, cutoff, beta, hourglass;  ///< K [Pa], sigma_c [Pa], eta/K [s], coefficient K [Pa]
   R quadratic;             ///< rho (b2 h)^2 [Pa s^2]
-  R collapse;              ///< b rho c h [Pa s]
+  R collapse;              ///< b rho c, times an element's size: its resistance to closing [Pa s/m]
   R rear_give, rear_push;  ///< rear face: give p' = push v_n; 1 - r and (1 + r) rho c
   R rear_late, rear_early;  ///< share of v_n after the step, and of v_n before it over that; 1/2 and 1 at r = 0
   R lambda, mu;            ///< of the steel

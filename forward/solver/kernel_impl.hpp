@@ -87,7 +87,7 @@ CALOMEL_INLINE LiquidStep<typename Lanes<R, Runs>::V> liquid_step(const StepData
   using V = typename Lanes<R, Runs>::V;
   LiquidStep<V> l;
   l.bulk_modulus = V{} + s.bulk_modulus, l.minus_cutoff = V{} - s.cutoff, l.cutoff = V{} + s.cutoff, l.hourglass = V{} + s.hourglass;
-  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0)), l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0)), l.quadratic = V{} + s.quadratic, l.collapse = V{} + s.collapse, l.dt = V{} + s.dt;
+  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0)), l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0)), l.quadratic = V{} + s.quadratic, l.dt = V{} + s.dt;
   return l;
 }
 
@@ -116,7 +116,12 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
     if constexpr (Liquid) {
       liquid.p0 = L::heating(b.p0, g, s.load);
       V* state = nullptr;
-      if constexpr (K != Keep::nothing) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+      if constexpr (K != Keep::nothing) {
+        state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+        liquid.collapse = s.collapse * L::numbers(b.size, g);
+      } else if (b.size) {
+        liquid.bulk_modulus = s.bulk_modulus + s.collapse * L::numbers(b.size, g);
+      }
       if constexpr (balance) liquid.p0_before = L::heating(b.p0, g, s.load_before);
       if constexpr (Stressed) {
         const V initial = L::numbers(b.initial, g);
@@ -181,7 +186,10 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
       for (int l = 0; l < W; ++l) liquid.pressure[l] = R(pressure[std::size_t(g - first) * W + std::size_t(l)]);
       V um[3][8], fm[3][8];
       V* state = nullptr;
-      if constexpr (K != Keep::nothing) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+      if constexpr (K != Keep::nothing) {
+        state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
+        liquid.collapse = s.collapse * L::numbers(b.size, g);
+      }
       L::modes(w, at, um);
       liquid_element<F, K, true>(um, fm, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), liquid, state, sums);
       L::add_forces(fm, force, at);

@@ -55,7 +55,7 @@ template <class R>
 PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow)
     : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048, slow)) {
   const std::size_t group_size = lanes(), blocks = layout.blocks.size();
-  form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), elements.resize(blocks);
+  form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), size.resize(blocks), elements.resize(blocks);
   parallel_for(blocks, threads, [&](std::size_t b) {
     const Block& block = layout.blocks[b];
     form[b] = form_of(block, kind);
@@ -64,6 +64,7 @@ PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const El
     geometry[b] = AlignedArray<R>(groups * group_size * terms);
     connectivity[b].resize(groups * group_size * 8);
     elements[b].assign(groups * group_size, -1);
+    if (block.liquid) size[b] = AlignedArray<R>(groups * group_size);
     for (std::size_t slot = 0; slot < groups * group_size; ++slot) {
       const std::size_t group = slot / group_size, lane = slot % group_size;
       const bool padding = slot >= block.elements.size();
@@ -72,6 +73,7 @@ PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const El
       if (padding) continue;  // zero geometry: no force
       const auto element = std::size_t(block.elements[slot]);
       elements[b][slot] = block.elements[slot];
+      if (block.liquid) size[b][slot] = R(facts.size[element]);
       std::size_t term = 0;
       write_terms(corners_of(mesh, element), steel, form[b], block.liquid, double(facts.stiffness[element]),
                   [&](double value) { geometry[b][(group * terms + term++) * group_size + lane] = R(value); });

@@ -21,6 +21,7 @@ enum class ElementKind : std::uint8_t {
 struct ElementFacts {
   std::vector<std::uint8_t> parallelepiped;  ///< per mesh element
   std::vector<float> stiffness;              ///< per mesh element, share that is kept: below 1 at re-entrant edges of the steel
+  std::vector<float> size;                   ///< per mesh element, shortest edge of liquid ones [m]
 };
 
 template <class R>
@@ -30,6 +31,7 @@ struct PackedMesh {
   std::vector<Form> form;                                ///< per block
   std::vector<AlignedArray<R>> geometry;                 ///< per block
   std::vector<std::vector<std::uint16_t>> connectivity;  ///< per block, by groups of lanes
+  std::vector<AlignedArray<R>> size;                     ///< per block of liquid, by groups of lanes: shortest edge [m]
   std::vector<std::vector<std::int32_t>> elements;       ///< per block, mesh element of every lane slot, -1 = padding
 
   /// `slow`: elements that take long steps; empty: none.

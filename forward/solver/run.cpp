@@ -114,7 +114,6 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
-  s.beta += s.bulk_modulus > 0 ? s.collapse / s.bulk_modulus : 0;  // all of the liquid closing at once
   s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {};
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
@@ -127,6 +126,8 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
     StepData<R> own = s;
     own.scratch = scratch.data();
     BlockData<R> block = blocks_[b];
+    // All of the liquid closing at once: b rho c h 2 / dt of stiffness beside K (1 + 2 beta / dt).
+    if (block.liquid && base_.collapse > 0) block.size = packed_.size[b].data(), own.collapse = R(double(base_.collapse) / (0.5 * dt_ + double(base_.beta)));
     block.law = {}, block.initial = nullptr;
     EnergyTerms unused;
     packed_.runs ? kernel_.run_block(block, own, Keep::nothing) : kernel_.element_block(block, own, Keep::nothing, &unused);

@@ -29,7 +29,7 @@ template <class R>
 Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
     : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles),
       keep_(options.energy_balance                                                                                        ? Keep::energies
-            : setup.quadratic_viscosity > 0 || setup.collapse_resistance(mesh.liquid_element_size) > 0 || is_stressed() ? Keep::rate
+            : setup.quadratic_viscosity > 0 || setup.collapse_resistance() > 0 || is_stressed() ? Keep::rate
                                                                                                                           : Keep::nothing) {
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
@@ -53,7 +53,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.dt = R(dt_), base_.kick = R(dt_);
   base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited_cutoff)), base_.hourglass = R(setup.hourglass * k);
   base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
-  base_.collapse = R(setup.collapse_resistance(h));
+  base_.collapse = R(setup.collapse_resistance());
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
@@ -98,6 +98,7 @@ void Run<R>::make_blocks() {
     blocks_[b] = {block.liquid, packed_.form[b], std::int32_t(slots / lanes), packed_.geometry[b].data(), packed_.connectivity[b].data(), p0_[b].data(),
                   state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
                   std::int32_t(block.shared.size()), block.outbox, {}};
+    if (keep_ != Keep::nothing) blocks_[b].size = packed_.size[b].data();
     if (block.liquid && setup_.liquid_law) make_law(b);
     if (is_stressed()) make_stress(b);
     scratch_rows_ = std::max(scratch_rows_, std::size_t(block.interior) + block.shared.size());
