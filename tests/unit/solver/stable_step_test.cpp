@@ -202,6 +202,39 @@ class OfStiffness : public LiquidLaw {
 
 }  // namespace
 
+// Liquid that closes counts with b rho c h of each element: as that viscosity where all are alike, and by the small elements' own size where they are not.
+TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
+  const auto column_of = [](double least) {
+    Mesh m = block({6, 2, 2}, {0, 0, 0}, {0.006, 0.002, 0.002}, Region::mercury);
+    for (auto& x : m.nodes)
+      if (x[0] > 0.0005 && x[0] < 0.0015) x[0] = least;  // the first layer is that thin
+    return m;
+  };
+  const auto step = [](const Mesh& m, double closing, double viscosity) {
+    RunSetup s = linear_setup(0, 0);
+    s.liquid.tensile_cutoff = 1e5, s.collapse_viscosity = closing, s.liquid.viscosity = viscosity;
+    s.hourglass = 0;  // whose springs the one damps and the other does not
+    return ExplicitSolver(m, steel()).stable_step(s);
+  };
+  const double impedance = mercury_density * mercury_speed;
+  const Mesh even = column_of(0.001), uneven = column_of(0.0003);
+  EXPECT_NEAR(step(even, 0.5, 0) / step(even, 0, 0.5 * impedance * 0.001), 1, 1e-6);
+  EXPECT_NEAR(step(even, 0.5, 2000) / step(even, 0, 2000 + 0.5 * impedance * 0.001), 1, 1e-6);
+  EXPECT_LT(step(even, 0.5, 0), 0.75 * step(even, 0, 0));
+  const double own = step(uneven, 0.5, 0);
+  EXPECT_GT(own, 1.5 * step(uneven, 0, 0.5 * impedance * 0.001));
+  EXPECT_NEAR(own / step(uneven, 0, 0.5 * impedance * 0.0003), 1, 0.1);
+  RunSetup s = linear_setup(2e-5, 1e-6);  // bounded: noise that opens and closes at that step loses energy
+  s.liquid.tensile_cutoff = 0;
+  RandomStream random(3, 0);
+  s.initial_velocity.resize(uneven.nodes.size());
+  for (auto& v : s.initial_velocity)
+    for (auto& c : v) c = random.uniform(-1, 1);
+  SolveOptions o;
+  o.energy_balance = true, o.time_step_safety = 0.999;
+  EXPECT_GT(ExplicitSolver(uneven, steel()).solve(s, {}, o).dissipated, 0);
+}
+
 // A solver remembers the last step that it found: whatever a mechanism changes of the run, the answer is that of a solver which remembers nothing.
 TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
   Mesh mesh = block({4, 3, 6}, {0, 0, 0}, {0.004, 0.003, 0.006}, [](const Vec3& x) { return x[2] < 0.002 ? Region::steel : Region::mercury; });
@@ -215,6 +248,7 @@ TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
       {"steel", [](RunSetup& s) { s.steel.lambda *= 2, s.steel.mu *= 2; }},
       {"bulk modulus", [&](RunSetup& s) { s.liquid.bulk_modulus = 20 * k; }},
       {"viscosity", [](RunSetup& s) { s.liquid.viscosity = 2e4; }},
+      {"viscosity of closing", [](RunSetup& s) { s.liquid.tensile_cutoff = 1e5, s.collapse_viscosity = 2; }},
       {"hourglass", [&](RunSetup& s) { s.hourglass = 1, s.liquid.bulk_modulus = 20 * k; }},
       {"steel damping", [](RunSetup& s) { s.steel_stiffness_damping = 5e-7; }},
       {"mass damping", [](RunSetup& s) { s.steel_mass_damping = 5e6; }},
