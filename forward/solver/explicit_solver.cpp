@@ -65,8 +65,7 @@ struct ExplicitSolver::Parts {
   const Mesh* mesh;
   LinearElastic steel;
   ElementFacts facts;
-  double liquid_eigenvalue = 0;  ///< / c^2
-  std::vector<std::pair<double, double>> stiffest;  ///< eigenvalue / c^2 and size [m] of those liquid elements that none exceeds in both
+  std::vector<std::pair<double, double>> stiffest;  ///< eigenvalue / c^2 and size [m] of those liquid elements that none exceeds in both, by falling eigenvalue
   double steel_eigenvalue = 0;   ///< x density
   NodalVolumes volumes;
 
@@ -124,20 +123,16 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
       eigenvalue[e] = mesh.region[e] == Region::mercury ? liquid_eigenvalue(g, fixed_of(mesh, e)) : steel_eigenvalue(g, steel, hourglass_stiffness(g, steel), fixed_of(mesh, e));
     }
   });
+  std::vector<std::pair<double, double>> liquids;
   for (std::size_t e = 0; e < n; ++e) {
     const bool liquid = mesh.region[e] == Region::mercury;
-    auto& greatest = liquid ? p.liquid_eigenvalue : p.steel_eigenvalue;
-    greatest = std::max(greatest, eigenvalue[e]);
-    if (liquid) p.stiffest.emplace_back(eigenvalue[e], double(p.facts.size[e]));
+    if (liquid) liquids.emplace_back(eigenvalue[e], double(p.facts.size[e]));
+    else p.steel_eigenvalue = std::max(p.steel_eigenvalue, eigenvalue[e]);
     for (const NodeId node : mesh.elements[e]) (liquid ? p.volumes.liquid : p.volumes.steel)[std::size_t(node)] += volume[e] / 8;
   }
-  std::sort(p.stiffest.begin(), p.stiffest.end(), std::greater<>());
-  double largest = -1;
-  std::erase_if(p.stiffest, [&](const auto& element) {
-    if (element.second <= largest) return true;
-    largest = element.second;
-    return false;
-  });
+  std::sort(liquids.begin(), liquids.end(), std::greater<>());
+  for (const auto& liquid : liquids)
+    if (p.stiffest.empty() || liquid.second > p.stiffest.back().second) p.stiffest.push_back(liquid);
 }
 ExplicitSolver::~ExplicitSolver() = default;
 ExplicitSolver::ExplicitSolver(ExplicitSolver&&) noexcept = default;
@@ -146,7 +141,7 @@ const Mesh& ExplicitSolver::mesh() const { return *parts_->mesh; }
 double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const {
   double step = 1e300;
   if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue / s.steel_density, s.steel_stiffness_damping));
-  if (parts_->liquid_eigenvalue > 0) {
+  if (!parts_->stiffest.empty()) {
     const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
     if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
@@ -163,7 +158,7 @@ double ExplicitSolver::stable_step(const RunSetup& setup, const SolveOptions& op
 StableSteps ExplicitSolver::stable_steps(const RunSetup& setup, const SolveOptions& options) const {
   const double bound = element_step(setup);
   const StepKey key = step_key(setup, options);
-  const bool subcycled = key.buffer != no_subcycles && parts_->liquid_eigenvalue > 0;
+  const bool subcycled = key.buffer != no_subcycles && !parts_->stiffest.empty();
   {
     const std::lock_guard guard(parts_->lock);
     if (parts_->last_step && parts_->last_step->first == key) return parts_->last_step->second;

@@ -49,9 +49,16 @@ LogPosterior LogPosterior::held(const std::vector<std::pair<Eigen::Index, double
     std::vector<double> theta = box_.theta(held_);
     theta[std::size_t(k)] = value;
     out.held_[k] = box_.u(theta)[k];
+    out.held_values_.emplace_back(std::size_t(k), value);
     std::erase(out.free_, k);
   }
   return out;
+}
+
+std::vector<double> LogPosterior::theta_at(const Eigen::VectorXd& u) const {
+  std::vector<double> theta = box_.theta(u);
+  for (const auto& [k, value] : held_values_) theta[k] = value;
+  return theta;
 }
 
 std::vector<std::string> LogPosterior::names() const {
@@ -64,7 +71,7 @@ std::vector<std::string> LogPosterior::names() const {
 LogPosterior::Point LogPosterior::point(const Eigen::VectorXd& q) const {
   Point p{.u = held_, .beyond = has_beyond_ ? q[q.size() - 1] : emulator_.levels() > 1 ? beyond_.mean : 0, .theta = {}};
   p.u(free_) = (0.5 * q.head(Eigen::Index(free_.size())).array()).tanh().matrix();  // 2 logistic(q) - 1
-  p.theta = box_.theta(p.u);
+  p.theta = theta_at(p.u);
   return p;
 }
 
@@ -79,7 +86,7 @@ Eigen::VectorXd LogPosterior::q(std::span<const double> theta, double beyond) co
 LogPosterior::Point LogPosterior::moved(const Point& from, Eigen::Index k, double by) const {
   Point p = from;
   if (k < Eigen::Index(free_.size()))
-    p.u[free_[std::size_t(k)]] += by, p.theta = box_.theta(p.u);
+    p.u[free_[std::size_t(k)]] += by, p.theta = theta_at(p.u);
   else
     p.beyond += by;
   return p;

@@ -103,6 +103,8 @@ class LogPosterior {
     Eigen::ArrayXd inflation, weighed;
   };
   [[nodiscard]] Likelihood likelihood(const Hypothesis& h, const Eigen::VectorXd& residual, double variance) const;
+  /// Natural units; what is held is held to the bit, which the way to the box and back is not.
+  [[nodiscard]] std::vector<double> theta_at(const Eigen::VectorXd& u) const;
   [[nodiscard]] double transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const;
   EmulatorBox box_;
   MultilevelRegression emulator_;
@@ -111,6 +113,7 @@ class LogPosterior {
   bool has_beyond_;
   std::vector<Eigen::Index> free_;
   Eigen::VectorXd held_;          ///< u of all parameters; that of the free ones is not read
+  std::vector<std::pair<std::size_t, double>> held_values_;  ///< index into the box, value
   Eigen::MatrixXd coefficients_;  ///< (size, coefficients)
   std::vector<Hypothesis> hypotheses_;
 };

@@ -13,13 +13,10 @@ import argparse
 import json
 import os
 import re
-import subprocess
-import sys
 
-import netCDF4
 import numpy as np
 
-from mesh_error import FACTOR, decimated, truth_of
+from mesh_error import FACTOR, misfit, simulated, truth_of
 
 OLD = ["material.mercury.hourglass=0.005", "material.mercury.collapse_viscosity=0"]
 VARIANTS = {
@@ -42,20 +39,6 @@ STYLE = {"before": "s-", "shared nodes": "^-", "parting": "v-", "weak hourglass"
 VISCOSITY = {"material.mercury.least_mesh_viscosity": 0.0, "material.mercury.regularising_viscosity": 2000.0}
 
 
-def run(program, case, out, sets, threads):
-    if not os.path.exists(os.path.join(out, "simulate.json")):
-        done = subprocess.run([program, "simulate", case, "--mean", "--quiet", "--out", out, "--threads", str(threads)] + [x for s in sets for x in ("--set", s)], capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(done.stderr)
-    with netCDF4.Dataset(os.path.join(out, "simulate.nc")) as file, open(os.path.join(out, "simulate.json")) as numbers:
-        return decimated(np.array(file["strain"][:])), json.load(numbers)
-
-
-def error(a, b, begin=0, end=None):
-    a, b = a[:, begin:end], b[:, begin:end]
-    return 100 * np.mean(np.linalg.norm(a - b, axis=1) / np.linalg.norm(b, axis=1))
-
-
 def at_five_per_cent(points):
     """(element-steps, mm), or None where the errors do not lie about 5 %."""
     for coarse, fine in zip(points, points[1:]):
@@ -74,7 +57,7 @@ def measure(args):
 
     def mean(variant, size):
         out = os.path.join(folder, re.sub(r"\W+", "_", variant) + f"_{size:g}")
-        return run(program, case, out, sets + VARIANTS[variant] + [f"geometry.element_size={1e-3 * size!r}"], args.threads)
+        return simulated(program, case, out, sets + VARIANTS[variant] + [f"geometry.element_size={1e-3 * size!r}"], args.threads)
 
     reference, _ = mean("default", args.reference)
     early = max(1, int(args.early / FACTOR))
@@ -86,7 +69,7 @@ def measure(args):
             if size in args.finer and points[-1]["all"] < 5:
                 break
             m, numbers = mean(variant, size)
-            points.append({"mm": size, "element_steps": numbers["element_steps"], "all": error(m, reference), "early": error(m, reference, 0, early), "late": error(m, reference, early)})
+            points.append({"mm": size, "element_steps": numbers["element_steps"], "all": misfit(m, reference), "early": misfit(m[:, :early], reference[:, :early]), "late": misfit(m[:, early:], reference[:, early:])})
         result[variant], five = points, at_five_per_cent(points)
         before = five if variant == "before" else before
         cells = [f"{p['all']:.1f} ({p['early']:.1f}, {p['late']:.1f})" for p in points[:len(args.sizes)]]

@@ -10,6 +10,7 @@ finest mesh takes it for: relative changes of density, sound speed, cutoff (loga
 difference that the finest mesh lies beyond the one before. A call that is cut off goes on where it stopped.
 """
 import argparse
+import json
 import os
 import re
 import subprocess
@@ -57,6 +58,22 @@ def decimated(strain):
     return np.stack([strain[:, k - FACTOR + 1:k + FACTOR] @ (window / window.sum()) for k in range(FACTOR, strain.shape[1] - FACTOR + 1, FACTOR)], 1)
 
 
+def simulated(program, case, out, keys, threads):
+    """Decimated ensemble mean, (sensors, values), of the case with these keys, and simulate.json; what is there is not run again."""
+    if not os.path.exists(os.path.join(out, "simulate.json")):
+        command = [program, "simulate", case, "--mean", "--quiet", "--out", out, "--threads", str(threads)]
+        done = subprocess.run(command + [x for k in keys for x in ("--set", k)], capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(done.stderr)
+    with netCDF4.Dataset(os.path.join(out, "simulate.nc")) as file, open(os.path.join(out, "simulate.json")) as numbers:
+        return decimated(np.array(file["strain"][:])), json.load(numbers)
+
+
+def misfit(coarse, fine):
+    """Relative L2 [%], mean over the gauges."""
+    return 100 * np.mean(np.linalg.norm(coarse - fine, axis=1) / np.linalg.norm(fine, axis=1))
+
+
 class Runs:
     def __init__(self, build, folder, target, wetted, threads):
         self.program, self.threads, self.wetted = os.path.join(build, "apps", "calomel"), threads, wetted
@@ -68,18 +85,11 @@ class Runs:
     def mean(self, size, key=None, sign=0):
         """Decimated ensemble mean, (sensors, values); with `key`, one step up or down."""
         out = os.path.join(self.folder, f"{size}_{key}_{sign}" if key else str(size))
-        path = os.path.join(out, "simulate.nc")
-        if not os.path.exists(path):
-            numbers = dict(self.truth)
-            if key:
-                numbers[key] *= STEPS[key] ** sign
-            keys = [f"{k}={v!r}" for k, v in numbers.items()] + [f"geometry.element_size={1e-3 * size!r}", f'geometry.wetted="{self.wetted}"']
-            command = [self.program, "simulate", self.case, "--mean", "--quiet", "--out", out, "--threads", str(self.threads)]
-            done = subprocess.run(command + [x for k in keys for x in ("--set", k)], capture_output=True, text=True)
-            if done.returncode:
-                sys.exit(done.stderr)
-        with netCDF4.Dataset(path) as file:
-            return decimated(np.array(file["strain"][:]))
+        numbers = dict(self.truth)
+        if key:
+            numbers[key] *= STEPS[key] ** sign
+        keys = [f"{k}={v!r}" for k, v in numbers.items()] + [f"geometry.element_size={1e-3 * size!r}", f'geometry.wetted="{self.wetted}"']
+        return simulated(self.program, self.case, out, keys, self.threads)[0]
 
     def jacobian(self, size):
         return [(self.mean(size, k, 1) - self.mean(size, k, -1)) / (2 * np.log(s)) for k, s in STEPS.items()]
@@ -125,8 +135,7 @@ def main():
             print(f"| {wetted} | {size:g} | " + " | ".join(f"{x:+.1f} ± {e:.1f}" if i else f"{x:.1f} ± {e:.1f} %" for i, (x, e) in enumerate(zip(mean, error))) + " |", flush=True)
             for runs, m, j in zip(all_runs, means, jacobians):
                 rho, c, cutoff = 100 * taken_for(m[args.sizes[-1]], m[size], j, priors=False)
-                misfit = 100 * np.mean(np.linalg.norm(m[size] - m[args.sizes[-1]], axis=1) / np.linalg.norm(m[args.sizes[-1]], axis=1))
-                alone.append(f"| {wetted} | {runs.name} | {size:g} | {misfit:.1f} % | {rho:+.1f} | {c:+.1f} | {rho + c:+.1f} | {cutoff:+.1f} |")
+                alone.append(f"| {wetted} | {runs.name} | {size:g} | {misfit(m[size], m[args.sizes[-1]]):.1f} % | {rho:+.1f} | {c:+.1f} | {rho + c:+.1f} | {cutoff:+.1f} |")
         k, share, size = [], [], []
         for m in means:
             rest, last = (m[args.sizes[-1]] - m[args.sizes[-2]]).ravel(), (m[args.sizes[-2]] - m[args.sizes[-3]]).ravel()
