@@ -145,15 +145,16 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   std::sort(plan.angles.begin(), plan.angles.end());
   plan.angles.erase(std::unique(plan.angles.begin(), plan.angles.end()), plan.angles.end());
   plan.corner = std::size_t(std::find(plan.angles.begin(), plan.angles.end(), corner) - plan.angles.begin());
+  // The radial lines converge by a factor of two or three from the outer face to the core: the size asked for is met half way down the layers.
+  const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window}), layers = wall + (plates ? g.jet.channel + g.jet.thickness : 0);
   for (std::size_t i = 0; i + 1 < plan.angles.size(); ++i)
-    plan.arc_counts.push_back(g.layer_count((plan.angles[i + 1] - plan.angles[i]) * std::numbers::pi / 180 * R, false));
+    plan.arc_counts.push_back(g.layer_count((plan.angles[i + 1] - plan.angles[i]) * std::numbers::pi / 180 * (R - layers / 2), false));
   const double flat = *g.height - 2 * R;
   plan.flat_count = flat > 1e-9 * R ? g.layer_count(flat, false) : 0;
 
-  const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window});
   plan.wall = g.layer_count(wall, true);
   if (plates) plan.channel = g.layer_count(g.jet.channel, false), plan.plate = g.layer_count(g.jet.thickness, true);
-  plan.transition = g.layer_count(0.45 * (R - wall - (plates ? g.jet.channel + g.jet.thickness : 0)), false);
+  plan.transition = g.layer_count(0.45 * (R - layers), false);
   return plan;
 }
 

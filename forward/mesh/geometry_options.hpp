@@ -105,7 +105,7 @@ struct GeometryOptions {
     v("window", window, {.unit = "m", .range = above(0), .doc = "jet_flow: wall thickness at the tip of the nose (default 0.002)"});
     v.table("jet", jet, "jet_flow: the plates that lead a jet along the window");
     v("element_size", element_size,
-      {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly (jet_flow: 0.003, bar: radius/4)"});
+      {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly, the nose of jet_flow half way down its layers (jet_flow: 0.003, bar: radius/4)"});
     v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
     v("wetted", wetted, {.doc = "steel and mercury slip along each other and part where the mercury gives way, slip and never part, or share nodes", .choices = {"slip", "no_separation", "tied"}});
     v("file", file, {.doc = "mesh: Exodus II file (.exo, .e, .g), or Abaqus input (.inp)"});

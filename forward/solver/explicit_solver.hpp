@@ -44,7 +44,7 @@ struct SolverOptions {
       {.doc = "assumed strain, exact in bending, or the selectively reduced B-bar element that checks it (locks in thin walls; small strain only)",
        .choices = {"assumed_strain", "b_bar"}});
     v("checkpoint", checkpoint, {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which a run that was cut off goes on; 0 = none"});
-    v("energy_balance", energy_balance, {.doc = "energy balance of every step in simulate (about a tenth slower)"});
+    v("energy_balance", energy_balance, {.doc = "energy balance of every step in simulate (a seventh to a third slower)"});
     v.renamed("booking", "solver.energy_balance");
   }
 };
