@@ -82,16 +82,18 @@ def sections(path, picture):
             return np.asarray(data[f"vals_elem_var{number[name]}eb{block + 1}"][step])[section.blocks[block][0]]
 
         steps = sorted({1, len(time) // 2, len(time) - 1})
-        figure, axes = plt.subplots(len(steps) + 1, 1, figsize=(10, 2.2 * (len(steps) + 1)), sharex=True, layout="constrained")
+        counted = "time_at_cutoff" in number  # with an energy balance
+        figure, axes = plt.subplots(len(steps) + counted, 1, figsize=(10, 2.2 * (len(steps) + counted)), sharex=True, layout="constrained")
         for axis, step in zip(axes, steps):
             pressure = section.draw(axis, mercury, 1e-6 * values("pressure", mercury, step), "RdBu_r", (-2, 2))
             stress = section.draw(axis, steel, 1e-6 * values("effective_stress", steel, step), "viridis", (0, 60))
             axis.set_title(f"{time[step]:.0f} µs: pressure of the mercury, effective stress of the steel", fontsize=9, loc="left", pad=2)
             for drawn, what in ((stress, "steel, MPa"), (pressure, "mercury, MPa")):
                 figure.colorbar(drawn, ax=axis, fraction=0.02).set_label(what, fontsize=7)
-        held = section.draw(axes[-1], mercury, 1e6 * values("time_at_cutoff", mercury, steps[-1]), "magma_r", (0, None))
-        axes[-1].set_title("time at the cutoff", fontsize=9, loc="left", pad=2)
-        figure.colorbar(held, ax=axes[-1], fraction=0.02).set_label("µs", fontsize=7)
+        if counted:
+            held = section.draw(axes[-1], mercury, 1e6 * values("time_at_cutoff", mercury, steps[-1]), "magma_r", (0, None))
+            axes[-1].set_title("time at the cutoff", fontsize=9, loc="left", pad=2)
+            figure.colorbar(held, ax=axes[-1], fraction=0.02).set_label("µs", fontsize=7)
         axes[-1].set_xlabel("x, mm", fontsize=8)
         for axis in axes:
             axis.set_ylabel("z, mm", fontsize=8)
