@@ -172,6 +172,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   std::vector<std::string> sensor_names(names.begin(), names.end());
   auto mechanism_tables = read_mechanisms(file, sensor_names);
   c.mechanisms = std::move(mechanism_tables.enabled);
+  c.listed_mechanisms = std::move(mechanism_tables.listed);
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
   for (auto& p : c.parameters)

@@ -80,10 +80,22 @@ RunRecord LevelRuns::evaluate(const RunPoint& point) const {
 
 std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, int threads, const RunStore::Progress& progress,
                                       const std::atomic<bool>* stop) {
+  return run(thetas, level, {}, threads, progress, stop);
+}
+
+std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added, int threads,
+                                      const RunStore::Progress& progress, const std::atomic<bool>* stop) {
+  const auto own = parameters_.size();
+  expect(std::size_t(thetas.rows()) == own + added.size(), "a theta holds the parameters and what is added");
   std::vector<RunPoint> points;
   for (std::size_t i = 0; i < level.size(); ++i) {
     const auto theta = thetas.col(Eigen::Index(i));
-    points.push_back(point({theta.data(), std::size_t(theta.size())}, level[i]));
+    points.push_back(point({theta.data(), own}, level[i]));
+    for (std::size_t k = 0; k < added.size(); ++k) {
+      const Parameter& p = added[k].parameter;
+      const double value = theta[Eigen::Index(own + k)];
+      if (value != *p.nominal) points.back()[p.key] = added[k].inverse ? 1 / value : value;
+    }
   }
   const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
   return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop);

@@ -6,6 +6,7 @@
 
 #include "forward/built_in_model.hpp"
 #include "forward/mechanism_directions.hpp"
+#include "forward/parameter_group.hpp"
 #include "forward/runs/run_store.hpp"
 
 namespace calomel {
@@ -29,6 +30,10 @@ class LevelRuns {
   /// Records of the columns of thetas (n_parameters, n), each on its level's mesh.
   std::vector<RunRecord> run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, int threads, const RunStore::Progress& progress = {},
                              const std::atomic<bool>* stop = nullptr);
+  /// The same with further numbers of the case below the parameters, thetas (n_parameters + added, n). A number at its nominal value is left alone, so that a run with
+  /// all of them there is the base model's.
+  std::vector<RunRecord> run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added, int threads,
+                             const RunStore::Progress& progress = {}, const std::atomic<bool>* stop = nullptr);
   /// Changes of the ensemble mean at theta by one sd of each gauge's place along its direction, (values, gauges), by a central difference of half an element or
   /// the sd, whichever is more. Columns of 0 where the runs failed. Two runs of the next to finest mesh.
   Eigen::MatrixXd gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress = {}, const std::atomic<bool>* stop = nullptr);

@@ -81,6 +81,15 @@ Provenance posterior_provenance(const StudyInputs& inputs) {
   return p;
 }
 
+Provenance diagnosis_provenance(const StudyInputs& inputs) {
+  const auto& study = inputs.study();
+  Provenance p{.stage = "diagnosis", .options = posterior_options(study), .seed = inputs.command().seed,
+               .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
+  p.options.erase("sampler");
+  p.options["diagnosis"] = echo(study.diagnosis);
+  return p;
+}
+
 Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method) {
   if (method == "map") return map_provenance(inputs);
   const auto& study = inputs.study();

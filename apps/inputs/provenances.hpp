@@ -17,6 +17,8 @@ struct Provenance;  // base/provenance.hpp
 [[nodiscard]] Provenance runs_provenance(const StudyCase& study);
 /// surrogate.nc stands where the basin is sought on it, and is then an input.
 [[nodiscard]] Provenance posterior_provenance(const StudyInputs& inputs);
+/// Of diagnosis.json.
+[[nodiscard]] Provenance diagnosis_provenance(const StudyInputs& inputs);
 /// Of `method`, "enc", "spe" or "map". What it learns from stands: for ENC surrogate.nc, for SPE campaign.nc, and where it takes the posterior's emulator what
 /// posterior_provenance asks for.
 [[nodiscard]] Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method);

@@ -24,7 +24,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
       throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
                                            .key = later,
                                            .suggestion = "leave the table out to run the built-in model"}));
-  for (const char* later : {"sensitivity", "diagnosis"})
+  for (const char* later : {"sensitivity"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
   study.file.read("floor", study.floor);
@@ -35,6 +35,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("emulator", study.emulator);
   study.file.read("errors", study.errors);
   study.file.read("sampler", study.sampler);
+  study.file.read("diagnosis", study.diagnosis);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -53,6 +54,7 @@ Json StudyCase::echo() const {
   all["emulator"] = calomel::echo(emulator);
   all["errors"] = calomel::echo(errors);
   all["sampler"] = calomel::echo(sampler);
+  all["diagnosis"] = calomel::echo(diagnosis);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

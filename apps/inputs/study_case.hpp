@@ -15,6 +15,7 @@
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/data/recordings.hpp"
 #include "inverse/spe/options.hpp"
+#include "uq/diagnosis/diagnosis.hpp"
 #include "uq/sampler/sampler.hpp"
 
 namespace calomel {
@@ -53,6 +54,7 @@ struct StudyCase {
   EmulatorOptions emulator;
   ErrorOptions errors;
   SamplerOptions sampler;
+  DiagnosisOptions diagnosis;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

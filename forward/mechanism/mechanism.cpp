@@ -80,6 +80,7 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
   for (const auto& name : file.names("mechanism")) {
     const std::string path = "mechanism." + name;
     const MechanismEntry& entry = entry_of(file, name, path);
+    tables.listed.push_back(name);
     std::vector<std::string> extra{"parameter"};
     if (!entry.built()) extra.push_back("wall");
     EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};

@@ -102,6 +102,7 @@ struct EnabledMechanism {
 /// What `[mechanism.*]` says.
 struct MechanismTables {
   std::vector<EnabledMechanism> enabled;
+  std::vector<std::string> listed;  ///< all that have a table
   std::vector<std::string> notes;  ///< e.g. that a listed one is not built
 };
 

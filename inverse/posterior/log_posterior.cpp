@@ -16,9 +16,19 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double edge = 1e-6;
 const std::string beyond_name = "beyond";
 
+std::vector<RecordErrors> record_errors(const std::vector<WeightedErrors>& errors) {
+  std::vector<RecordErrors> out;
+  for (const auto& [model, log_weight, scale] : errors) out.push_back({model.covariance(), model.data(), model.freedom(), log_weight});
+  return out;
+}
+
 }  // namespace
 
 LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<WeightedErrors>& errors,
+                           const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond)
+    : LogPosterior(std::move(box), std::move(emulator), coefficients, record_errors(errors), noise, std::move(priors), beyond) {}
+
+LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                            const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond)
     : box_(std::move(box)), emulator_(std::move(emulator)), priors_(std::move(priors)), beyond_(beyond), has_beyond_(emulator_.levels() > 1 && beyond.sd > 0),
       free_(std::size_t(box_.size())), held_(Eigen::VectorXd::Zero(box_.size())), coefficients_(coefficients) {
@@ -26,15 +36,15 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
   expect(!errors.empty() && noise.rows() == n && noise.cols() == n && priors_.size() == std::size_t(box_.size()),
          "emulator, noise and priors belong to the records and the box");
   std::iota(free_.begin(), free_.end(), Eigen::Index(0));
-  for (const auto& [model, log_weight, scale] : errors) {
-    expect(Eigen::Index(model.grid().size()) == n, "all hypotheses are about the same records");
-    const Cholesky factor(model.covariance());
+  for (const auto& e : errors) {
+    expect(e.data.size() == n && e.covariance.rows() == n, "all hypotheses are about the same records");
+    const Cholesky factor(e.covariance);
     if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
     const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
     const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
-    Hypothesis h{.log_weight = log_weight, .freedom = model.freedom(), .log_norm = 0, .whitener = {}, .data = {}, .coefficients = {}, .ratio = eigen.values.cwiseMax(0.0)};
+    Hypothesis h{.log_weight = e.log_weight, .freedom = e.freedom, .log_norm = 0, .whitener = {}, .data = {}, .coefficients = {}, .ratio = eigen.values.cwiseMax(0.0)};
     h.whitener = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
-    h.data = h.whitener * model.data();
+    h.data = h.whitener * e.data;
     h.coefficients = h.whitener * coefficients;
     const double half_log_det = factor.half_log_determinant(), p = double(n);
     h.log_norm = std::isinf(h.freedom) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det

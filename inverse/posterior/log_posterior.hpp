@@ -16,6 +16,14 @@ struct BeyondPrior {
   double mean = 0.4, sd = 0.25;
 };
 
+/// One hypothesis about the errors of records, (size) values each: Gaussian, or Student's t where their scale was learnt from few squares.
+struct RecordErrors {
+  Eigen::MatrixXd covariance;  ///< (size, size)
+  Eigen::VectorXd data;        ///< (size)
+  double freedom;              ///< of the scale; infinity for a Gaussian
+  double log_weight = 0;       ///< of its prior
+};
+
 /// log p(theta, k | records) = log L + log prior, with
 ///
 ///   L = sum_j w_j L_j,  log L_j = -1/2 sum_i [ln(1 + v l_i) + r_i^2 / (1 + v l_i)] + const,
@@ -31,6 +39,8 @@ class LogPosterior {
   /// coefficients: (size, coefficients) of the emulator's mean on the grid of `errors`; noise: (size, size), numerical noise of one run of the finest mesh.
   /// priors: as box.parameters(). Errors: NumericsError where a covariance is not positive definite.
   LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<WeightedErrors>& errors,
+               const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond);
+  LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond);
 
   /// A nested hypothesis: the parameters named (index into the box, value) are held, and their priors do not count.

@@ -22,6 +22,7 @@ class Fit {
  public:
   explicit Fit(const PosteriorInputs& in) : in_(in) {
     for (const auto& p : in.parameters) priors_.emplace_back(p);
+    out_.runs = in.known;
     lay_box(in.centre, in.half_width);
   }
   PosteriorFit run() {
@@ -105,7 +106,8 @@ void Fit::choose_runs() {
 void Fit::fill_box(std::uint64_t index) {
   choose_runs();
   std::vector<int> there(std::size_t(in_.levels), 0);
-  for (const auto i : out_.used) ++there[std::size_t(out_.runs[i].level)];
+  for (const auto i : out_.used)
+    if (i >= in_.known.size()) ++there[std::size_t(out_.runs[i].level)];
   const auto d = Eigen::Index(in_.parameters.size());
   const int coarse = in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
   const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;

@@ -49,6 +49,13 @@ struct EmulatorOptions {
   void validate() const;
 };
 
+/// A run that the emulator may learn from.
+struct TaughtRun {
+  std::vector<double> theta;
+  int level = 0;
+  RunRecord record;
+};
+
 /// What a fit works on; what is referred to outlives it.
 struct PosteriorInputs {
   const Problem& problem;
@@ -70,16 +77,10 @@ struct PosteriorInputs {
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
+  std::vector<TaughtRun> known;       ///< runs that are there already; beside them the box gets as many as it would without
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
-};
-
-/// A run that the emulator may learn from.
-struct TaughtRun {
-  std::vector<double> theta;
-  int level = 0;
-  RunRecord record;
 };
 
 /// One round: what was run and where the answer stood after it.

@@ -1,0 +1,51 @@
+#include "apps/pipeline/diagnose_stage.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/inputs/posterior_case.hpp"
+#include "apps/inputs/posterior_inputs.hpp"
+#include "apps/inputs/provenances.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/presentation/posterior_lines.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "apps/presentation/stage_progress.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "uq/diagnosis/diagnosis.hpp"
+
+namespace calomel {
+
+ExitStatus diagnose_stage(StageCall& call) {
+  auto& inputs = call.inputs;
+  const auto& study = inputs.study();
+  const auto& command = inputs.command();
+  const auto& notes = inputs.notes();
+  (void)inputs.problem();
+  const auto provenance = diagnosis_provenance(inputs);
+  if (!call.finished.due(provenance, {"diagnosis.json"}, Asked::by_user)) {
+    notes.say(reused_line("diagnose"));
+    return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+  }
+  const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
+  return study.file.locating([&] {
+    const auto base = posterior_inputs(inputs, {});
+    put_first_box(*base, nominal(inputs.model().shape()));
+    base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
+    LevelRuns& levels = inputs.levels();
+    const DiagnosisInputs in{.base = *base,
+                             .groups = offered_groups(study.forward),
+                             .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
+                               return levels.run(thetas, level, added, command.threads, progress, &stop_requested());
+                             },
+                             .options = study.diagnosis,
+                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); }};
+    const Diagnosis d = diagnose(in);
+    Json json = diagnosis_json(d, in, provenance);
+    json["status"] = d.base.settled ? "done" : "not_to_be_trusted";
+    write_json(inputs.artefact("diagnosis.json"), json);
+    notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
+    return d.base.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+  });
+}
+
+}  // namespace calomel

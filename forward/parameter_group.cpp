@@ -1,0 +1,68 @@
+#include "forward/parameter_group.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "forward/forward_case.hpp"
+#include "forward/mechanism/mechanism.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double first_part = 0.25;      ///< of a key's range: where its effect is first looked at
+constexpr double least_infinite = 0.01;  ///< of the upper end of its range: the least value of a key that is infinite where it is off
+
+AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const MechanismKey& k) {
+  AddedParameter a;
+  Parameter& p = a.parameter;
+  p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
+  const double off = c.off_value(k);
+  if (!std::isfinite(off)) {
+    a.inverse = true;
+    p.nominal = 0, p.min = 0, p.max = 1 / std::max(k.low, least_infinite * k.high);
+    a.strengths = {first_part * p.max};
+    return a;
+  }
+  p.nominal = off, p.min = std::min(off, k.low), p.max = std::max(off, k.high);
+  if (k.log_uniform && off < k.low) {
+    const double ratio = std::log(k.high / k.low);
+    p.prior = "half_cauchy", p.scale = std::sqrt(k.low * k.high);
+    for (const double part : {0.25, 0.5, 0.75}) a.strengths.push_back(k.low * std::exp(part * ratio));
+    return a;
+  }
+  if (p.max > off) a.strengths.push_back(off + first_part * (p.max - off));
+  if (p.min < off) a.strengths.push_back(off - first_part * (off - p.min));
+  return a;
+}
+
+}  // namespace
+
+std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
+  std::vector<ParameterGroup> groups;
+  for (const auto& row : mechanisms().rows()) {
+    const MechanismEntry& entry = row.entry;
+    const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
+    const bool enabled = std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
+    if (!listed || enabled || !entry.built()) continue;
+    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
+    for (const auto& k : entry.keys)
+      if (k.decides) g.added.push_back(key_of(c, row.name, k));
+    groups.push_back(std::move(g));
+  }
+  // What a coarser or a looser discretisation would do in the place of physics.
+  const auto number = [&](const char* name, double now, double other) {
+    AddedParameter a;
+    a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
+    a.parameter.nominal = now;
+    a.strengths = {other};
+    return a;
+  };
+  groups.push_back({.name = "numerics",
+                    .added = {number("hourglass", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
+                    .numerical = true,
+                    .like_the_mesh = true});
+  return groups;
+}
+
+}  // namespace calomel

@@ -1,0 +1,32 @@
+#pragma once
+/// Numbers that may be added to a model in a block: a mechanism that the case leaves out, or numbers of the numerics that act like one.
+#include <string>
+#include <vector>
+
+#include "forward/parameter.hpp"
+
+namespace calomel {
+
+struct ForwardCase;
+
+/// A number beside the parameters of a model. `parameter.nominal` is the value that switches it off.
+struct AddedParameter {
+  Parameter parameter;   ///< its key is the dotted key of the case, its name "GROUP.KEY"
+  bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
+  std::vector<double> strengths;  ///< values at which its effect is first looked at
+};
+
+struct ParameterGroup {
+  std::string name;                   ///< of the mechanism
+  std::vector<AddedParameter> added;  ///< at least one
+  bool by_sensor = false;             ///< acts on each gauge alone
+  bool numerical = false;             ///< no physics: numbers of the solver
+  bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh
+  double cost = 1;                    ///< of a run with it over one of the base model
+};
+
+/// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
+/// A key's prior is the range of the registry: uniform, half-Cauchy about the geometric middle for a log-uniform one.
+[[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
+
+}  // namespace calomel

@@ -1,0 +1,73 @@
+// The rule from evidences to a verdict, case by case.
+#include "uq/diagnosis/verdict.hpp"
+
+#include <gmock/gmock.h>
+
+namespace calomel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+BaseEvidence poor() { return {.values = 100, .chi2 = 400, .log_plain = -120, .log_discrepancy = -0.1, .base_pull = 1.5}; }
+BaseEvidence good() { return {.values = 100, .chi2 = 66, .log_plain = -0.2, .log_discrepancy = -1.5, .base_pull = 0.4}; }
+Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
+Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 8, .chi2 = 350, .base_pull = 1, .fitted = true}; }
+
+TEST(Verdict, NamesWhatExplainsAndLeads) {
+  const Verdict v = judge(poor(), {rear(), beam()});
+  EXPECT_EQ(v.kind, VerdictKind::named);
+  EXPECT_THAT(v.mechanisms, ElementsAre("beam_profile"));
+  EXPECT_EQ(v.ranking[0].name, "beam_profile");
+  double sum = 0;
+  for (const auto& r : v.ranking) sum += r.probability;
+  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_EQ(v.ranking.size(), 4u);
+}
+
+TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
+  Explanation weak = beam();
+  weak.log_bayes_factor = 2;
+  const Verdict v = judge(good(), {weak, rear()});
+  EXPECT_EQ(v.kind, VerdictKind::none);
+  EXPECT_TRUE(v.mechanisms.empty());
+  EXPECT_EQ(judge(good(), {}).kind, VerdictKind::none);
+}
+
+TEST(Verdict, SaysUnknownForEachReason) {
+  const auto reason = [](const BaseEvidence& base, std::vector<Explanation> all) {
+    const Verdict v = judge(base, std::move(all));
+    EXPECT_EQ(v.kind, VerdictKind::unknown) << v.reason;
+    EXPECT_TRUE(v.mechanisms.empty());
+    return v.reason;
+  };
+  Explanation x = beam();
+  x.log_bayes_factor = 20;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("below 30"));
+  x = beam(), x.chi2 = 300;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("explains only"));
+  x = beam(), x.chi2 = 140;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("still not explained"));
+  x = beam(), x.farthest = 4;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("plausible"));
+  x = beam(), x.base_pull = 3;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("handbook"));
+  x = beam(), x.numerical = true, x.name = "numerics";
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("numerics"));
+  Explanation mesh = beam();
+  mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = 80;
+  EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
+  EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
+}
+
+TEST(Verdict, NamesAClassAsAClass) {
+  Explanation near = beam(), twin = beam();
+  near.name = "interface", near.log_bayes_factor = 90;
+  EXPECT_EQ(judge(poor(), {beam(), near}).kind, VerdictKind::ambiguous);
+  EXPECT_THAT(judge(poor(), {near, beam()}).mechanisms, ElementsAre("beam_profile", "interface"));
+  twin.name = "static_pressure", twin.log_bayes_factor = 40, twin.same_as = {"beam_profile"};
+  EXPECT_THAT(judge(poor(), {beam(), twin, rear()}).mechanisms, ElementsAre("beam_profile", "static_pressure"));
+}
+
+}  // namespace
+}  // namespace calomel

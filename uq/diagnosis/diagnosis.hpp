@@ -1,0 +1,95 @@
+#pragma once
+/// The diagnosis of omitted physics: fits the base model, asks of every mechanism what it would be worth, fits those that lead in the true model, and judges.
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "forward/parameter_group.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
+#include "inverse/posterior/score_test.hpp"
+#include "uq/diagnosis/first_order.hpp"
+#include "uq/diagnosis/held_out.hpp"
+#include "uq/diagnosis/locate.hpp"
+#include "uq/diagnosis/verdict.hpp"
+
+namespace calomel {
+
+struct Provenance;  // base/provenance.hpp
+
+/// `[diagnosis]` of a case file.
+struct DiagnosisOptions {
+  int max_runs = 2000;
+  int leaders = 4;
+  int candidate_coarse = 40;
+  int candidate_fine = 12;
+  bool pairs = true;
+
+  template <class V>
+  void visit(V& v) {
+    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told"});
+    v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model: those that lead to first order"});
+    v("candidate_coarse", candidate_coarse, {.range = between(1, 10000), .doc = "runs of the coarser mesh with a mechanism to begin with, beside the base model's"});
+    v("candidate_fine", candidate_fine, {.range = between(1, 10000), .doc = "those of the finest mesh"});
+    v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
+  }
+};
+
+/// Runs the columns of thetas (n_parameters + added, n), each on its level's mesh.
+using RunAdded = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added)>;
+
+struct DiagnosisInputs {
+  const PosteriorInputs& base;          ///< of the physical product; its box stands
+  std::vector<ParameterGroup> groups;   ///< offered
+  RunAdded run;
+  DiagnosisOptions options;
+  std::function<void(const std::string&)> say;  ///< what is being done; may be empty
+};
+
+struct Estimate {
+  std::string name;
+  double mean = 0, sd = 0;
+};
+
+/// One explanation beside the base model, in all that is known of it.
+struct Alternative {
+  Explanation explanation;
+  std::vector<std::string> groups;     ///< one, or two of a pair
+  std::string sensor;                  ///< of a fault of one gauge
+  double first_log_bayes_factor = 0;   ///< to first order about the base fit
+  double p_value = 1;                  ///< of its score test, not corrected for their number
+  std::vector<Estimate> numbers;       ///< natural units
+  std::vector<Estimate> base_parameters;  ///< of the case's own, with it
+  std::vector<double> history;         ///< (values of the model) at its mode
+  std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
+  double held_out_gain = 0;            ///< 1 - after / before
+  int runs = 0;                        ///< made for it alone
+  std::string message;
+};
+
+struct Diagnosis {
+  PosteriorFit base;
+  BaseEvidence evidence;
+  std::vector<Alternative> candidates;   ///< the best first
+  Verdict verdict;
+  LocatedMismatch location;
+  std::vector<std::string> parameters;       ///< the case's own
+  std::vector<Estimate> base_parameters;     ///< by the base model
+  std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
+  std::vector<double> base_history;          ///< (values of the model)
+  double held_out_before = 0, held_out_after = 0;
+  int runs = 0;
+  std::vector<std::string> skipped;          ///< what was not done, and why
+  std::string separating;                    ///< the measurement that would tell the first two apart
+};
+
+/// Errors: those of fit_posterior and of the runs; Interrupted.
+[[nodiscard]] Diagnosis diagnose(const DiagnosisInputs& in);
+
+/// The contents of diagnosis.json.
+[[nodiscard]] Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provenance& provenance);
+
+}  // namespace calomel

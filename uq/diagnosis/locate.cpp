@@ -1,0 +1,129 @@
+#include "uq/diagnosis/locate.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "base/linear_algebra.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr int windows = 8;
+constexpr int bands = 6;
+constexpr double seen = 0.05;  ///< q-value
+
+struct Tested {
+  double score, p_value;
+};
+
+Tested tested(const Eigen::MatrixXd& rows, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, double level) {
+  if (rows.rows() == 0) return {0, 1};
+  const Cholesky factor(rows * covariance * rows.transpose());
+  if (!factor.positive_definite()) return {0, 1};
+  const double k = double(rows.rows()), q = factor.solve_lower(Eigen::VectorXd(rows * residual)).squaredNorm() / level;
+  return {q / k, boost::math::cdf(boost::math::complement(boost::math::chi_squared(k), q))};
+}
+
+/// Rows of the unit matrix.
+Eigen::MatrixXd unit_rows(const std::vector<Eigen::Index>& at, Eigen::Index n) {
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(Eigen::Index(at.size()), n);
+  for (std::size_t i = 0; i < at.size(); ++i) b(Eigen::Index(i), at[i]) = 1;
+  return b;
+}
+
+}  // namespace
+
+std::vector<double> false_discovery(const std::vector<double>& p) {
+  const std::size_t n = p.size();
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return p[a] < p[b]; });
+  double harmonic = 0;
+  for (std::size_t i = 1; i <= n; ++i) harmonic += 1 / double(i);
+  std::vector<double> q(n, 1);
+  double least = 1;
+  for (std::size_t i = n; i-- > 0;) {
+    least = std::min(least, p[order[i]] * double(n) * harmonic / double(i + 1));
+    q[order[i]] = least;
+  }
+  return q;
+}
+
+LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, double level) {
+  const Eigen::Index n = residual.size();
+  const Eigen::VectorXd times = grid.times();
+  const double end = times.maxCoeff() + 0.5 * (n > 1 ? times[1] - times[0] : 0);
+  LocatedMismatch out;
+  std::vector<Tested> all;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    std::vector<Eigen::Index> at(grid.windows(i).size());
+    std::iota(at.begin(), at.end(), Eigen::Index(grid.offset(i)));
+    all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+    out.sensors.emplace_back().name = problem.label(problem.observations[i]);
+  }
+  const auto window_of = [&](double t) { return std::clamp(int(t / end * windows), 0, windows - 1); };
+  for (int w = 0; w < windows; ++w) {
+    std::vector<Eigen::Index> at;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (window_of(times[i]) == w) at.push_back(i);
+    all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+    auto& x = out.windows.emplace_back();
+    x.begin = end * w / windows, x.end = end * (w + 1) / windows;
+  }
+  // Cosine transform of each gauge's values; coefficient m of N values that are dt apart is the frequency m / (2 N dt).
+  double nyquist = 0;
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    if (const auto w = grid.windows(i); w.size() > 1) nyquist = std::max(nyquist, 0.5 / (w[1].time - w[0].time));
+  for (int b = 0; b < bands; ++b) {
+    auto& x = out.bands.emplace_back();
+    x.low = nyquist * b / bands, x.high = nyquist * (b + 1) / bands;
+    std::vector<Eigen::RowVectorXd> rows;
+    for (std::size_t i = 0; i < grid.observations(); ++i) {
+      const auto count = grid.windows(i).size();
+      for (std::size_t m = 0; m < count; ++m) {
+        const double share = double(m) / double(count);
+        if (share < double(b) / bands || share >= double(b + 1) / bands) continue;
+        Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n);
+        for (std::size_t k = 0; k < count; ++k) row[Eigen::Index(grid.offset(i) + k)] = std::cos(std::numbers::pi * (double(k) + 0.5) * share);
+        rows.push_back(row);
+      }
+    }
+    Eigen::MatrixXd all_rows(Eigen::Index(rows.size()), n);
+    for (std::size_t i = 0; i < rows.size(); ++i) all_rows.row(Eigen::Index(i)) = rows[i];
+    all.push_back(tested(all_rows, residual, covariance, level));
+  }
+  // The map: its parts are counted in the same discovery rate.
+  out.map.resize(Eigen::Index(grid.observations()), windows);
+  const std::size_t map_begin = all.size();
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    for (int w = 0; w < windows; ++w) {
+      std::vector<Eigen::Index> at;
+      for (std::size_t k = 0; k < grid.windows(i).size(); ++k)
+        if (window_of(grid.windows(i)[k].time) == w) at.push_back(Eigen::Index(grid.offset(i) + k));
+      all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+      out.map(Eigen::Index(i), w) = all.back().score;
+    }
+  std::vector<double> p;
+  for (const auto& t : all) p.push_back(t.p_value);
+  const auto q = false_discovery(p);
+  std::size_t at = 0;
+  const auto fill = [&](ResidualPart& part) { part.score = all[at].score, part.q_value = q[at], ++at; };
+  for (auto& s : out.sensors) fill(s);
+  for (auto& w : out.windows) fill(w);
+  for (auto& b : out.bands) fill(b);
+  double first = end, strongest = 0;
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    for (int w = 0; w < windows; ++w) {
+      const std::size_t k = map_begin + i * windows + std::size_t(w);
+      const double begin = end * w / windows;
+      if (q[k] >= seen || begin > first || (begin == first && all[k].score <= strongest)) continue;
+      first = begin, strongest = all[k].score, out.first_sensor = out.sensors[i].name, out.first_time = begin;
+    }
+  return out;
+}
+
+}  // namespace calomel

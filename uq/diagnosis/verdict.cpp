@@ -1,0 +1,83 @@
+#include "uq/diagnosis/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+namespace calomel {
+
+namespace {
+
+const char* base_fits = "the base model explains the records within their errors";
+
+bool same_class(const Explanation& a, const Explanation& b) {
+  return std::find(a.same_as.begin(), a.same_as.end(), b.name) != a.same_as.end() || std::find(b.same_as.begin(), b.same_as.end(), a.name) != b.same_as.end();
+}
+
+/// Probabilities by the tempered evidences, each explanation as likely beforehand as "none" and "unknown".
+std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, double temperature) {
+  std::vector<Ranked> out{{"none", 0, base.log_plain}, {"unknown", 0, base.log_discrepancy}};
+  for (const auto& e : all) out.push_back({e.name, 0, e.log_bayes_factor});
+  double most = out[0].log_evidence, sum = 0;
+  for (const auto& r : out) most = std::max(most, r.log_evidence);
+  for (auto& r : out) sum += r.probability = std::exp((r.log_evidence - most) / temperature);
+  for (auto& r : out) r.probability /= sum;
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  return out;
+}
+
+}  // namespace
+
+std::string text(VerdictKind kind) {
+  switch (kind) {
+    case VerdictKind::none: return "none";
+    case VerdictKind::named: return "named";
+    case VerdictKind::ambiguous: return "ambiguous";
+    case VerdictKind::unknown: return "unknown";
+  }
+  return "unknown";
+}
+
+Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gates& g) {
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
+  Verdict v;
+  v.ranking = ranked(base, all, g.temperature);
+  const double critical = boost::math::quantile(boost::math::complement(boost::math::chi_squared(base.values), g.adequate));
+  const bool base_adequate = base.chi2 <= critical;
+  const auto otherwise = [&](const std::string& why) {
+    v.kind = base_adequate ? VerdictKind::none : VerdictKind::unknown;
+    v.reason = base_adequate ? fmt::format("{} (chi-squared {:.4g} for {:.0f} values)", base_fits, base.chi2, base.values)
+                             : fmt::format("the base model does not explain the records (chi-squared {:.4g} for {:.0f} values), and {}", base.chi2, base.values, why);
+    return v;
+  };
+  if (all.empty()) return otherwise("nothing was offered that could");
+  const Explanation& best = all[0];
+  if (best.log_bayes_factor < g.log_bayes_factor)
+    return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name, best.log_bayes_factor, g.log_bayes_factor));
+  const double excess = base.chi2 - g.null_chi2 * base.values, explained = excess > 0 ? (base.chi2 - best.chi2) / excess : 0;
+  const auto unknown = [&](const std::string& why) {
+    v.kind = VerdictKind::unknown, v.reason = why;
+    return v;
+  };
+  if (best.numerical) return unknown(fmt::format("numerics: {} explains the records better than any physics that was offered", best.name));
+  const auto next = std::find_if(all.begin() + 1, all.end(), [&](const auto& e) { return !same_class(best, e); });
+  const double lead = next == all.end() ? best.log_bayes_factor : best.log_bayes_factor - std::max(0.0, next->log_bayes_factor);
+  if (next != all.end() && next->numerical && lead < g.lead) return unknown(fmt::format("numerics: {} explains as much as {}", next->name, best.name));
+  if (explained < g.explained)
+    return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * std::max(0.0, explained)));
+  if (best.chi2 > critical)
+    return unknown(fmt::format("{} comes nearest, but with it the records are still not explained (chi-squared {:.4g} for {:.0f} values)", best.name, best.chi2, base.values));
+  if (best.farthest > g.farthest) return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
+  if (best.base_pull > std::max(base.base_pull, 1.0))
+    return unknown(fmt::format("{} would explain the records only with base parameters farther from the handbook than without it", best.name));
+  for (const auto& e : all)
+    if (&e != &best && (same_class(best, e) || (lead < g.lead && best.log_bayes_factor - e.log_bayes_factor < g.lead && !e.numerical))) v.mechanisms.push_back(e.name);
+  v.mechanisms.insert(v.mechanisms.begin(), best.name);
+  v.kind = v.mechanisms.size() == 1 ? VerdictKind::named : VerdictKind::ambiguous;
+  v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * std::min(1.0, explained), best.log_bayes_factor, lead);
+  return v;
+}
+
+}  // namespace calomel

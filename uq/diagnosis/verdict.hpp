@@ -1,0 +1,59 @@
+#pragma once
+/// From evidences to a verdict: which omitted physics is named, that nothing is missing, or that it is not known.
+#include <string>
+#include <vector>
+
+namespace calomel {
+
+/// What is known of one explanation beside the base model.
+struct Explanation {
+  std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
+  bool numerical = false;
+  double log_bayes_factor = 0;        ///< against the base model, under the same errors
+  double chi2 = 0;                    ///< with it, without any discrepancy
+  double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
+  double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
+  bool fitted = false;                ///< in the true model; else to first order only
+  std::vector<std::string> same_as;   ///< others that no record of these gauges tells from it
+};
+
+/// The base model.
+struct BaseEvidence {
+  double values = 0;       ///< compared
+  double chi2 = 0;         ///< at its best, without any discrepancy
+  double log_plain = 0;    ///< evidence without a discrepancy, less that of the mixture with one
+  double log_discrepancy = 0;  ///< the same of the part with a discrepancy
+  double base_pull = 0;
+};
+
+/// Numbers of the rule, frozen before cases are judged.
+struct Gates {
+  double log_bayes_factor = 30;
+  double lead = 30;             ///< over the next explanation that is not of the same class
+  double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
+  double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
+  double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
+  double farthest = 3;
+  double temperature = 10;      ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
+};
+
+enum class VerdictKind { none, named, ambiguous, unknown };
+std::string text(VerdictKind kind);
+
+struct Ranked {
+  std::string name;  ///< "none", "unknown", or an explanation's
+  double probability = 0;
+  double log_evidence = 0;  ///< over that of the base model with its discrepancy
+};
+
+struct Verdict {
+  VerdictKind kind = VerdictKind::unknown;
+  std::vector<std::string> mechanisms;  ///< named, or the class that is not told apart
+  std::vector<Ranked> ranking;          ///< most probable first; probabilities sum to 1
+  std::string reason;                   ///< one sentence
+};
+
+/// The rule of docs/theory/diagnosis.md. Explanations in any order.
+[[nodiscard]] Verdict judge(const BaseEvidence& base, std::vector<Explanation> explanations, const Gates& gates = {});
+
+}  // namespace calomel
