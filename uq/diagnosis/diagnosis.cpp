@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "base/linear_algebra.hpp"
 
@@ -82,7 +83,14 @@ class Engine {
   [[nodiscard]] const Decimation& grid() const { return out_.base.errors->grid(); }
   std::vector<RunRecord> counted(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
     auto records = in_.run(thetas, level, added);
-    runs_ += int(level.size());
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      std::string key = std::to_string(level[i]);
+      for (Eigen::Index k = 0; k < thetas.rows(); ++k)
+        if (std::size_t(k) < in_.base.parameters.size() || thetas(k, Eigen::Index(i)) != *added[std::size_t(k) - in_.base.parameters.size()].parameter.nominal)
+          key += fmt::format(" {}={}", std::size_t(k) < in_.base.parameters.size() ? in_.base.parameters[std::size_t(k)].name : added[std::size_t(k) - in_.base.parameters.size()].parameter.name, thetas(k, Eigen::Index(i)));
+      seen_.insert(key);
+    }
+    runs_ = int(seen_.size());
     return records;
   }
   /// chi-squared of a fit without any discrepancy at the mode of the posterior with it.
@@ -142,7 +150,8 @@ class Engine {
   std::vector<Asked> asked_;              ///< the most promising of each group and gauge, best first
   std::map<std::string, PosteriorFit> fits_;  ///< of candidates by name
   std::map<std::string, std::vector<std::pair<Eigen::Index, double>>> held_;
-  int runs_ = 0;
+  std::set<std::string> seen_;  ///< runs by their numbers
+  int runs_ = 0;                ///< of them
 };
 
 void Engine::describe_base() {
