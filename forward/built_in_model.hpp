@@ -73,8 +73,12 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] RunSetup setup(const ForwardCase& at, const Mesh& mesh, std::size_t condition, std::vector<double> energies) const;
 
  private:
-  /// The heat of the pulse, as the load of the run has it.
-  void put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const;
+  /// The heat of the pulse, as the load of the run has it. Returns how many times the strength of [load] the condition is.
+  double put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const;
+
+  /// What the model rings with, for the mechanisms that superpose; and what they add to histories (sensor, time) of one run.
+  [[nodiscard]] RingDown ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const;
+  void superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const;
 
   ForwardCase case_;
   EnsembleOptions ensemble_;
