@@ -1,5 +1,6 @@
 #include "forward/mechanism/beam_profile.hpp"
 #include "forward/mechanism/bubbly_liquid.hpp"
+#include "forward/mechanism/interface.hpp"
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
@@ -7,10 +8,6 @@
 #include "forward/mechanism/structural_damping.hpp"
 
 namespace calomel {
-
-namespace {
-constexpr double none = std::numeric_limits<double>::infinity();
-}
 
 const Registry<MechanismEntry>& mechanisms() {
   static const Registry<MechanismEntry> all = [] {
@@ -30,7 +27,7 @@ const Registry<MechanismEntry>& mechanisms() {
     add("beam_profile", beam_profile());
     planned("previous_pulses", "ring-down of earlier pulses in up to 8 wet modes", {{"amplitude", "", 0, -1, 1}});
     add("rear_reflection", rear_reflection());
-    planned("interface", "a wetted face opens at a normal traction and closes without rebound", {{"strength", "Pa", none, 0, 1.5e6}, {"begin", "m", 0, 0, 1, false, false}, {"end", "m", 1, 0, 1, false, false}});
+    add("interface", interface());
     add("sensor_response", sensor_response());
     planned("wall_thinning", "a wall is thinner from inside over a stretch", {{"fraction", "", 0, 0, 0.5}, {"begin", "m", 0, 0, 1, false, false}, {"end", "m", 1, 0, 1, false, false}});
     planned("static_pressure", "a cover pressure shifts the effective cutoff", {{"pressure", "Pa", 0, 0, 4e5}});
