@@ -6,6 +6,7 @@
 #include "forward/mechanism/rear_reflection.hpp"
 #include "forward/mechanism/sensor_response.hpp"
 #include "forward/mechanism/structural_damping.hpp"
+#include "forward/mechanism/wall_thinning.hpp"
 
 namespace calomel {
 
@@ -29,7 +30,7 @@ const Registry<MechanismEntry>& mechanisms() {
     add("rear_reflection", rear_reflection());
     add("interface", interface());
     add("sensor_response", sensor_response());
-    planned("wall_thinning", "a wall is thinner from inside over a stretch", {{"fraction", "", 0, 0, 0.5}, {"begin", "m", 0, 0, 1, false, false}, {"end", "m", 1, 0, 1, false, false}});
+    add("wall_thinning", wall_thinning());
     planned("static_pressure", "a cover pressure shifts the effective cutoff", {{"pressure", "Pa", 0, 0, 4e5}});
     return r;
   }();
