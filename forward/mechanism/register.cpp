@@ -5,6 +5,7 @@
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
 #include "forward/mechanism/sensor_response.hpp"
+#include "forward/mechanism/static_pressure.hpp"
 #include "forward/mechanism/structural_damping.hpp"
 #include "forward/mechanism/wall_thinning.hpp"
 
@@ -31,7 +32,7 @@ const Registry<MechanismEntry>& mechanisms() {
     add("interface", interface());
     add("sensor_response", sensor_response());
     add("wall_thinning", wall_thinning());
-    planned("static_pressure", "a cover pressure shifts the effective cutoff", {{"pressure", "Pa", 0, 0, 4e5}});
+    add("static_pressure", static_pressure());
     return r;
   }();
   return all;

@@ -29,7 +29,8 @@ const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"rear_reflection", {{"coefficient", "0.3"}}},
                                 {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}},
                                 {"interface", {{"strength", "0.0"}}},
-                                {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}}};
+                                {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}},
+                                {"static_pressure", {{"pressure", "1e5"}}}};
 
 ForwardCase read_case(const std::string& path, const Probe* probe) {
   std::vector<std::string> set{"time.end=0.3e-3", "solver.precision=\"double\""};
