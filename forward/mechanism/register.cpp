@@ -3,6 +3,7 @@
 #include "forward/mechanism/interface.hpp"
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
+#include "forward/mechanism/nonlinear_eos.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
 #include "forward/mechanism/sensor_response.hpp"
 #include "forward/mechanism/static_pressure.hpp"
@@ -24,7 +25,7 @@ const Registry<MechanismEntry>& mechanisms() {
     planned("cavitation_kinetics", "the void grows and collapses with time constants", {{"growth_time", "s", 0, 0, 200e-6}, {"collapse_time", "s", 0, 0, 200e-6}});
     add("liquid_viscosity", liquid_viscosity());
     add("structural_damping", structural_damping());
-    planned("nonlinear_eos", "p = (K/m) ((1 - e)^m - 1) of Tait's form", {{"exponent", "", 1, 1, 14}});
+    add("nonlinear_eos", nonlinear_eos());
     planned("thermal_stress", "sigma = C : (e - a dT) in the heated steel", {{"delta_t", "K", 0, 0, 2}, {"decay", "m", 0.05, 0.02, 0.1, false, false}});
     add("beam_profile", beam_profile());
     planned("previous_pulses", "ring-down of earlier pulses in up to 8 wet modes", {{"amplitude", "", 0, -1, 1}});

@@ -28,6 +28,7 @@ const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"beam_profile", {{"offset_z", "3e-3"}, {"width_ratio_z", "1.1"}}},
                                 {"rear_reflection", {{"coefficient", "0.3"}}},
                                 {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}},
+                                {"nonlinear_eos", {{"exponent", "10.8"}}},
                                 {"interface", {{"strength", "0.0"}}},
                                 {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}},
                                 {"static_pressure", {{"pressure", "1e5"}}}};
