@@ -8,6 +8,7 @@
 #include "forward/mechanism/sensor_response.hpp"
 #include "forward/mechanism/static_pressure.hpp"
 #include "forward/mechanism/structural_damping.hpp"
+#include "forward/mechanism/thermal_stress.hpp"
 #include "forward/mechanism/wall_thinning.hpp"
 
 namespace calomel {
@@ -26,7 +27,7 @@ const Registry<MechanismEntry>& mechanisms() {
     add("liquid_viscosity", liquid_viscosity());
     add("structural_damping", structural_damping());
     add("nonlinear_eos", nonlinear_eos());
-    planned("thermal_stress", "sigma = C : (e - a dT) in the heated steel", {{"delta_t", "K", 0, 0, 2}, {"decay", "m", 0.05, 0.02, 0.1, false, false}});
+    add("thermal_stress", thermal_stress());
     add("beam_profile", beam_profile());
     planned("previous_pulses", "ring-down of earlier pulses in up to 8 wet modes", {{"amplitude", "", 0, -1, 1}});
     add("rear_reflection", rear_reflection());

@@ -29,6 +29,7 @@ const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"rear_reflection", {{"coefficient", "0.3"}}},
                                 {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}},
                                 {"nonlinear_eos", {{"exponent", "10.8"}}},
+                                {"thermal_stress", {{"delta_t", "1.0"}}},
                                 {"interface", {{"strength", "0.0"}}},
                                 {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}},
                                 {"static_pressure", {{"pressure", "1e5"}}}};
