@@ -1,5 +1,6 @@
 #include "forward/mechanism/beam_profile.hpp"
 #include "forward/mechanism/bubbly_liquid.hpp"
+#include "forward/mechanism/cavitation_kinetics.hpp"
 #include "forward/mechanism/interface.hpp"
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
@@ -23,7 +24,7 @@ const Registry<MechanismEntry>& mechanisms() {
     // Named, with their keys, but not built yet.
     const auto planned = [&add](const char* name, const char* law, std::vector<MechanismKey> keys) { add(name, {.law = law, .keys = std::move(keys)}); };
     add("bubbly_liquid", bubbly_liquid());
-    planned("cavitation_kinetics", "the void grows and collapses with time constants", {{"growth_time", "s", 0, 0, 200e-6}, {"collapse_time", "s", 0, 0, 200e-6}});
+    add("cavitation_kinetics", cavitation_kinetics());
     add("liquid_viscosity", liquid_viscosity());
     add("structural_damping", structural_damping());
     add("nonlinear_eos", nonlinear_eos());
