@@ -5,6 +5,7 @@
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/mechanism/nonlinear_eos.hpp"
+#include "forward/mechanism/previous_pulses.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
 #include "forward/mechanism/sensor_response.hpp"
 #include "forward/mechanism/static_pressure.hpp"
@@ -21,8 +22,6 @@ const Registry<MechanismEntry>& mechanisms() {
       const std::string law = entry.law;
       r.add(name, law, std::move(entry));
     };
-    // Named, with their keys, but not built yet.
-    const auto planned = [&add](const char* name, const char* law, std::vector<MechanismKey> keys) { add(name, {.law = law, .keys = std::move(keys)}); };
     add("bubbly_liquid", bubbly_liquid());
     add("cavitation_kinetics", cavitation_kinetics());
     add("liquid_viscosity", liquid_viscosity());
@@ -30,7 +29,7 @@ const Registry<MechanismEntry>& mechanisms() {
     add("nonlinear_eos", nonlinear_eos());
     add("thermal_stress", thermal_stress());
     add("beam_profile", beam_profile());
-    planned("previous_pulses", "ring-down of earlier pulses in up to 8 wet modes", {{"amplitude", "", 0, -1, 1}});
+    add("previous_pulses", previous_pulses());
     add("rear_reflection", rear_reflection());
     add("interface", interface());
     add("sensor_response", sensor_response());
