@@ -188,3 +188,9 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_node) * double(before[c]) * double(v[c]);
   }
 }
+
+/// Apart, so that what the compiler makes of the others, to the last bit, does not depend on it.
+template <class R, bool Runs, bool Balance>
+[[gnu::noinline]] void special_resisting(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  special<R, Runs, Balance, true, true>(layout, rules, begin, end, s, energy);
+}
