@@ -53,6 +53,13 @@ void for_active(const ForwardCase& c, F&& f) {
   for (const auto& m : c.active_mechanisms()) f(m);
 }
 
+/// Whether one of the mechanisms adds to the histories what the model rings with.
+bool superposes(const ForwardCase& c) {
+  if (std::none_of(c.mechanisms.begin(), c.mechanisms.end(), [](const auto& m) { return m.entry->superpose; })) return false;
+  const auto active = c.active_mechanisms();
+  return std::any_of(active.begin(), active.end(), [](const auto& m) { return m.entry->superpose; });
+}
+
 /// What mechanisms make of the mesh.
 void change_mesh(const ForwardCase& c, Mesh& mesh) {
   for_active(c, [&](const EnabledMechanism& m) {
@@ -203,10 +210,6 @@ double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& me
 }
 
 RingDown BuiltInModel::ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const {
-  const bool wanted = std::any_of(at.mechanisms.begin(), at.mechanisms.end(), [](const auto& m) { return m.entry->superpose; });
-  if (!wanted) return {};
-  const auto active = at.active_mechanisms();
-  if (std::none_of(active.begin(), active.end(), [](const auto& m) { return m.entry->superpose; })) return {};
   ForwardCase linear = at;
   linear.mercury.law = "linear";
   const double longer = std::max(3 * at.time.end, 2e-3);
@@ -216,6 +219,57 @@ RingDown BuiltInModel::ring_down(const ForwardCase& at, const Mesh& mesh, const 
   SolveOptions options = solve_options(at.solver);
   options.threads = solver.useful_threads(s, options, threads_).threads;
   return {.interval = s.output_interval, .sensors = rows.size(), .strain = solver.solve(s, rows, options).observations};
+}
+
+/// The case at some parameters with the mesh, gauges and elements that it needs: its own where a parameter changes them.
+struct BuiltInModel::Place {
+  ForwardCase at;
+  std::unique_ptr<Mesh> own_mesh;
+  std::unique_ptr<ExplicitSolver> own_solver;
+  const Mesh* mesh = nullptr;
+  const ExplicitSolver* solver = nullptr;
+  std::vector<ObservationRow> rows;
+};
+
+std::unique_ptr<BuiltInModel::Place> BuiltInModel::at(std::span<const double> theta) const {
+  auto p = std::make_unique<Place>();
+  p->at = case_.at(theta);
+  std::vector<LocatedGauge> own_gauges;
+  // A parameter of the geometry, or of a mechanism that moves nodes, needs a mesh of its own, one of the steel's moduli its own elements.
+  if (remesh_ || unchanged_mesh_) {
+    p->own_mesh = std::make_unique<Mesh>(remesh_ ? mesh_of(p->at.geometry) : *unchanged_mesh_);
+    change_mesh(p->at, *p->own_mesh);
+  }
+  p->mesh = p->own_mesh ? p->own_mesh.get() : mesh_.get();
+  if (p->own_mesh || regauge_) own_gauges = locate_gauges(*p->mesh, p->at.sensors);
+  if (p->own_mesh || resteel_) p->own_solver = std::make_unique<ExplicitSolver>(*p->mesh, LinearElastic::from_young(p->at.steel.young, p->at.steel.poisson));
+  p->solver = p->own_solver ? p->own_solver.get() : solver_.get();
+  p->rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, p->at);
+  return p;
+}
+
+std::vector<std::vector<double>> BuiltInModel::superposed(std::span<const double> theta, const MechanismEntry& entry, std::span<const MechanismValues> values) const {
+  const auto place = at(theta);
+  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
+  std::vector<std::vector<double>> added(values.size());
+  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+    const RingDown ringing = ring_down(place->at, *place->mesh, *place->solver, place->rows, condition);
+    for (std::size_t i = 0; i < values.size(); ++i) try {
+        std::vector<double> histories(sensors * times, 0), nothing(times);
+        entry.superpose(values[i], ringing, place->at.time.output_interval, histories);
+        added[i].resize(shape_.values(), 0);
+        for (std::size_t k = 0; k < sensors; ++k) {
+          const std::span<double> own(histories.data() + k * times, times);
+          respond(place->at, place->at.sensors[k], place->at.time.output_interval, own);
+          std::fill(nothing.begin(), nothing.end(), 0);
+          respond(place->at, place->at.sensors[k], place->at.time.output_interval, nothing);  // a channel's offset is not added
+          for (std::size_t t = 0; t < times; ++t) added[i][shape_.at(condition, k, t)] = own[t] - nothing[t];
+        }
+      } catch (const InputError&) {
+        added[i].clear();
+      }
+  }
+  return added;
 }
 
 void BuiltInModel::superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const {
@@ -230,24 +284,14 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   out.energies = pulse_energies(ensemble_);
   const std::size_t m = out.energies.size(), values = shape_.values(), times = shape_.times.size(), sensors = shape_.sensors.size();
   try {
-    const ForwardCase at = case_.at(theta);
-    // A parameter of the geometry, or of a mechanism that moves nodes, needs a mesh of its own, one of the steel's moduli its own elements.
-    std::unique_ptr<Mesh> own_mesh;
-    std::unique_ptr<ExplicitSolver> own_solver;
-    std::vector<LocatedGauge> own_gauges;
-    if (remesh_ || unchanged_mesh_) {
-      own_mesh = std::make_unique<Mesh>(remesh_ ? mesh_of(at.geometry) : *unchanged_mesh_);
-      change_mesh(at, *own_mesh);
-    }
-    const Mesh& mesh = own_mesh ? *own_mesh : *mesh_;
-    if (own_mesh || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
-    if (own_mesh || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
-    const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
-    const auto rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, at);
-
+    const auto place = this->at(theta);
+    const ForwardCase& at = place->at;
+    const Mesh& mesh = *place->mesh;
+    const ExplicitSolver& solver = *place->solver;
+    const auto& rows = place->rows;
     std::vector<double> pulses(m * values);
     for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-      const RingDown ringing = ring_down(at, mesh, solver, rows, condition);
+      const RingDown ringing = superposes(at) ? ring_down(at, mesh, solver, rows, condition) : RingDown{};
       for (std::size_t first = 0; first < m; first += run_lanes) {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
         const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
@@ -319,7 +363,7 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, con
     const RunSetup one = setup(case_, *mesh_, condition, {1.0});
     own.threads = solver_->useful_threads(one, own, options.threads).threads;
     SolveSummary s = solver_->solve(one, rows, own);
-    superpose(case_, ring_down(case_, *mesh_, *solver_, rows, condition), s.observations);
+    if (superposes(case_)) superpose(case_, ring_down(case_, *mesh_, *solver_, rows, condition), s.observations);
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
