@@ -45,16 +45,23 @@ std::string mechanism_page() {
       "that one (its default in brackets). The range is that of the default prior.\n";
   const auto& rows = mechanisms().rows();
   const auto built = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.entry.built(); });
-  s += fmt::format(
-      "\nBuilt in this version: {} of {}. A case may list one that is not built: `calomel check` then says \"not built yet, not offered\". Enabling it is "
-      "an error (exit status 2).\n\nKeys that every mechanism takes: `enabled` (default `false`), `wall`, `parameter`.\n",
-      built, rows.size());
+  if (std::size_t(built) < rows.size())
+    s += fmt::format(
+        "\nBuilt in this version: {} of {}. A case may list one that is not built: `calomel check` then says \"not built yet, not offered\". Enabling it is "
+        "an error (exit status 2).\n",
+        built, rows.size());
+  s += "\nKeys that every mechanism takes: `enabled` (default `false`), `parameter`.\n";
   for (const auto& row : rows) {
     s += fmt::format("\n### `{}`\n\n`{}`{}{}\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n", row.name, row.entry.law,
                      row.entry.built() ? "" : " (not built yet)", row.entry.per_sensor ? "; `[mechanism." + row.name + ".SENSOR]` for one gauge" : "");
-    for (const auto& k : row.entry.keys)
+    for (const auto& k : row.entry.keys) {
+      if (!k.choices.empty()) {
+        s += fmt::format("| `{}` |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.name, k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
+        continue;
+      }
       s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low),
                        number_text(k.high), k.log_uniform ? "log-uniform" : "uniform", k.doc);
+    }
   }
   return s;
 }

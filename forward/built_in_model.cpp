@@ -53,6 +53,13 @@ void for_active(const ForwardCase& c, F&& f) {
   for (const auto& m : c.active_mechanisms()) f(m);
 }
 
+/// Whether one of the mechanisms adds to the histories what the model rings with.
+bool superposes(const ForwardCase& c) {
+  if (std::none_of(c.mechanisms.begin(), c.mechanisms.end(), [](const auto& m) { return m.entry->superpose; })) return false;
+  const auto active = c.active_mechanisms();
+  return std::any_of(active.begin(), active.end(), [](const auto& m) { return m.entry->superpose; });
+}
+
 /// What mechanisms make of the mesh.
 void change_mesh(const ForwardCase& c, Mesh& mesh) {
   for_active(c, [&](const EnabledMechanism& m) {
@@ -158,11 +165,11 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   for_active(at, [&](const EnabledMechanism& m) {
     if (m.entry->setup) m.entry->setup(m.values, s);
   });
-  const LoadOptions load = effective_load(at, mesh);
+  LoadOptions load = effective_load(at, mesh);
   if (at.load.kind == "end_stress")
     s.end_stress = at.end_stress;
   else
-    put_heat(s, at, mesh, load, condition);
+    load.factor *= put_heat(s, at, mesh, load, condition);
   for_active(at, [&](const EnabledMechanism& m) {
     if (m.entry->fields) m.entry->fields(m.values, mesh, load, s);
   });
@@ -174,7 +181,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   return s;
 }
 
-void BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const {
+double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const {
   // The heat is that of the case's own liquid; with the Gruneisen policy the pressure follows the sound speed.
   const bool own = &mesh == mesh_.get() && !reheat_;
   const HeatingShape other = own ? HeatingShape{} : heating_shape(mesh, load.profile);
@@ -182,7 +189,11 @@ void BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh
   const auto peak_pressure = at.conditions.empty() ? load.peak_pressure : at.conditions[condition].peak_pressure;
   const auto energy = at.conditions.empty() ? load.energy : at.conditions[condition].energy;
   const double nominal_speed = case_.mercury.sound_speed, gamma = gruneisen(case_.mercury, nominal_speed);
-  double peak = peak_pressure ? *peak_pressure : *energy * gamma / (heating.integral * symmetry_factor(mesh));
+  const auto peak_of = [&](const std::optional<double>& pressure, const std::optional<double>& heat) {
+    return pressure ? *pressure : *heat * gamma / (heating.integral * symmetry_factor(mesh));
+  };
+  double peak = peak_of(peak_pressure, energy);
+  const double own_peak = peak_of(load.peak_pressure, load.energy), strength = at.conditions.empty() || own_peak == 0 ? 1 : peak / own_peak;
   if (at.load.policy == "gruneisen") {
     const double ratio = at.mercury.sound_speed / nominal_speed;
     if (std::abs(ratio - 1) > 0.15)
@@ -195,6 +206,77 @@ void BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh
   s.p0.resize(mesh.elements.size());
   for (std::size_t e = 0; e < s.p0.size(); ++e) s.p0[e] = peak * heating.element[e];
   s.p0_at = [profile = load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
+  return strength;
+}
+
+RingDown BuiltInModel::ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const {
+  ForwardCase linear = at;
+  linear.mercury.law = "linear";
+  const double longer = std::max(3 * at.time.end, 2e-3);
+  linear.time.end = at.time.output_interval * std::ceil((at.time.end + longer) / at.time.output_interval);
+  RunSetup s = setup(linear, mesh, condition, {1.0});
+  s.slip_strength.clear();
+  SolveOptions options = solve_options(at.solver);
+  options.threads = solver.useful_threads(s, options, threads_).threads;
+  return {.interval = s.output_interval, .sensors = rows.size(), .strain = solver.solve(s, rows, options).observations};
+}
+
+/// The case at some parameters with the mesh, gauges and elements that it needs: its own where a parameter changes them.
+struct BuiltInModel::Place {
+  ForwardCase at;
+  std::unique_ptr<Mesh> own_mesh;
+  std::unique_ptr<ExplicitSolver> own_solver;
+  const Mesh* mesh = nullptr;
+  const ExplicitSolver* solver = nullptr;
+  std::vector<ObservationRow> rows;
+};
+
+std::unique_ptr<BuiltInModel::Place> BuiltInModel::at(std::span<const double> theta) const {
+  auto p = std::make_unique<Place>();
+  p->at = case_.at(theta);
+  std::vector<LocatedGauge> own_gauges;
+  // A parameter of the geometry, or of a mechanism that moves nodes, needs a mesh of its own, one of the steel's moduli its own elements.
+  if (remesh_ || unchanged_mesh_) {
+    p->own_mesh = std::make_unique<Mesh>(remesh_ ? mesh_of(p->at.geometry) : *unchanged_mesh_);
+    change_mesh(p->at, *p->own_mesh);
+  }
+  p->mesh = p->own_mesh ? p->own_mesh.get() : mesh_.get();
+  if (p->own_mesh || regauge_) own_gauges = locate_gauges(*p->mesh, p->at.sensors);
+  if (p->own_mesh || resteel_) p->own_solver = std::make_unique<ExplicitSolver>(*p->mesh, LinearElastic::from_young(p->at.steel.young, p->at.steel.poisson));
+  p->solver = p->own_solver ? p->own_solver.get() : solver_.get();
+  p->rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, p->at);
+  return p;
+}
+
+std::vector<std::vector<double>> BuiltInModel::superposed(std::span<const double> theta, const MechanismEntry& entry, std::span<const MechanismValues> values) const {
+  const auto place = at(theta);
+  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
+  std::vector<std::vector<double>> added(values.size());
+  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+    const RingDown ringing = ring_down(place->at, *place->mesh, *place->solver, place->rows, condition);
+    for (std::size_t i = 0; i < values.size(); ++i) try {
+        std::vector<double> histories(sensors * times, 0), nothing(times);
+        entry.superpose(values[i], ringing, place->at.time.output_interval, histories);
+        added[i].resize(shape_.values(), 0);
+        for (std::size_t k = 0; k < sensors; ++k) {
+          const std::span<double> own(histories.data() + k * times, times);
+          respond(place->at, place->at.sensors[k], place->at.time.output_interval, own);
+          std::fill(nothing.begin(), nothing.end(), 0);
+          respond(place->at, place->at.sensors[k], place->at.time.output_interval, nothing);  // a channel's offset is not added
+          for (std::size_t t = 0; t < times; ++t) added[i][shape_.at(condition, k, t)] = own[t] - nothing[t];
+        }
+      } catch (const InputError&) {
+        added[i].clear();
+      }
+  }
+  return added;
+}
+
+void BuiltInModel::superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const {
+  if (ring_down.sensors == 0) return;
+  for_active(at, [&](const EnabledMechanism& m) {
+    if (m.entry->superpose) m.entry->superpose(m.values, ring_down, at.time.output_interval, histories);
+  });
 }
 
 Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
@@ -202,30 +284,22 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   out.energies = pulse_energies(ensemble_);
   const std::size_t m = out.energies.size(), values = shape_.values(), times = shape_.times.size(), sensors = shape_.sensors.size();
   try {
-    const ForwardCase at = case_.at(theta);
-    // A parameter of the geometry, or of a mechanism that moves nodes, needs a mesh of its own, one of the steel's moduli its own elements.
-    std::unique_ptr<Mesh> own_mesh;
-    std::unique_ptr<ExplicitSolver> own_solver;
-    std::vector<LocatedGauge> own_gauges;
-    if (remesh_ || unchanged_mesh_) {
-      own_mesh = std::make_unique<Mesh>(remesh_ ? mesh_of(at.geometry) : *unchanged_mesh_);
-      change_mesh(at, *own_mesh);
-    }
-    const Mesh& mesh = own_mesh ? *own_mesh : *mesh_;
-    if (own_mesh || regauge_) own_gauges = locate_gauges(mesh, at.sensors);
-    if (own_mesh || resteel_) own_solver = std::make_unique<ExplicitSolver>(mesh, LinearElastic::from_young(at.steel.young, at.steel.poisson));
-    const ExplicitSolver& solver = own_solver ? *own_solver : *solver_;
-    const auto rows = observation_rows(own_gauges.empty() ? gauges_ : own_gauges, at);
-
+    const auto place = this->at(theta);
+    const ForwardCase& at = place->at;
+    const Mesh& mesh = *place->mesh;
+    const ExplicitSolver& solver = *place->solver;
+    const auto& rows = place->rows;
     std::vector<double> pulses(m * values);
-    for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition)
+    for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+      const RingDown ringing = superposes(at) ? ring_down(at, mesh, solver, rows, condition) : RingDown{};
       for (std::size_t first = 0; first < m; first += run_lanes) {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
         const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
         SolveOptions options = solve_options(at.solver);
         options.threads = solver.useful_threads(s, options, threads_).threads;
-        const SolveSummary summary = solver.solve(s, rows, options);
+        SolveSummary summary = solver.solve(s, rows, options);
         expect(summary.times.size() == times, "the solver observes at every output time");
+        for (std::size_t r = 0; r < count; ++r) superpose(at, ringing, {summary.observations.data() + r * sensors * times, sensors * times});
         for (std::size_t r = 0; r < count; ++r)
           for (std::size_t k = 0; k < sensors; ++k) {
             const auto from = summary.observations.begin() + std::ptrdiff_t((r * sensors + k) * times);
@@ -234,6 +308,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
             respond(at, at.sensors[k], at.time.output_interval, {to, times});
           }
       }
+    }
 
     out.mean.assign(values, 0), out.energy_slope.assign(values, 0), out.scatter.assign(values, 0);
     double mean_energy = 0, squares = 0;
@@ -288,6 +363,7 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, con
     const RunSetup one = setup(case_, *mesh_, condition, {1.0});
     own.threads = solver_->useful_threads(one, own, options.threads).threads;
     SolveSummary s = solver_->solve(one, rows, own);
+    if (superposes(case_)) superpose(case_, ring_down(case_, *mesh_, *solver_, rows, condition), s.observations);
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);
@@ -330,6 +406,8 @@ ModelDescription BuiltInModel::describe() const {
   d.estimated_bytes = double(d.elements) * (single ? 300 : 550);
   d.notes = case_.notes;
   d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());
+  if (std::isfinite(s.liquid.tensile_cutoff) && s.liquid.tensile_cutoff != case_.mercury.tensile_cutoff)
+    d.notes.push_back(fmt::format("effective tensile cutoff {} Pa: the case's own and a static pressure together, of which the motion holds the sum alone", number_text(s.liquid.tensile_cutoff)));
   if (mesh_->plane_strain) {
     const auto [low, high] = std::minmax_element(mesh_->nodes.begin(), mesh_->nodes.end(), [](const Vec3& a, const Vec3& b) { return a[1] < b[1]; });
     d.slice_thickness = (*high)[1] - (*low)[1];

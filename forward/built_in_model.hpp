@@ -52,6 +52,10 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
 
+  /// What a mechanism that superposes adds to the mean at `theta`, with each of several sets of its values: (condition, sensor, time) in the sensors' units, empty where the
+  /// mechanism refuses them. It adds, so that no run but the long one of each condition is needed. Errors: as setup().
+  [[nodiscard]] std::vector<std::vector<double>> superposed(std::span<const double> theta, const MechanismEntry& entry, std::span<const MechanismValues> values) const;
+
   /// One run at energy 1 with the case's own tables for each condition; fields of the first. With several conditions each has a checkpoint of its own, see
   /// checkpoints(), which it keeps until all are finished: a run that was cut off goes on with the condition that was under way, and repeats none.
   struct Simulation {
@@ -73,8 +77,16 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] RunSetup setup(const ForwardCase& at, const Mesh& mesh, std::size_t condition, std::vector<double> energies) const;
 
  private:
-  /// The heat of the pulse, as the load of the run has it.
-  void put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const;
+  /// The heat of the pulse, as the load of the run has it. Returns how many times the strength of [load] the condition is.
+  double put_heat(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const LoadOptions& load, std::size_t condition) const;
+
+  /// The case at some parameters with the mesh, gauges and elements that it needs: its own where a parameter changes them.
+  struct Place;
+  [[nodiscard]] std::unique_ptr<Place> at(std::span<const double> theta) const;
+
+  /// What the model rings with, for mechanisms that superpose; and what they add to histories (sensor, time) of one run.
+  [[nodiscard]] RingDown ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const;
+  void superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const;
 
   ForwardCase case_;
   EnsembleOptions ensemble_;

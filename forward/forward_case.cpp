@@ -81,8 +81,12 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
   for (auto& s : self.sensors) look("sensor." + s.name, s);
   for (auto& m : self.mechanisms) {
     const std::string path = "mechanism." + m.name + '.';
-    for (const auto& k : m.entry->keys) known.push_back(path + k.name);
-    if (key.rfind(path, 0) != 0) continue;
+    bool word = false;  // a key of choices holds no number
+    for (const auto& k : m.entry->keys) {
+      if (k.choices.empty()) known.push_back(path + k.name);
+      else word = word || key.ends_with('.' + k.name);
+    }
+    if (key.rfind(path, 0) != 0 || word) continue;
     const std::string rest = key.substr(path.size());
     const auto dot = rest.rfind('.');
     const bool own = dot != std::string::npos;
@@ -246,6 +250,11 @@ Json ForwardCase::echo() const {
   for (const auto& m : mechanisms)
     for (const auto* values : {&m.values.common(), &m.values.by_sensor()})
       for (const auto& [name, own] : *values) {
+        const auto key = std::find_if(m.entry->keys.begin(), m.entry->keys.end(), [&](const auto& k) { return k.name == name && !k.choices.empty(); });
+        if (key != m.entry->keys.end()) {
+          j["mechanism"][m.name][name] = key->choices.at(std::size_t(own));
+          continue;
+        }
         const double value = std::isnan(own) ? number("mechanism." + m.name + '.' + name) : own;
         j["mechanism"][m.name][name] = std::isfinite(value) ? Json(value) : Json("none");
       }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "forward/mechanism/mechanism.hpp"
 
@@ -37,6 +38,34 @@ ForwardCase on_mesh(ForwardCase c, double element_size) {
   c.geometry.wall_elements = int(std::lround(c.geometry.wall_elements * finer));
   c.geometry.max_elements = std::llround(double(c.geometry.max_elements) * finer * finer * finer);
   return c;
+}
+
+/// Directions of a mechanism that adds to the histories, one for each key whose unit shows; none when the model does not run at theta.
+std::optional<MechanismDirections> superposed(const BuiltInModel& model, std::span<const double> theta, const Registry<MechanismEntry>::Row& row) {
+  MechanismDirections m{.name = row.name, .like_the_mesh = row.entry.like_the_mesh};
+  std::vector<MechanismValues> units;
+  std::vector<const MechanismKey*> keys;
+  for (const auto& key : row.entry.keys) {
+    if (!key.decides) continue;
+    units.emplace_back(row.entry.keys);
+    *units.back().find(key.name) = key.off + 1;
+    keys.push_back(&key);
+  }
+  std::vector<std::vector<double>> added;
+  try {
+    added = model.superposed(theta, row.entry, units);
+  } catch (const NumericsError&) {
+  } catch (const InputError&) {
+  }
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const Eigen::Map<const Eigen::VectorXd> change(added[i].data(), Eigen::Index(added[i].size()));
+    if (change.size() == 0 || change.norm() == 0) continue;
+    m.keys.push_back(keys[i]->name), m.off.push_back(keys[i]->off);
+    m.directions.conservativeResize(change.size(), Eigen::Index(m.keys.size()));
+    m.directions.rightCols(1) = change;
+  }
+  if (m.keys.empty()) return {};
+  return m;
 }
 
 }  // namespace
@@ -140,7 +169,7 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
   std::vector<RunPoint> points{point(theta, level)};
   for (const auto& row : calomel::mechanisms().rows()) {
     const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
-    if (enabled || !row.entry.built() || row.entry.cost > greatest_cost) continue;
+    if (enabled || !row.entry.built() || row.entry.cost > greatest_cost || row.entry.superpose) continue;
     rows.push_back(&row);
     for (const auto& key : row.entry.keys) {
       if (!key.decides) continue;
@@ -174,6 +203,11 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
       m.directions.rightCols(1) = change / (finite ? d.high - d.low : 1 / d.high - (std::isfinite(d.low) ? 1 / d.low : 0));
     }
     if (!m.keys.empty()) out.push_back(std::move(m));
+  }
+  for (const auto& row : calomel::mechanisms().rows()) {  // what adds to the histories needs no difference of runs
+    const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
+    if (enabled || !row.entry.superpose) continue;
+    if (auto m = superposed(model(level), theta, row)) out.push_back(std::move(*m));
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "forward/material/keller_miksis_equation.hpp"
 
 namespace calomel {
 
@@ -28,25 +29,14 @@ struct KellerMiksis {
   /// Pressure of the gas [Pa], absolute.
   [[nodiscard]] double gas_pressure(double r) const { return (ambient + 2 * surface_tension / radius) * std::exp(-3 * polytropic * std::log(r / radius)); }
   /// R'' [m/s^2] in a liquid of pressure p.
-  [[nodiscard]] double acceleration(State s, double p) const {
-    const double r = s.radius, v = s.rate, mach = v / sound_speed, gas = gas_pressure(r), tension = 2 * surface_tension / r, drag = 4 * viscosity / r;
-    const double surface = gas - tension - drag * v;
-    // dp_B/dt = (-3 kappa gas + tension + drag v) v/R - drag R''; its last part joins the inertia.
-    const double change = (-3 * polytropic * gas + tension + drag * v) * v / r;
-    const double push = (1 + mach) * (surface - ambient - p) + r / sound_speed * change;
-    return (push / density - 1.5 * v * v * (1 - mach / 3)) / ((1 - mach) * r + 4 * viscosity / (density * sound_speed));
-  }
+  [[nodiscard]] double acceleration(State s, double p) const { return bubble_acceleration(*this, s.radius, s.rate, p, gas_pressure(s.radius)); }
   /// Square of the natural frequency of small oscillations without losses [1/s^2].
   [[nodiscard]] double natural_squared() const {
     const double tension = 2 * surface_tension / radius;
     return (3 * polytropic * (ambient + tension) - tension) / (density * radius * radius);
   }
-  /// Square of the fastest rate at which the bubble changes now [1/s^2]: of the gas's spring, of the push, of the motion and of
-  /// the drag.
-  [[nodiscard]] double rate_squared(State s, double p) const {
-    const double gas = gas_pressure(s.radius), r2 = density * s.radius * s.radius, motion = 3 * s.rate / s.radius, drag = 4 * viscosity / r2;
-    return (3 * polytropic * gas + std::abs(gas - ambient - p)) / r2 + motion * motion + drag * drag / 4;
-  }
+  /// Square of the fastest rate at which the bubble changes now [1/s^2].
+  [[nodiscard]] double rate_squared(State s, double p) const { return bubble_rate_squared(*this, s.radius, s.rate, p, gas_pressure(s.radius)); }
 };
 
 /// The bubble after the time `span` [s] in a liquid of `pressure(t, R)` [Pa above ambient], 0 <= t <= span. `stiffness(R)` is the

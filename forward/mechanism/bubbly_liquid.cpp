@@ -4,39 +4,30 @@
 
 namespace calomel {
 
+BubblyLiquid::BubblyLiquid(const Riemer& liquid, const KellerMiksis& b, double alpha0, InstructionSet isa) : kernel_(&bubble_kernel(isa)) {
+  const double coupling = 3 * alpha0 * liquid.bulk_modulus / (b.density * b.radius * b.radius * b.radius);  // dp/dR / (rho R) = coupling R
+  numbers_ = {.density = b.density, .sound_speed = b.sound_speed, .radius = b.radius, .ambient = b.ambient, .polytropic = b.polytropic, .surface_tension = b.surface_tension,
+              .viscosity = b.viscosity,
+              .gas_at_rest = b.gas_pressure(b.radius),
+              .bulk_modulus = liquid.bulk_modulus, .tensile_cutoff = liquid.tensile_cutoff, .liquid_viscosity = liquid.viscosity,
+              .alpha0 = alpha0, .greatest_alpha = greatest_alpha,
+              .coupling = coupling,
+              .greatest_step = 0.4 / std::sqrt(b.natural_squared() + coupling * b.radius)};
+}
+
 void BubblyLiquid::initialise(std::span<const Vec3> centres, double* state, std::size_t stride) const {
-  for (std::size_t i = 0; i < centres.size(); ++i) state[i] = bubble_.radius, state[stride + i] = 0, state[2 * stride + i] = 0;
+  for (std::size_t i = 0; i < centres.size(); ++i) state[i] = numbers_.radius, state[stride + i] = 0, state[2 * stride + i] = 0;
 }
 
 void BubblyLiquid::advance(const LiquidPoints& points) const {
-  for (std::size_t i = 0; i < points.count; ++i) try {
-      advance_point(points, i);
-    } catch (const NumericsError& e) {
-      throw LiquidPointError(e.what(), i);
-    }
-}
-
-void BubblyLiquid::advance_point(const LiquidPoints& points, std::size_t i) const {
-  double &radius = points.state[i], &rate = points.state[points.stride + i], &heating_before = points.state[2 * points.stride + i];
-  const double strain = points.strain[i], before = points.strain_before[i], heating = points.heating[i];
-  const double r0 = bubble_.radius, k = liquid_.bulk_modulus, dt = points.dt;
-  const double slope = dt > 0 ? (strain - before) / dt : 0, heating_slope = dt > 0 ? (heating - heating_before) / dt : 0;
-  const auto alpha = [&](double r) { const double x = r / r0; return alpha0_ * x * x * x; };
-  const auto pressure = [&](double e_v, double p0, double r) { return liquid_.pressure(p0, e_v - alpha(r) + alpha0_, slope); };
-
-  const bool at_rest = strain == 0 && before == 0 && heating == 0 && heating_before == 0 && radius == r0 && rate == 0;
-  if (!at_rest && dt > 0) {
-    const double coupling = 3 * alpha0_ * k / (bubble_.density * r0 * r0 * r0);  // dp/dR / (rho R) = coupling R
-    const double greatest_step = 0.4 / std::sqrt(bubble_.natural_squared() + coupling * r0);
-    const auto after = advance_bubble(
-        bubble_, {radius, rate}, dt, greatest_step, [&](double t, double r) { return pressure(before + slope * t, heating_before + heating_slope * t, r); },
-        [&](double r) { return coupling * r; });
-    radius = after.radius, rate = after.rate;
-    if (alpha(radius) > greatest_alpha)
-      throw NumericsError(fmt::format("the bubbles fill {:.3g} of the mercury (alpha0 = {:.3g}, R = {:.3g} m): the law holds to {}", alpha(radius), alpha0_, radius, greatest_alpha));
+  const BubbleFailure failure = kernel_->advance(numbers_, points);
+  const auto& [reason, point, radius] = failure;
+  if (reason == BubbleFailure::vanished) throw LiquidPointError("a bubble collapses to nothing", point);
+  if (reason == BubbleFailure::too_violent) throw LiquidPointError("a bubble's collapse is too violent to follow", point);
+  if (reason == BubbleFailure::too_much_gas) {
+    const double x = radius / numbers_.radius, alpha = numbers_.alpha0 * x * x * x;
+    throw LiquidPointError(fmt::format("the bubbles fill {:.3g} of the mercury (alpha0 = {:.3g}, R = {:.3g} m): the law holds to {}", alpha, numbers_.alpha0, radius, greatest_alpha), point);
   }
-  heating_before = heating;
-  points.pressure[i] = pressure(strain, heating, radius);
 }
 
 namespace {
@@ -65,7 +56,7 @@ MechanismEntry bubbly_liquid() {
                    {.name = "ambient_pressure", .unit = "Pa", .off = 1e5, .low = 1e5, .high = 4e5, .decides = false, .least = 1e3, .greatest = 1e7, .doc = "absolute pressure at rest, p_a"},
                    {.name = "polytropic", .unit = "", .off = 1.16, .low = 1, .high = 1.67, .decides = false, .least = 1, .greatest = 1.67, .doc = "exponent kappa of the gas"},
                    {.name = "thermal_viscosity", .unit = "Pa s", .off = 0.5, .low = 0, .high = 10, .decides = false, .least = 0, .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
-          .cost = 9,
+          .cost = 2.5,
           .liquid = liquid};
 }
 

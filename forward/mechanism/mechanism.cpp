@@ -43,8 +43,16 @@ struct KeyTable {
   template <class V>
   void visit(V& v) {
     if (enabled) v("enabled", *enabled, {.doc = "part of the base model"});
-    for (const auto& k : keys)
-      v(k.name.c_str(), *values.find(prefix + k.name), {.unit = k.unit, .range = between(k.least, k.greatest), .doc = k.doc});
+    for (const auto& k : keys) {
+      double& value = *values.find(prefix + k.name);
+      if (k.choices.empty()) {
+        v(k.name.c_str(), value, {.unit = k.unit, .range = between(k.least, k.greatest), .doc = k.doc});
+        continue;
+      }
+      std::string word = k.choices.at(std::size_t(value));
+      v(k.name.c_str(), word, {.doc = k.doc, .choices = k.choices});
+      value = double(std::find(k.choices.begin(), k.choices.end(), word) - k.choices.begin());
+    }
   }
 };
 
@@ -82,7 +90,6 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
     const MechanismEntry& entry = entry_of(file, name, path);
     tables.listed.push_back(name);
     std::vector<std::string> extra{"parameter"};
-    if (!entry.built()) extra.push_back("wall");
     EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};
     bool enabled = false;
     const std::vector<std::string> gauges = entry.per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};

@@ -31,6 +31,7 @@ struct MechanismKey {
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
   std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
+  std::vector<std::string> choices;  ///< a word in the case file, one of these; its value is that one's index. Such a key does not decide and is no parameter
 };
 
 /// The values of an enabled mechanism's keys; a gauge's own where it has any. Not a number where a key follows a number of the case and has none of its
@@ -59,6 +60,13 @@ class MechanismValues {
   std::map<std::string, double> common_, by_sensor_;
 };
 
+/// What the gauges show long after one pulse, in mercury that never gives way: what the model rings with.
+struct RingDown {
+  double interval = 0;         ///< between samples, the first at t = 0 [s]
+  std::size_t sensors = 0;
+  std::vector<double> strain;  ///< (sensor, time) [-]
+};
+
 /// What the registry knows of a mechanism. A function that is null changes nothing; all null: not built in this version.
 struct MechanismEntry {
   std::string law;  ///< one line
@@ -75,16 +83,19 @@ struct MechanismEntry {
   /// Numbers of the run: viscosity, damping, boundary.
   void (*setup)(const MechanismValues&, RunSetup&) = nullptr;
   /// Fields of the run, by element, node or slip pair, once its numbers and its heat are known: thermal_strain, initial_displacement, initial_velocity,
-  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run.
+  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run; its factor counts in how strong the run's condition is beside [load].
   void (*fields)(const MechanismValues&, const Mesh&, const LoadOptions&, RunSetup&) = nullptr;
   /// A liquid law of its own, after all of these.
   std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
   /// What a gauge reads of the displacements.
   void (*gauge)(const MechanismValues&, const LocatedGauge&, ObservationRow&) = nullptr;
+  /// What is added to the histories (sensor, time) on the output times, in strain, before their channels. `ring_down` is that of the model with every other
+  /// mechanism at the same parameters and condition, the record four times over and at least 2 ms longer.
+  void (*superpose)(const MechanismValues&, const RingDown& ring_down, double interval, std::span<double> histories) = nullptr;
   /// A gauge's history on the output times, in strain, before its gain and delay.
   void (*channel)(const MechanismValues&, const std::string& sensor, double interval, std::span<double> history) = nullptr;
 
-  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || channel; }
+  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || superpose || channel; }
 };
 
 /// All thirteen names of physics.md section 3.

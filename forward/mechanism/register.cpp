@@ -1,16 +1,19 @@
 #include "forward/mechanism/beam_profile.hpp"
 #include "forward/mechanism/bubbly_liquid.hpp"
+#include "forward/mechanism/cavitation_kinetics.hpp"
+#include "forward/mechanism/interface.hpp"
 #include "forward/mechanism/liquid_viscosity.hpp"
 #include "forward/mechanism/mechanism.hpp"
+#include "forward/mechanism/nonlinear_eos.hpp"
+#include "forward/mechanism/previous_pulses.hpp"
 #include "forward/mechanism/rear_reflection.hpp"
 #include "forward/mechanism/sensor_response.hpp"
+#include "forward/mechanism/static_pressure.hpp"
 #include "forward/mechanism/structural_damping.hpp"
+#include "forward/mechanism/thermal_stress.hpp"
+#include "forward/mechanism/wall_thinning.hpp"
 
 namespace calomel {
-
-namespace {
-constexpr double none = std::numeric_limits<double>::infinity();
-}
 
 const Registry<MechanismEntry>& mechanisms() {
   static const Registry<MechanismEntry> all = [] {
@@ -19,21 +22,19 @@ const Registry<MechanismEntry>& mechanisms() {
       const std::string law = entry.law;
       r.add(name, law, std::move(entry));
     };
-    // Named, with their keys, but not built yet.
-    const auto planned = [&add](const char* name, const char* law, std::vector<MechanismKey> keys) { add(name, {.law = law, .keys = std::move(keys)}); };
     add("bubbly_liquid", bubbly_liquid());
-    planned("cavitation_kinetics", "the void grows and collapses with time constants", {{"growth_time", "s", 0, 0, 200e-6}, {"collapse_time", "s", 0, 0, 200e-6}});
+    add("cavitation_kinetics", cavitation_kinetics());
     add("liquid_viscosity", liquid_viscosity());
     add("structural_damping", structural_damping());
-    planned("nonlinear_eos", "p = (K/m) ((1 - e)^m - 1) of Tait's form", {{"exponent", "", 1, 1, 14}});
-    planned("thermal_stress", "sigma = C : (e - a dT) in the heated steel", {{"delta_t", "K", 0, 0, 2}, {"decay", "m", 0.05, 0.02, 0.1, false, false}});
+    add("nonlinear_eos", nonlinear_eos());
+    add("thermal_stress", thermal_stress());
     add("beam_profile", beam_profile());
-    planned("previous_pulses", "ring-down of earlier pulses in up to 8 wet modes", {{"amplitude", "", 0, -1, 1}});
+    add("previous_pulses", previous_pulses());
     add("rear_reflection", rear_reflection());
-    planned("interface", "a wetted face opens at a normal traction and closes without rebound", {{"strength", "Pa", none, 0, 1.5e6}, {"begin", "m", 0, 0, 1, false, false}, {"end", "m", 1, 0, 1, false, false}});
+    add("interface", interface());
     add("sensor_response", sensor_response());
-    planned("wall_thinning", "a wall is thinner from inside over a stretch", {{"fraction", "", 0, 0, 0.5}, {"begin", "m", 0, 0, 1, false, false}, {"end", "m", 1, 0, 1, false, false}});
-    planned("static_pressure", "a cover pressure shifts the effective cutoff", {{"pressure", "Pa", 0, 0, 4e5}});
+    add("wall_thinning", wall_thinning());
+    add("static_pressure", static_pressure());
     return r;
   }();
   return all;

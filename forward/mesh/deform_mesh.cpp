@@ -108,6 +108,29 @@ std::vector<double> lengths_along(const Mesh& mesh, const std::vector<NodeId>& c
   return s;
 }
 
+/// Calls f(face, behind, wall) for every face of a steel element with mercury behind it that belongs to a wall of this name, its columns being those through the wall;
+/// without a name: of any, those of plates with mercury on both sides as well.
+template <class F>
+void for_wetted(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match, const std::string* name, F&& f) {
+  for (FaceId face = 0; face < FaceId(match.size()); ++face) {
+    const FaceId behind = match[std::size_t(face)];
+    if (behind == no_face || mesh.region[std::size_t(element_of(face))] != Region::steel || mesh.region[std::size_t(element_of(behind))] != Region::mercury) continue;
+    const Columns wall = walk(mesh, tied, match, face);
+    if (name) {
+      if (!wall.at_boundary) continue;  // a plate with mercury behind it
+      const Face outside{.nodes = face_nodes(tied, wall.last), .element = element_of(wall.last)};
+      if (!is_wall(*name, hexahedron::area_vector(mesh, outside))) continue;
+    }
+    f(face, behind, wall);
+  }
+}
+
+/// Whether a place on the wetted side lies within a stretch of a wall.
+bool is_within(const WallThinning& stretch, const Point& x) {
+  const double along = x[stretch.wall == "front" || stretch.wall == "rear" ? 2 : 0];
+  return along >= stretch.begin && along <= stretch.end;
+}
+
 }  // namespace
 
 void displace_nodes(Mesh& mesh, std::span<const Vec3> displacement) {
@@ -178,20 +201,13 @@ void thin_wall(Mesh& mesh, const WallThinning& thinning) {
   const auto raise = [&](NodeId n, const Point& d) {
     if (auto& m = move[std::size_t(n)]; d.squaredNorm() > m.squaredNorm()) m = d;
   };
-  const int coordinate = thinning.wall == "front" || thinning.wall == "rear" ? 2 : 0;
   bool found = false;
-  for (FaceId f = 0; f < FaceId(match.size()); ++f) {
-    const FaceId g = match[std::size_t(f)];
-    if (g == no_face || mesh.region[std::size_t(element_of(f))] != Region::steel || mesh.region[std::size_t(element_of(g))] != Region::mercury) continue;
-    const Columns wall = walk(mesh, tied, match, f);
-    if (!wall.at_boundary) continue;  // a plate with mercury behind it
-    const Face outside{.nodes = face_nodes(tied, wall.last), .element = element_of(wall.last)};
-    if (!is_wall(thinning.wall, hexahedron::area_vector(mesh, outside))) continue;
+  for_wetted(mesh, tied, match, &thinning.wall, [&](FaceId, FaceId g, const Columns& wall) {
     found = true;
     const Columns liquid = walk(mesh, tied, match, g);
     for (const auto& column : wall.nodes) {
       const Point inner = hexahedron::point(mesh.nodes[std::size_t(column.front())]), outer = hexahedron::point(mesh.nodes[std::size_t(column.back())]);
-      if (inner[coordinate] < thinning.begin || inner[coordinate] > thinning.end) continue;
+      if (!is_within(thinning, inner)) continue;
       const Point d = thinning.fraction * (outer - inner);
       const auto s = lengths_along(mesh, column);
       for (std::size_t i = 0; i < column.size(); ++i) raise(column[i], d * (1 - s[i] / s.back()));
@@ -201,7 +217,7 @@ void thin_wall(Mesh& mesh, const WallThinning& thinning) {
         for (std::size_t i = 0; i < below.size(); ++i) raise(below[i], d * std::max(0.0, 1 - 2 * depth[i] / depth.back()));
       }
     }
-  }
+  });
   if (!found)
     throw InputError({.problem = "the target has no wall of this name between mercury and outside",
                       .key = "wall",
@@ -210,6 +226,19 @@ void thin_wall(Mesh& mesh, const WallThinning& thinning) {
   std::vector<Vec3> displacement(move.size());
   for (std::size_t n = 0; n < move.size(); ++n) displacement[n] = hexahedron::vec3(move[n]);
   displace_nodes(mesh, displacement);
+}
+
+std::vector<std::size_t> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch) {
+  const auto tied = tied_elements(mesh);
+  const auto match = matching_faces(tied, mesh.nodes.size());
+  std::vector<bool> at(mesh.nodes.size(), false);
+  for_wetted(mesh, tied, match, stretch.wall == "all" ? nullptr : &stretch.wall, [&](FaceId face, FaceId, const Columns&) {
+    for (const NodeId n : face_nodes(tied, face)) at[std::size_t(n)] = at[std::size_t(n)] || is_within(stretch, hexahedron::point(mesh.nodes[std::size_t(n)]));
+  });
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < mesh.slip.size(); ++i)
+    if (at[std::size_t(mesh.slip[i].steel)]) rows.push_back(i);
+  return rows;
 }
 
 }  // namespace calomel

@@ -35,4 +35,8 @@ struct WallThinning {
 /// Errors: InputError on "wall" when the mesh has no such wall between steel and mercury, on "fraction" out of range.
 void thin_wall(Mesh& mesh, const WallThinning& thinning);
 
+/// Rows of Mesh::slip on the wetted side of a wall between begin and end, in ascending order (the fraction does not matter); of wall "all" on every wetted face, those of plates
+/// inside as well. Empty where the mesh has no such wall between mercury and outside, or nothing of it between begin and end.
+[[nodiscard]] std::vector<std::size_t> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch);
+
 }  // namespace calomel

@@ -86,6 +86,9 @@ struct RunSetup {
   /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
   /// normal traction. Empty: none.
   std::vector<double> slip_strength;
+  /// Time constants of a pair that comes apart at the wetted_cutoff [s]: beyond that traction it pulls with K tau / l times the rate of its gap, tau being
+  /// parting_time while the gap grows and meeting_time while it closes, l the thickness of mercury that moves with the wall (half an element). 0: at once.
+  double parting_time = 0, meeting_time = 0;
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 

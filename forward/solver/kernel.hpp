@@ -106,6 +106,7 @@ struct RuleExtras {
   const R* hold = nullptr;      ///< pull on either while the pair is apart [N]
   R* open = nullptr;            ///< (rules, lanes) 1 while the pair is apart, else 0
   const R* rear_initial = nullptr;  ///< pressure before the run of the mercury behind the rear face [Pa]
+  const R* resistance = nullptr;    ///< (rules, 2) of an open pair to its gap's growth, and to its closing [N s/m]; null: none
 };
 
 template <class R>

@@ -66,8 +66,8 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 /// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
 /// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
-/// kept, the energy of the impact is not, and counts as dissipated.
-template <class R, bool Runs, bool Balance>
+/// kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate after the step.
+template <class R, bool Runs, bool Balance, bool Resisting>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
                                          const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
                                          typename Row<R, Runs>::Lane (&steel)[3], EnergyTerms* energy) {
@@ -87,7 +87,15 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   const L gap = (u_steel[0] - u[0]) * n[0] + (u_steel[1] - u[1]) * n[1] + (u_steel[2] - u[2]) * n[2];
   const L common = share_node * vn + share_partner * sn, pull = r.mass_node / s.kick * (common - vn);
   const L parts = select(pull > zero + s.extras.strength[rule], one, zero);
-  const L hold = s.kick * s.extras.hold[rule] * (was + (one - was) * parts), towards = hold * (1 / r.mass_node), back = hold * (1 / r.mass_partner);
+  L hold = s.kick * s.extras.hold[rule] * (was + (one - was) * parts);
+  if constexpr (Resisting) {
+    // w = w_free - (hold + kick resistance w) (1/m_f + 1/m_s) of the relative velocity w = dg/dt, which has the sign that it has without resistance.
+    const R give = 1 / r.mass_node + 1 / r.mass_partner;
+    const L free = sn - vn - give * hold;
+    const L drag = s.kick * select(free > zero, zero + s.extras.resistance[2 * rule], zero + s.extras.resistance[2 * rule + 1]);
+    hold += (was + (one - was) * parts) * drag * free / (one + give * drag);
+  }
+  const L towards = hold * (1 / r.mass_node), back = hold * (1 / r.mass_partner);
   const L meets = select(gap + s.dt * (sn - back - vn - towards) <= zero, one, zero);
   const L now = was * (one - meets) + (one - was) * parts, held = one - now;
   const L apart = -1 / s.dt * (was * meets * gap);  // (v_s - v_m).n of a pair that meets
@@ -105,8 +113,8 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   }
 }
 
-/// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run.
-template <class R, bool Runs, bool Balance, bool Extended = false>
+/// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run. Resisting: their gaps take time to grow and to close.
+template <class R, bool Runs, bool Balance, bool Extended = false, bool Resisting = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
@@ -158,7 +166,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
       const bool may_open = Extended && r.normals == 1;
       if constexpr (Extended)
-        if (may_open) advance_opening_pair<R, Runs, Balance>(r, i, s, before, steel_before, v, steel, energy);
+        if (may_open) advance_opening_pair<R, Runs, Balance, Resisting>(r, i, s, before, steel_before, v, steel, energy);
       for (int k = 0; k < r.normals && !may_open; ++k) {
         const R* n = r.normal[k];
         const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
@@ -179,4 +187,10 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
     if constexpr (Balance && !Runs)
       for (int c = 0; c < 3; ++c) energy->kinetic += 0.5 * double(r.mass_node) * double(before[c]) * double(v[c]);
   }
+}
+
+/// Apart, so that what the compiler makes of the others, to the last bit, does not depend on it.
+template <class R, bool Runs, bool Balance>
+[[gnu::noinline]] void special_resisting(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  special<R, Runs, Balance, true, true>(layout, rules, begin, end, s, energy);
 }

@@ -115,7 +115,7 @@ class Run {
   AlignedArray<R> inverse_mass_, u_, v_, outbox_;
   std::vector<AlignedArray<R>> p0_, state_;
   std::vector<AlignedArray<R>> initial_, thermal_, trace_;  ///< by block, of stressed runs
-  AlignedArray<R> strength_, hold_, open_, rear_initial_;   ///< by rule, of runs that have them
+  AlignedArray<R> strength_, hold_, open_, rear_initial_, resistance_;   ///< by rule, of runs that have them
   std::vector<AlignedArray<double>> memory_;  ///< of a liquid law of its own
   std::vector<LawOfBlock> laws_;              ///< by block, where there is such a law
   std::vector<BlockData<R>> blocks_;

@@ -57,7 +57,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
-  base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data()};
+  base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data(), resistance_.size() ? resistance_.data() : nullptr};
   base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
 }
@@ -172,6 +172,8 @@ void Run<R>::make_extras() {
   if (!parting && setup_.initial_stress.empty()) return;
   const std::size_t copies = packed_.runs ? run_lanes : 1;
   strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
+  const bool resisting = setup_.parting_time > 0 || setup_.meeting_time > 0;
+  if (resisting) resistance_ = AlignedArray<R>(2 * rules_.size());
   std::map<std::int32_t, std::size_t> pair_of, rule_of;  // by solver node
   for (std::size_t i = 0; i < mesh_.slip.size(); ++i) pair_of[packed_.layout.to_solver[std::size_t(mesh_.slip[i].mercury)]] = i;
   for (std::size_t i = 0; i < rules_.size(); ++i) rule_of[rules_[i].node] = i, strength_[i] = R(unlimited_cutoff);
@@ -188,7 +190,12 @@ void Run<R>::make_extras() {
       const double own = setup_.slip_strength.empty() ? std::numeric_limits<double>::infinity() : setup_.slip_strength[pair->second];
       const double strength = std::min(own, setup_.wetted_cutoff);
       strength_[rule] = R(std::min(strength * std::abs(area), unlimited_cutoff));
-      if (setup_.wetted_cutoff <= own && strength < unlimited_cutoff) hold_[rule] = strength_[rule];
+      const bool weak = setup_.wetted_cutoff > own;
+      if (!weak && strength < unlimited_cutoff) hold_[rule] = strength_[rule];
+      if (resisting && !weak) {
+        const double thickness = r.mass_node / (setup_.liquid_density * std::abs(area)), stiffness = setup_.liquid.bulk_modulus * std::abs(area) / thickness;
+        resistance_[2 * rule] = R(stiffness * setup_.parting_time), resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);
+      }
       for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart
         double gap = 0;
         for (std::size_t c = 0; c < 3; ++c) {

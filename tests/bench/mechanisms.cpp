@@ -27,7 +27,14 @@ const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"structural_damping", {{"mass", "1000.0"}, {"stiffness", "1e-7"}}},
                                 {"beam_profile", {{"offset_z", "3e-3"}, {"width_ratio_z", "1.1"}}},
                                 {"rear_reflection", {{"coefficient", "0.3"}}},
-                                {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}}};
+                                {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}},
+                                {"cavitation_kinetics", {{"growth_time", "10e-6"}, {"collapse_time", "10e-6"}}},
+                                {"nonlinear_eos", {{"exponent", "10.8"}}},
+                                {"thermal_stress", {{"delta_t", "1.0"}}},
+                                {"previous_pulses", {{"cos_1", "0.3"}, {"sin_1", "0.3"}}},
+                                {"interface", {{"strength", "0.0"}}},
+                                {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}},
+                                {"static_pressure", {{"pressure", "1e5"}}}};
 
 ForwardCase read_case(const std::string& path, const Probe* probe) {
   std::vector<std::string> set{"time.end=0.3e-3", "solver.precision=\"double\""};

@@ -73,7 +73,7 @@ std::vector<Edit> edits() {
       {"sensor_twice", "name = \"B\"", "name = \"A\"", {"A", "same name"}, "case.toml:35"},
       {"bounds_crossed", "max = 13600.0", "max = 12000.0", {"max", "12000"}, "case.toml:42"},
       {"parameter_of_nothing", "[parameter.sound_speed]", "[parameter.soundspeed]", {"soundspeed", "sound_speed"}, "case.toml:43"},
-      {"mechanism_not_built", "[campaign]", "[mechanism.cavitation_kinetics]\nenabled = true\n[campaign]", {"cavitation_kinetics", "not built"}, "case.toml:47"},
+      {"mechanism_of_no_wall", "[campaign]", "[mechanism.interface]\nwall = \"lid\"\n[campaign]", {"mechanism.interface.wall", "lid", "front"}, "case.toml:47"},
       {"unknown_mechanism", "[campaign]", "[mechanism.bubly_liquid]\n[campaign]", {"bubly_liquid", "bubbly_liquid"}, "case.toml:46"},
       {"unknown_design", "runs = 4", "design = \"sobl\"", {"sobl", "sobol"}, "case.toml:47"},
       {"fractional_runs", "runs = 4", "runs = 4.5", {"runs", "whole number"}, "case.toml:47"},

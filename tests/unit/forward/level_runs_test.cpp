@@ -57,13 +57,25 @@ TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
   const double zeta = 1 + 0.25 * 9999;  // one-sided: 0 is the least
   const Eigen::VectorXd by_zeta = (mean_of("[mechanism.liquid_viscosity]\nenabled = true\nzeta = " + std::to_string(zeta) + "\n") - mean_of("")) / zeta;
   EXPECT_LT((column(*viscous, "zeta") - by_zeta).norm(), 1e-5 * by_zeta.norm());
+  const MechanismDirections* earlier = find(all, "previous_pulses");  // without runs: it adds to the histories
+  ASSERT_NE(earlier, nullptr);
+  const Eigen::VectorXd by_sine = (mean_of("[mechanism.previous_pulses]\nenabled = true\nsin_2 = 0.5\n") - mean_of("")) / 0.5;
+  ASSERT_GT(by_sine.norm(), 0);
+  EXPECT_LT((column(*earlier, "sin_2") - by_sine).norm(), 1e-9 * by_sine.norm());
+  EXPECT_EQ(std::count(earlier->keys.begin(), earlier->keys.end(), "sin_8"), 0);  // the box has no such mode
+}
+
+TEST(LevelRuns, DirectionsOfWhatIsAddedKnowTheChannelsButNotTheirOffsets) {
+  const auto all = of_case("[mechanism.sensor_response]\nenabled = true\noffset = 1e-4\ngain = 0.9\n"), plain = of_case("");
+  const MechanismDirections *with = find(all, "previous_pulses"), *without = find(plain, "previous_pulses");
+  ASSERT_TRUE(with && without);
+  EXPECT_LT((column(*with, "cos_1") - 0.9 * column(*without, "cos_1")).norm(), 1e-9 * column(*without, "cos_1").norm());
 }
 
 TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   const auto all = of_case("[mechanism.beam_profile]\nenabled = true\noffset_z = 0.001\n");
   EXPECT_EQ(find(all, "beam_profile"), nullptr);
-  EXPECT_EQ(find(all, "bubbly_liquid"), nullptr);
-  EXPECT_EQ(find(all, "nonlinear_eos"), nullptr);  // not built
+  EXPECT_NE(find(all, "bubbly_liquid"), nullptr);
   const auto plain = of_case("");
   const MechanismDirections* beam = find(plain, "beam_profile");
   ASSERT_NE(beam, nullptr);

@@ -1,4 +1,5 @@
 // Bubbly liquid at one point and in a run; bubbles alone and the speed of sound are in tests/verification/bubble_test.cpp.
+#include "base/random.hpp"
 #include "tests/verification/bubbles.hpp"
 #include "tests/unit/mechanism/column.hpp"
 
@@ -38,6 +39,89 @@ TEST(BubblyLiquid, TheCutoffHoldsAndViscosityCounts) {
   EXPECT_EQ(slow.step(1e-4), -1.5e5);
   OnePoint fast(law, 1e-6);
   EXPECT_NEAR(fast.step(-1e-6), mercury.bulk_modulus * 1e-6 + 2000 * 1.0, 1);
+}
+
+namespace {
+
+/// What the kernels are to do, point by point: advance_bubble under the pressure of the law.
+struct Reference {
+  Riemer liquid;
+  KellerMiksis bubble;
+  double alpha0;
+  /// State R, R' at the end of a step; pressure there.
+  double step(KellerMiksis::State& s, double before, double strain, double heating_before, double heating, double dt) const {
+    const double slope = (strain - before) / dt, heating_slope = (heating - heating_before) / dt, coupling = 3 * alpha0 * liquid.bulk_modulus / (bubble.density * std::pow(bubble.radius, 3));
+    const auto pressure = [&](double e_v, double p0, double r) { return liquid.pressure(p0, e_v - alpha0 * std::pow(r / bubble.radius, 3) + alpha0, slope); };
+    s = advance_bubble(
+        bubble, s, dt, 0.4 / std::sqrt(bubble.natural_squared() + coupling * bubble.radius),
+        [&](double t, double r) { return pressure(before + slope * t, heating_before + heating_slope * t, r); }, [&](double r) { return coupling * r; });
+    return pressure(strain, heating, s.radius);
+  }
+};
+
+}  // namespace
+
+// Many points at once, of every instruction set, in any number: each as if it were alone, at rest, in gentle motion and in collapses of a hundred sub-steps.
+TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
+  const Reference reference{{mercury.bulk_modulus, 1.5e5, 2000}, helium(1.16, 0.47, 0.5), 1e-4};
+  RandomStream random(7, 0);
+  for (const auto isa : instruction_sets()) {
+    const BubblyLiquid law(reference.liquid, reference.bubble, reference.alpha0, isa);
+    double worst = 0;
+    for (const std::size_t count : {1u, 3u, 4u, 8u, 13u, 32u}) {
+      const double dt = 2e-7, r0 = reference.bubble.radius, scale = reference.bubble.ambient;
+      std::vector<double> state(3 * count), strain(count), before(count), heating(count), pressure(count);
+      std::vector<KellerMiksis::State> exact;
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool rest = i % 5 == 4, violent = i % 3 == 1;
+        state[i] = rest ? r0 : (violent ? 0.3 : random.uniform(0.5, 3)) * r0, state[count + i] = rest ? 0 : violent ? -60 : random.uniform(-5, 5);
+        state[2 * count + i] = rest ? 0 : random.uniform(0, 5e5);
+        before[i] = rest ? 0 : random.uniform(-1e-5, 1e-4), strain[i] = rest ? 0 : before[i] + random.uniform(-1e-5, 1e-5), heating[i] = rest ? 0 : state[2 * count + i] + random.uniform(0, 1e5);
+        exact.push_back({state[i], state[count + i]});
+      }
+      std::vector<double> alone;
+      for (std::size_t i = 0; i < count; ++i) alone.push_back(i % 5 == 4 ? 0 : reference.step(exact[i], before[i], strain[i], state[2 * count + i], heating[i], dt));
+      law.advance({count, dt, strain.data(), before.data(), heating.data(), pressure.data(), state.data(), count});
+      for (std::size_t i = 0; i < count; ++i) {
+        worst = std::max({worst, std::abs(state[i] / exact[i].radius - 1), std::abs(state[count + i] - exact[i].rate) / (1 + std::abs(exact[i].rate)), std::abs(pressure[i] - alone[i]) / (scale + std::abs(alone[i]))});
+        EXPECT_TRUE(i % 5 != 4 || pressure[i] == 0);
+        EXPECT_EQ(state[2 * count + i], heating[i]);
+      }
+    }
+    measured(std::string("worst_") + name_of(isa), worst);
+    EXPECT_LT(worst, 1e-9) << name_of(isa);
+  }
+  // Control: with half the sub-steps' length the collapses end elsewhere, by much more than rounding.
+  KellerMiksis::State once{0.3 * reference.bubble.radius, -60}, finer = once;
+  once = under(reference.bubble, once, 0, 2e-7), finer = under(reference.bubble, finer, 0, 2e-7, 2e-9);
+  EXPECT_GT(std::abs(once.radius / finer.radius - 1), 1e-8);
+}
+
+// The first point that cannot be followed is named, whatever the others do.
+TEST(BubblyLiquid, ThePointThatFailsIsNamed) {
+  const KellerMiksis bubble = helium(1.16, 0.47, 0.5);
+  for (const auto isa : instruction_sets()) {
+    const BubblyLiquid law({mercury.bulk_modulus, unbounded, 0}, bubble, 1e-4, isa);
+    for (const std::size_t bad : {0u, 5u, 10u}) {
+      std::vector<double> state(33, 0), zero(11, 0), strain(11, 1e-6), pressure(11);
+      for (std::size_t i = 0; i < 11; ++i) state[i] = i == bad ? 12e-4 : 1e-4;
+      try {
+        law.advance({11, 1e-7, strain.data(), zero.data(), zero.data(), pressure.data(), state.data(), 11});
+        FAIL() << "it should have been refused";
+      } catch (const LiquidPointError& e) {
+        EXPECT_EQ(e.point(), bad);
+        EXPECT_THAT(e.what(), HasSubstr("the bubbles fill 0.1"));
+      }
+      state[bad] = 0;
+      try {
+        law.advance({11, 1e-7, strain.data(), zero.data(), zero.data(), pressure.data(), state.data(), 11});
+        FAIL() << "it should have been refused";
+      } catch (const LiquidPointError& e) {
+        EXPECT_EQ(e.point(), bad);
+        EXPECT_THAT(e.what(), HasSubstr("collapses to nothing"));
+      }
+    }
+  }
 }
 
 TEST(BubblyLiquid, TooMuchGasStopsTheRunWithPlaceAndTime) {

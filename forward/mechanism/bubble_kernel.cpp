@@ -1,0 +1,26 @@
+#include "forward/mechanism/bubble_kernel.hpp"
+
+namespace calomel {
+
+#if defined(__x86_64__)
+namespace isa_avx512 {
+extern const BubbleKernel kernel;
+}
+namespace isa_avx2 {
+extern const BubbleKernel kernel;
+}
+#endif
+namespace isa_baseline {
+extern const BubbleKernel kernel;
+}
+
+const BubbleKernel& bubble_kernel(InstructionSet isa) {
+#if defined(__x86_64__)
+  if (isa == InstructionSet::avx512) return isa_avx512::kernel;
+  if (isa == InstructionSet::avx2) return isa_avx2::kernel;
+#endif
+  (void)isa;
+  return isa_baseline::kernel;
+}
+
+}  // namespace calomel

@@ -1,0 +1,45 @@
+#include "forward/mechanism/interface.hpp"
+
+#include <algorithm>
+
+#include "forward/mechanism/wall_stretch.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Any wetted face, those of plates inside as well; or one of the walls.
+const std::vector<std::string>& faces() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"all"};
+    all.insert(all.end(), wall_names().begin(), wall_names().end());
+    return all;
+  }();
+  return names;
+}
+
+void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunSetup& s) {
+  const WallThinning stretch = wall_stretch(v, faces());
+  if (mesh.slip.empty())
+    throw InputError({.problem = "steel and mercury share nodes, so that no face of them can open",
+                      .key = "mechanism.interface.strength",
+                      .value = number_text(v["strength"]),
+                      .suggestion = "set geometry.wetted = \"slip\""});
+  const auto pairs = pairs_at_wall(mesh, stretch);
+  if (pairs.empty()) throw nothing_there(stretch, "interface");
+  s.slip_strength.resize(mesh.slip.size(), infinite);
+  for (const std::size_t i : pairs) s.slip_strength[i] = std::min(s.slip_strength[i], v["strength"]);
+}
+
+}  // namespace
+
+MechanismEntry interface() {
+  std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinite, .low = 0, .high = 1.5e5, .least = 0,
+                                  .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds"}};
+  for (auto& k : stretch_keys(faces())) keys.push_back(std::move(k));
+  return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound", .keys = std::move(keys), .fields = weaken};
+}
+
+}  // namespace calomel

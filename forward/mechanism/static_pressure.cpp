@@ -1,0 +1,17 @@
+#include "forward/mechanism/static_pressure.hpp"
+
+namespace calomel {
+
+namespace {
+
+void shift_cutoff(const MechanismValues& v, RunSetup& s) { s.liquid.tensile_cutoff += v["pressure"], s.wetted_cutoff += v["pressure"]; }
+
+}  // namespace
+
+MechanismEntry static_pressure() {
+  return {.law = "the effective cutoff is sigma_c + p_s",
+          .keys = {{.name = "pressure", .unit = "Pa", .off = 0, .low = 0, .high = 4e5, .least = 0, .doc = "p_s, added to the tensile cutoff: no strain tells the two apart, only their sum"}},
+          .setup = shift_cutoff};
+}
+
+}  // namespace calomel

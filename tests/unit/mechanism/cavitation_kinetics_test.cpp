@@ -1,0 +1,159 @@
+#include "forward/mechanism/cavitation_kinetics.hpp"
+
+#include "forward/built_in_model.hpp"
+#include "tests/unit/forward/small_case.hpp"
+#include "tests/unit/mechanism/column.hpp"
+#include "tests/unit/mechanism/one_point.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+
+namespace {
+
+constexpr double k = mercury_density * mercury_speed * mercury_speed, cutoff = 1.5e5;
+const Riemer riemer{k, cutoff, 2000};
+
+/// A drive that opens and closes several times.
+double strain_at(double t) { return 4e-4 * std::sin(2.1e5 * t) * std::sin(3e4 * t) + 1e-4 * std::sin(0.9e5 * t); }
+
+}  // namespace
+
+// With both times 0 it is Riemer's law, viscosity and heat included; with either of them it is not.
+TEST(CavitationKinetics, WithoutTimesItIsRiemersLaw) {
+  const double dt = 2e-7;
+  const KineticLiquid at_once(riemer, 0, 0), slow(riemer, 5e-6, 0), slow_back(riemer, 0, 5e-6);
+  DrivenPoint a(at_once, dt), b(slow, dt), c(slow_back, dt);
+  double growing = 0, closing = 0;
+  int open = 0;
+  for (int n = 1; n < 2000; ++n) {
+    const double t = n * dt, e = strain_at(t), p0 = 5e6 * std::min(1.0, t / 7e-7), exact = riemer.pressure(p0, e, (e - strain_at(t - dt)) / dt);
+    const double scale = k * 5e-4;
+    EXPECT_NEAR(a.step(e, p0), exact, 1e-12 * scale);
+    growing = std::max(growing, std::abs(b.step(e, p0) - exact) / scale), closing = std::max(closing, std::abs(c.step(e, p0) - exact) / scale);
+    open += exact == -cutoff;
+  }
+  EXPECT_GT(open, 100);
+  EXPECT_GT(growing, 0.1);
+  EXPECT_GT(closing, 0.1);
+}
+
+// Pulled at once and held, the mercury gives way with the time constant of growth, and pushed together with that of collapse: exact at any step.
+TEST(CavitationKinetics, AHeldStretchRelaxesExponentially) {
+  const double growth = 3e-5, collapse = 8e-5, pulled = 2e-4, x = pulled - cutoff / k;
+  for (const double dt : {1e-7, 1e-5}) {
+    const KineticLiquid law({k, cutoff, 0}, growth, collapse);
+    DrivenPoint point(law, dt);
+    const int steps = int(std::lround(6e-5 / dt));
+    double p = 0;
+    for (int n = 1; n <= steps; ++n) {
+      p = point.step(pulled);
+      EXPECT_NEAR(p, -cutoff - k * x * std::exp(-n * dt / growth), 1e-9 * k * x);
+    }
+    const double alpha = point.state(0), pushed = 0.5 * pulled, y = pushed - cutoff / k;
+    EXPECT_NEAR(alpha, x * (1 - std::exp(-6e-5 / growth)), 1e-9 * x);
+    EXPECT_GT(alpha, y);
+    for (int n = 1; n <= steps; ++n) EXPECT_NEAR(point.step(pushed), -cutoff + k * (alpha - y) * std::exp(-n * dt / collapse), 1e-9 * k * x);
+    point.step(0);
+    for (int n = 0; n < 100 * steps && point.state(0) > 0; ++n) point.step(-cutoff / k);
+    EXPECT_EQ(point.state(0), 0);  // it closes in the end, and the equation of state is back
+    EXPECT_NEAR(point.step(-1e-4), k * 1e-4, 1e-3);
+  }
+}
+
+// Over a cycle the work done on it is (-p - sigma_c) dalpha, never negative in any part; Riemer's law takes none.
+TEST(CavitationKinetics, GrowthAndCollapseDissipate) {
+  const auto work = [](double growth, double collapse) {
+    const double dt = 2e-8;
+    const KineticLiquid law({k, cutoff, 0}, growth, collapse);
+    DrivenPoint point(law, dt);
+    double done = 0, lost = 0, before = 0, p_before = 0, alpha = 0;
+    for (int n = 1; n <= 5000; ++n) {
+      const double e = 2e-4 * std::pow(std::sin(M_PI * n / 5000.0), 2), p = point.step(e), now = point.state(0);
+      EXPECT_GE(-(p + cutoff) * (now - alpha), 0);
+      done -= 0.5 * (p + p_before) * (e - before), lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
+      before = e, p_before = p, alpha = now;
+    }
+    for (int n = 0; n < 400000; ++n) {  // until it is closed
+      const double p = point.step(0), now = point.state(0);
+      lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
+      p_before = p, alpha = now;
+    }
+    EXPECT_NEAR(lost, done, 2e-3 * std::max(done, 1e-3 * k * 4e-8));
+    return done / (0.5 * k * 4e-8);
+  };
+  measured("dissipated_share", work(2e-5, 5e-5));
+  EXPECT_GT(work(2e-5, 5e-5), 0.1);
+  EXPECT_LT(std::abs(work(0, 0)), 1e-3);
+}
+
+// A wall that draws back from the mercury: for about the time of growth it is pulled by more than the cutoff. The traction of the pair is
+// (sigma_c + R v) / (1 + R (1/Z_s + 1/Z_m)), R = K growth_time / l, l half an element, v the velocity with which the mercury moves off.
+TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
+  const double h = 0.001;
+  Mesh mesh = block({80, 1, 1}, {-0.04, 0, 0}, {0.04, h, h}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
+  fix(mesh, 2 | 4, everywhere());
+  split(mesh, {Vec3{1, 0, 0}});
+  mesh.wetted = faces_at(mesh, 0, 0);
+  std::vector<bool> mercury(mesh.nodes.size(), false);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    if (mesh.region[e] == Region::mercury)
+      for (const NodeId n : mesh.elements[e]) mercury[std::size_t(n)] = true;
+  const double z_m = mercury_density * mercury_speed, z_s = steel_density * steel_speed(), z = z_m * z_s / (z_m + z_s), tau = 3e-7, v = 1, hold = 0.2 * z * v;
+  const std::vector<ObservationRow> rows{component(mesh.slip[0].steel, 0), component(mesh.slip[0].mercury, 0)};
+  const ExplicitSolver solver(mesh, steel());
+  const auto moving = [&](double velocity, double gap, double parting, double meeting) {
+    RunSetup s = linear_setup(1.2e-5, 1.2e-5 / 200);
+    for (const bool m : mercury) s.initial_velocity.push_back({m ? velocity : 0, 0, 0}), s.initial_displacement.push_back({m ? -gap : 0, 0, 0});
+    s.wetted_cutoff = hold, s.parting_time = parting, s.meeting_time = meeting;
+    return s;
+  };
+  const auto rate = [](const SolveSummary& out, std::size_t row) {
+    const auto u = row_of(out, row);
+    return (u[190] - u[60]) / (out.times[190] - out.times[60]);
+  };
+  const double resistance = k * tau / (0.5 * h);
+  const double pull = (hold + resistance * v) / (1 + resistance / z), push = (hold - resistance * v) / (1 + resistance / z);
+  EXPECT_GT(pull, 2 * hold);
+  EXPECT_LT(push, 0);
+  for (const char* precision : {"double", "single"})
+    for (const std::size_t runs : {1, 8}) {
+      SolveOptions o;
+      o.precision = precision, o.energy_balance = runs == 1;
+      RunSetup off = moving(-v, 0, tau, 0), on = moving(v, 1e-4, 0, tau);
+      off.energies.assign(runs, 1.0), on.energies.assign(runs, 1.0);
+      const auto apart = solver.solve(off, rows, o), together = solver.solve(on, rows, o);
+      EXPECT_NEAR(rate(apart, 0), -pull / z_s, 0.01 * v) << precision << runs;
+      EXPECT_NEAR(rate(apart, 1), -v + pull / z_m, 0.01 * v) << precision << runs;
+      EXPECT_NEAR(rate(together, 0), -push / z_s, 0.01 * v) << precision << runs;
+      if (runs > 1) continue;
+      EXPECT_LT(apart.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
+      EXPECT_LT(together.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
+      EXPECT_GT(apart.dissipated, 0);
+      // Control: what grows at once pulls with the cutoff; a time of the other kind changes nothing.
+      EXPECT_NEAR(rate(solver.solve(moving(-v, 0, 0, 0), rows, o), 0), -hold / z_s, 0.01 * v);
+      EXPECT_EQ(solver.solve(moving(-v, 0, 0, tau), rows, o).observations, solver.solve(moving(-v, 0, 0, 0), rows, o).observations);
+    }
+}
+
+// It comes out of the base model without a jump: very short times change little, where a wall that never parts changes much.
+TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
+  const auto histories = [](ForwardCase c) {
+    const auto p = BuiltInModel(c, {.pulses = 1}).evaluate({});
+    EXPECT_TRUE(p.ok) << p.message;
+    return p.mean;
+  };
+  const auto base = histories(small_case());
+  const auto away = [&](const std::vector<double>& a) {
+    double difference = 0, size = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) difference += std::pow(a[i] - base[i], 2), size += base[i] * base[i];
+    return std::sqrt(difference / size);
+  };
+  const auto kinetic = [&](const std::string& time) { return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = " + time + "\ncollapse_time = " + time + "\n"))); };
+  ForwardCase held = small_case();
+  held.geometry.wetted = "no_separation";
+  const double shortest = kinetic("1e-12"), short_time = kinetic("1e-9"), longer = kinetic("20e-6"), no_separation = away(histories(held));
+  measured("at_1_ps", shortest), measured("at_1_ns", short_time), measured("at_20_us", longer), measured("no_separation", no_separation);
+  EXPECT_LT(shortest, 1e-3);
+  EXPECT_LT(short_time, 0.2 * no_separation);
+  EXPECT_GT(longer, 0.05);
+}

@@ -1,0 +1,107 @@
+#include "forward/mechanism/wall_thinning.hpp"
+
+#include <gmock/gmock.h>
+
+#include "base/json.hpp"
+#include "forward/built_in_model.hpp"
+#include "tests/unit/forward/small_case.hpp"
+#include "tests/verification/small_runs.hpp"
+
+using namespace calomel;
+using namespace calomel::testing;
+using ::testing::HasSubstr;
+
+namespace {
+
+/// A box that next to nothing fills: its walls ring as dry ones do.
+ForwardCase ringing(double top, const std::string& thinning) {
+  CaseFile file = CaseFile::from_text(R"([geometry]
+kind = "box"
+length = 0.06
+width = 0.05
+height = 0.03
+walls = { front = 0.004, rear = 0.004, side = 0.004, bottom = 0.004, top = )" + number_text(top) + R"( }
+rear = "wall"
+plane_strain = true
+element_size = 0.002
+wall_elements = 2
+[material.mercury]
+law = "linear"
+density = 5.0
+sound_speed = 300.0
+regularising_viscosity = 0.0
+least_mesh_viscosity = 0.0
+[load]
+peak_pressure = 1e3
+profile = { center = [0.0, 0.015], widths = [0.1, 0.1] }
+[time]
+end = 1.5e-3
+output_interval = 5e-6
+[[sensor]]
+name = "T"
+position = [0.03, 0.0, 0.03]
+direction = [1, 0, 0]
+)" + (thinning.empty() ? "" : "[mechanism.wall_thinning]\nenabled = true\n" + thinning));
+  return ForwardCase::read(file);
+}
+
+double frequency(const ForwardCase& c) {
+  const BuiltInModel model(c, {.pulses = 1});
+  const auto p = model.evaluate({});
+  EXPECT_TRUE(p.ok) << p.message;
+  return fitted_frequency(model.shape().times, p.mean, 1500, 9000);
+}
+
+InputError refused(const std::string& lines) {
+  try {
+    const BuiltInModel model(small_case("[mechanism.wall_thinning]\nenabled = true\n" + lines), {.pulses = 1});
+  } catch (const InputError& e) {
+    return e;
+  }
+  ADD_FAILURE() << "it should have been refused";
+  return InputError(InputError::Parts{});
+}
+
+}  // namespace
+
+// The wall rings as one that is made so thin; another wall, a stretch of it, or less of it is not that.
+TEST(WallThinning, TheWallRingsAsAThinnerOne) {
+  const double thin = frequency(ringing(0.0028, "")), thinned = frequency(ringing(0.004, "wall = \"top\"\nfraction = 0.3\n"));
+  measured("thinned_over_thin", thinned / thin);
+  EXPECT_NEAR(thinned, thin, 0.003 * thin);
+  for (const char* other : {"wall = \"front\"\nfraction = 0.3\n", "wall = \"top\"\nfraction = 0.3\nbegin = 0.0\nend = 0.015\n", "wall = \"top\"\nfraction = 0.2\n"})
+    EXPECT_GT(std::abs(frequency(ringing(0.004, other)) / thin - 1), 0.015) << other;
+}
+
+TEST(WallThinning, OnlyTheInsideOfTheStretchMoves) {
+  const BuiltInModel base(small_case(), {.pulses = 1}), model(small_case("[mechanism.wall_thinning]\nenabled = true\nwall = \"bottom\"\nfraction = 0.4\nbegin = 0.02\nend = 0.04\n"), {.pulses = 1});
+  double deepest = 0;
+  for (const auto& p : model.mesh().slip) {
+    const Vec3 &x = model.mesh().nodes[std::size_t(p.steel)], &was = base.mesh().nodes[std::size_t(p.steel)];
+    const bool inside = was[0] >= 0.02 && was[0] <= 0.04 && was[2] < 0.01;
+    EXPECT_NEAR(was[2] - x[2], inside ? 0.4 * 0.003 : 0, 1e-12);
+    EXPECT_EQ(x[0], was[0]);
+    deepest = std::max(deepest, was[2] - x[2]);
+  }
+  EXPECT_NEAR(deepest, 0.0012, 1e-12);
+  EXPECT_EQ(model.gauges()[0].placed, base.gauges()[0].placed);
+}
+
+TEST(WallThinning, AWallThatIsNotThereIsAnErrorWithItsPlace) {
+  const InputError lid = refused("fraction = 0.1\nwall = \"lid\"\n");
+  EXPECT_EQ(lid.parts().key, "mechanism.wall_thinning.wall");
+  EXPECT_GT(lid.parts().line, 0);
+  for (const char* name : {"lid", "front", "rear", "side", "top", "bottom"}) EXPECT_THAT(lid.what(), HasSubstr(name));
+  EXPECT_EQ(refused("fraction = 0.1\nwall = 3\n").parts().key, "mechanism.wall_thinning.wall");
+  EXPECT_EQ(refused("fraction = 0.1\nwall = \"rear\"\n").parts().key, "mechanism.wall_thinning.wall");  // non-reflecting: there is none
+  EXPECT_EQ(refused("fraction = 0.1\nwall = \"top\"\nbegin = 0.5\n").parts().key, "mechanism.wall_thinning.wall");
+  EXPECT_EQ(refused("fraction = 0.1\nbegin = 0.02\nend = 0.01\n").parts().key, "mechanism.wall_thinning.end");
+}
+
+// A wall is a word and no number: it is echoed as such, and no parameter can move it.
+TEST(WallThinning, TheWallIsNoParameter) {
+  const std::string text = "[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\n";
+  EXPECT_EQ(small_case(text).echo()["mechanism"]["wall_thinning"]["wall"], "top");
+  EXPECT_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.wall\"\nmin = 0\nmax = 1\n"), InputError);
+  EXPECT_NO_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.fraction\"\nmin = 0\nmax = 0.5\n"));
+}
