@@ -123,7 +123,9 @@ std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::
     for (std::size_t k = 0; k < added.size(); ++k) {
       const Parameter& p = added[k].parameter;
       const double value = theta[Eigen::Index(own + k)];
-      if (value != *p.nominal) points.back()[p.key] = added[k].inverse ? 1 / value : value;
+      if (value == *p.nominal) continue;
+      points.back()[p.key] = added[k].inverse ? 1 / value : value;
+      for (const auto& [key, number] : added[k].with) points.back()[key] = number;
     }
   }
   const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
@@ -204,10 +206,16 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
     }
     if (!m.keys.empty()) out.push_back(std::move(m));
   }
-  for (const auto& row : calomel::mechanisms().rows()) {  // what adds to the histories needs no difference of runs
+  for (auto& m : linear_mechanisms(theta)) out.push_back(std::move(m));
+  return out;
+}
+
+std::vector<MechanismDirections> LevelRuns::linear_mechanisms(std::span<const double> theta) const {
+  std::vector<MechanismDirections> out;
+  for (const auto& row : calomel::mechanisms().rows()) {
     const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
     if (enabled || !row.entry.superpose) continue;
-    if (auto m = superposed(model(level), theta, row)) out.push_back(std::move(*m));
+    if (auto m = superposed(model(std::min(1, levels() - 1)), theta, row)) out.push_back(std::move(*m));
   }
   return out;
 }

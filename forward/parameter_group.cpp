@@ -45,10 +45,20 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     const bool enabled = std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
     if (!listed || enabled || !entry.built()) continue;
-    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
+    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
     for (const auto& k : entry.keys)
       if (k.decides) g.added.push_back(key_of(c, row.name, k));
-    groups.push_back(std::move(g));
+    const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
+    if (word == entry.keys.end()) {
+      groups.push_back(std::move(g));
+      continue;
+    }
+    for (std::size_t i = 0; i < word->choices.size(); ++i) {
+      ParameterGroup one = g;
+      one.place = word->choices[i];
+      for (auto& a : one.added) a.with = {{"mechanism." + row.name + '.' + word->name, double(i)}};
+      groups.push_back(std::move(one));
+    }
   }
   // What a coarser or a looser discretisation would do in the place of physics.
   const auto number = [&](const char* name, double now, double other) {

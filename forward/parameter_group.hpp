@@ -14,12 +14,15 @@ struct AddedParameter {
   Parameter parameter;   ///< its key is the dotted key of the case, its name "GROUP.KEY"
   bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
   std::vector<double> strengths;  ///< values at which its effect is first looked at
+  std::vector<std::pair<std::string, double>> with;  ///< dotted keys that are set while it is on: the wall that it is about
 };
 
 struct ParameterGroup {
   std::string name;                   ///< of the mechanism
+  std::string place;                  ///< word that tells it from others of the name, such as a wall; empty where there is one
   std::vector<AddedParameter> added;  ///< at least one
   bool by_sensor = false;             ///< acts on each gauge alone
+  bool linear = false;                ///< adds to the histories in proportion to its numbers
   bool numerical = false;             ///< no physics: numbers of the solver
   bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh
   double cost = 1;                    ///< of a run with it over one of the base model

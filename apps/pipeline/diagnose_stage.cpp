@@ -37,6 +37,7 @@ ExitStatus diagnose_stage(StageCall& call) {
                              .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
                                return levels.run(thetas, level, added, command.threads, progress, &stop_requested());
                              },
+                             .linear = [&](std::span<const double> theta) { return levels.linear_mechanisms(theta); },
                              .options = study.diagnosis,
                              .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); }};
     const Diagnosis d = diagnose(in);

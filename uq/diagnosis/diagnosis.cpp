@@ -64,7 +64,7 @@ class Engine {
     describe_base();
     say("score tests");
     ask();
-    fit_gauges();
+    fit_linear();
     fit_leaders();
     judge_all();
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
@@ -87,7 +87,8 @@ class Engine {
       std::string key = std::to_string(level[i]);
       for (Eigen::Index k = 0; k < thetas.rows(); ++k)
         if (std::size_t(k) < in_.base.parameters.size() || thetas(k, Eigen::Index(i)) != *added[std::size_t(k) - in_.base.parameters.size()].parameter.nominal)
-          key += fmt::format(" {}={}", std::size_t(k) < in_.base.parameters.size() ? in_.base.parameters[std::size_t(k)].name : added[std::size_t(k) - in_.base.parameters.size()].parameter.name, thetas(k, Eigen::Index(i)));
+          key += fmt::format(" {}:{}", k, thetas(k, Eigen::Index(i)));
+      for (const auto& a : added) key += ' ' + a.parameter.name;
       seen_.insert(key);
     }
     runs_ = int(seen_.size());
@@ -133,7 +134,8 @@ class Engine {
   }
   void describe_base();
   void ask();
-  void fit_gauges();
+  void fit_linear();
+  void fit_linear(const Asked& q);
   void fit_leaders();
   void fit_pair();
   void fit(const std::vector<const Asked*>& with);
@@ -202,6 +204,7 @@ void Engine::ask() {
   for (std::size_t g = 0; g < in_.groups.size(); ++g)
     for (std::size_t k = 0; k < in_.groups[g].added.size(); ++k, ++at)
       for (const double strength : in_.groups[g].added[k].strengths) {
+        if (in_.groups[g].linear) continue;
         columns.push_back(off);
         columns.back()[Eigen::Index(at)] = strength;
         effects.push_back({g, k, strength, {}});
@@ -261,6 +264,22 @@ void Engine::ask() {
         for (std::size_t s = 0; s < shape.sensors.size(); ++s) question(s);
     }
   }
+  if (in_.linear)
+    for (const auto& m : in_.linear(theta)) {
+      const auto of = std::find_if(in_.groups.begin(), in_.groups.end(), [&](const auto& g) { return g.linear && g.name == m.name; });
+      if (of == in_.groups.end()) continue;
+      Asked q{.name = m.name, .group = std::size_t(of - in_.groups.begin())};
+      q.directions.by_number = m.directions;
+      q.directions.prior_sd.resize(m.directions.cols());
+      for (std::size_t i = 0; i < m.keys.size(); ++i) {
+        const auto a = std::find_if(of->added.begin(), of->added.end(), [&](const auto& x) { return x.parameter.name == m.name + '.' + m.keys[i]; });
+        expect(a != of->added.end(), "a direction is of one of the group's numbers");
+        q.numbers.push_back(std::size_t(a - of->added.begin()));
+        q.directions.prior_sd[Eigen::Index(i)] = prior_sd(*a, 1);
+      }
+      q.worth = first_order(*out_.base.posterior, mode(), grid(), q.directions);
+      all.push_back(std::move(q));
+    }
   // The best question of each group and gauge, and its score test.
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; });
   std::vector<MechanismDirections> tests;
@@ -275,22 +294,27 @@ void Engine::ask() {
   const auto tested = score_tests(*out_.base.posterior, mode().at, grid(), tests, out_.base.posterior->emulator().residuals(grid().apply(out_.base.histories())));
   for (const auto& t : tested.mechanisms) asked_[std::size_t(std::stoul(t.name))].p_value = t.p_value;
   for (const auto& q : asked_) {
-    const std::string where = q.sensor ? " of " + shape.sensors[*q.sensor] : "";
+    const std::string& place = in_.groups[q.group].place;
+    const std::string where = q.sensor ? " of " + shape.sensors[*q.sensor] : place.empty() ? "" : " (" + place + ")";
     if (q.worth.log_bayes_factor > worth_fitting) say(fmt::format("{}{}: log Bayes factor {:.3g} to first order, p {:.2g}", q.name, where, q.worth.log_bayes_factor, q.p_value));
   }
 }
 
-/// The worst gauge: its numbers are linear in the record, so that they are one more term of the errors and need no runs.
-void Engine::fit_gauges() {
+/// The worst gauge and the linear groups: what they do is linear in their numbers, so that these are one more term of the errors and need no runs.
+void Engine::fit_linear() {
   const auto worst = std::find_if(asked_.begin(), asked_.end(), [](const Asked& q) { return q.sensor.has_value(); });
-  if (worst == asked_.end()) return;
-  const Asked& q = *worst;
+  if (worst != asked_.end()) fit_linear(*worst);
+  for (const auto& q : asked_)
+    if (in_.groups[q.group].linear) fit_linear(q);
+}
+
+void Engine::fit_linear(const Asked& q) {
   const ParameterGroup& group = in_.groups[q.group];
   const LogPosterior& base = *out_.base.posterior;
-  Alternative c{.groups = {group.name}, .sensor = in_.base.problem.shape.sensors[*q.sensor], .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
   c.explanation.name = group.name;
   const Eigen::MatrixXd d = grid().apply(q.directions.by_number) * q.directions.prior_sd.asDiagonal();
-  const ErrorTerm term{"fault of " + c.sensor, d * d.transpose()};
+  const ErrorTerm term{group.name, d * d.transpose()};
   std::vector<WeightedErrors> errors;
   for (const auto& h : out_.base.hypotheses) errors.push_back({h.errors.with(term), h.log_weight, h.discrepancy});
   const LogPosterior with(base.box(), base.emulator(), out_.base.coefficients, errors, out_.base.noise, base.priors(), base.beyond_prior());
@@ -298,8 +322,7 @@ void Engine::fit_gauges() {
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
-  // Any gauge might have been the one.
-  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) - std::log(double(in_.base.problem.observations.size()));
+  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) - (q.sensor ? std::log(double(in_.base.problem.observations.size())) : 0);  // any gauge might have been the one
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(out_.base, with, m);
@@ -310,7 +333,7 @@ void Engine::fit_gauges() {
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
-    c.numbers.push_back({c.sensor + '.' + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
+    c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
     c.explanation.farthest = std::max(c.explanation.farthest, plausibility(a, value));
   }
   history += q.directions.by_number * worth.value;
@@ -321,7 +344,8 @@ void Engine::fit_gauges() {
 void Engine::fit_leaders() {
   int fitted = 0;
   for (const auto& q : asked_) {
-    if (q.sensor) continue;
+    const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == q.name; });
+    if (q.sensor || there) continue;  // a wall that says less, too
     Alternative c{.groups = {q.name}, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
     if (fitted < in_.options.leaders && (q.worth.log_bayes_factor > worth_fitting || fitted == 0)) {
       fit({&q});

@@ -45,6 +45,7 @@ struct DiagnosisInputs {
   const PosteriorInputs& base;          ///< of the physical product; its box stands
   std::vector<ParameterGroup> groups;   ///< offered
   RunAdded run;
+  std::function<std::vector<MechanismDirections>(std::span<const double> theta)> linear;  ///< directions of the linear groups; may be empty
   DiagnosisOptions options;
   std::function<void(const std::string&)> say;  ///< what is being done; may be empty
 };

@@ -88,6 +88,7 @@ struct Experiment {
                                for (std::size_t i = 0; i < level.size(); ++i) all.push_back(run(thetas.col(Eigen::Index(i)), level[i], a));
                                return all;
                              },
+                             .linear = {},
                              .options = {.leaders = 2, .candidate_coarse = 16, .candidate_fine = 6},
                              .say = {}};
     return diagnose(in);
