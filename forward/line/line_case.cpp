@@ -111,10 +111,10 @@ void read_bound_parameters(CaseFile& file, LineCase& c) {
 }  // namespace
 
 bool is_line_case(CaseFile& file) {
-  if (file.text("model.kind") != "line") return false;
+  if (!file.has("model") || file.text("model.kind") == "umbridge") return false;
   ModelOptions model;
   file.read("model", model);
-  return true;
+  return model.kind == "line";
 }
 
 LineCase LineCase::read(CaseFile& file) {

@@ -12,7 +12,7 @@
 
 namespace calomel {
 
-/// Whether the case is one of a line. Errors: InputError for a [model] that is none of those known.
+/// Whether the case is one of a line. Errors: InputError for a model.kind that nobody knows ("umbridge" is left to others).
 bool is_line_case(CaseFile& file);
 
 struct LineCase {

@@ -78,38 +78,48 @@ TEST(PipeFlow, CavityAtTheValveGrowsAndClosesAsTheExactSolutionHasIt) {
   EXPECT_GT(time_closed, 0);
 }
 
-/// Liquid stored over the steady state, A int (P - P0)/(rho a^2) dx by the trapezoidal rule, less the cavities.
-double stored(const PipeFlow& flow, const PipeSetup& s, std::span<const double> steady) {
+/// Volume of liquid that the pressure has pressed into the pipe, less the cavities, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each
+/// cell, which is what the scheme keeps without friction [m^3].
+double stored(const PipeFlow& flow, const PipeSetup& s) {
+  const double impedance = s.density * s.wave_speed;
   double sum = 0, cavities = 0;
-  for (std::size_t i = 0; i < flow.nodes(); ++i) {
-    sum += (i == 0 || i + 1 == flow.nodes() ? 0.5 : 1) * (flow.pressure(i) - steady[i]);
-    cavities += flow.cavity()[i];
-  }
-  return sum * flow.area() * s.length / s.cells / (s.density * s.wave_speed * s.wave_speed) - cavities;
+  for (std::size_t i = 0; i + 1 < flow.nodes(); ++i)
+    sum += 0.5 * (flow.pressure(i) + impedance * flow.downstream()[i] + flow.pressure(i + 1) - impedance * flow.upstream()[i + 1]);
+  for (const double v : flow.cavity()) cavities += v;
+  return sum * flow.area() * s.length / s.cells / (impedance * s.wave_speed) - cavities;
 }
 
-TEST(PipeFlow, KeepsTheMassOfLiquidWhileCavitiesOpenAndClose) {
-  PipeSetup s = pipe();
-  s.vapour_pressure = -100e3, s.velocity = 1.4, s.closure_time = 0.009, s.viscosity = 1e-3, s.friction_factor = 0.024, s.rise = 2;
+/// Greatest error of the balance of liquid over the greatest volume of the cavities, in a second of column separation.
+double balance_error(PipeSetup s) {
+  s.vapour_pressure = -100e3, s.velocity = 1.4, s.closure_time = 0.009, s.rise = 2;
   PipeFlow flow(s, 1);
-  std::vector<double> steady;
-  for (std::size_t i = 0; i < flow.nodes(); ++i) steady.push_back(flow.pressure(i));
-  double flown = 0, in = flow.downstream()[0], out = flow.downstream()[32], most_cavity = 0, worst = 0;
+  const double begin = stored(flow, s);
+  double flown = 0, most = 0, worst = 0;
   while (flow.time() < 1) {
     flow.step();
-    flown += 0.5 * flow.time_step() * flow.area() * (in + flow.downstream()[0] - out - flow.downstream()[32]);
-    in = flow.downstream()[0], out = flow.downstream()[32];
+    flown += flow.time_step() * flow.area() * (flow.downstream()[0] - flow.downstream()[flow.nodes() - 1]);
     double cavity = 0;
     for (const double v : flow.cavity()) {
       EXPECT_GE(v, 0);
       cavity += v;
     }
     for (std::size_t i = 1; i < flow.nodes(); ++i) EXPECT_GE(flow.pressure(i), -100e3 - 1e-9);
-    most_cavity = std::max(most_cavity, cavity);
-    worst = std::max(worst, std::abs(stored(flow, s, steady) - flown));
+    most = std::max(most, cavity), worst = std::max(worst, std::abs(stored(flow, s) - begin - flown));
   }
-  EXPECT_GT(most_cavity, 1e-6);
-  EXPECT_LT(worst, 0.01 * most_cavity);
+  EXPECT_GT(most, 1e-6);
+  return worst / most;
+}
+
+TEST(PipeFlow, KeepsTheLiquidWhileCavitiesOpenAndClose) {
+  PipeSetup s = pipe();
+  EXPECT_LT(balance_error(s), 1e-10);
+  s.gas_fraction = 1e-7;
+  EXPECT_LT(balance_error(s), 1e-3);  // the gas that is there from the beginning
+  s.gas_fraction = 0, s.viscosity = 1e-3, s.friction_factor = 0.024;  // friction takes from a characteristic where it leaves and where it arrives: to first order in the step
+  const double coarse = balance_error(s);
+  s.cells = 128;
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_LT(balance_error(s), 0.5 * coarse);
 }
 
 TEST(PipeFlow, GasCavitiesFollowBoylesLaw) {
