@@ -62,7 +62,8 @@ ExitStatus simulate_line_stage(StageCall& call) {
                                                 {"mechanisms", description.active},
                                                 {"warnings", Json::array()},
                                                 {"provenance", provenance.json()}});
-  inputs.notes().say(simulate_line({.elements = description.cells, .steps = std::int64_t(description.steps), .wall = wall, .element_steps = cell_steps / wall}));
+  inputs.notes().say(
+      simulate_line({.elements = description.cells, .steps = std::int64_t(description.steps), .wall = wall, .element_steps = cell_steps / wall}));
   return ExitStatus::done;
 }
 

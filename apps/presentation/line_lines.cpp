@@ -12,8 +12,10 @@ std::vector<std::string> line_plan_lines(const LineModel& model, const LineDescr
                                            : fmt::format("{} cells, {} steps of {:.4g} s", d.cells, d.steps, d.time_step);
   lines.push_back(fmt::format("model: {}, {} stations at {} times, readings in {}", grid, shape.sensors.size(), shape.times.size(), c.unit));
   if (c.kind == "pipe")
-    lines.push_back(fmt::format("pipe: Joukowsky's pressure rho a V {:.5g} kPa, period 4 L / a {:.5g} s, steady pressure at the valve {:.5g} kPa, Darcy's friction factor {:.4g}",
-                                1e-3 * c.pipe.density * c.pipe.wave_speed * c.pipe.velocity, 4 * c.pipe.length / c.pipe.wave_speed, 1e-3 * d.steady_pressure, d.friction_factor));
+    lines.push_back(fmt::format(
+        "pipe: Joukowsky's pressure rho a V {:.5g} kPa, period 4 L / a {:.5g} s, steady pressure at the valve {:.5g} kPa, "
+        "Darcy's friction factor {:.4g}",
+        1e-3 * c.pipe.density * c.pipe.wave_speed * c.pipe.velocity, 4 * c.pipe.length / c.pipe.wave_speed, 1e-3 * d.steady_pressure, d.friction_factor));
   lines.push_back("mechanisms: " + (d.active.empty() ? "none" : join(d.active)) + (d.offered.empty() ? "" : "; offered to a diagnosis: " + join(d.offered)));
   std::vector<std::string> names;
   for (const auto& p : c.parameters) names.push_back(fmt::format("{} {:.4g} to {:.4g}", p.name, p.min, p.max));

@@ -65,7 +65,8 @@ void read_stations(CaseFile& file, LineCase& c) {
     if (!names.insert(s.name).second)
       throw file.located(InputError({.problem = "two stations have the same name", .key = path + ".name", .suggestion = "give each station its own"}));
     if (c.kind == "pipe" && s.distance > c.pipe.length)
-      throw file.located(InputError({.problem = "a station of a pipe lies on it", .key = path + ".distance", .range = fmt::format("0 to {} m", number_text(c.pipe.length))}));
+      throw file.located(
+          InputError({.problem = "a station of a pipe lies on it", .key = path + ".distance", .range = fmt::format("0 to {} m", number_text(c.pipe.length))}));
     c.stations.push_back(s);
   }
   file.accept("station");
@@ -83,7 +84,8 @@ void read_unit(CaseFile& file, LineCase& c) {
   if (unit == pressure_units.end()) {
     std::vector<std::string> known;
     for (const auto& u : pressure_units) known.push_back(u.first);
-    throw file.located(InputError({.problem = "the readings of a pipe are pressures", .key = "case.sensor_unit", .value = '"' + c.unit + '"', .range = join(known)}));
+    throw file.located(
+        InputError({.problem = "the readings of a pipe are pressures", .key = "case.sensor_unit", .value = '"' + c.unit + '"', .range = join(known)}));
   }
   c.pascals_per_unit = unit->second;
 }
@@ -96,7 +98,9 @@ void read_bound_parameters(CaseFile& file, LineCase& c) {
       try {
         for (const auto& m : c.mechanisms)
           if (p.key.starts_with("mechanism." + m.name + '.') && !m.enabled)
-            throw InputError({.problem = "this mechanism is not part of the model", .value = '"' + p.key + '"', .suggestion = "set mechanism." + m.name + ".enabled = true"});
+            throw InputError({.problem = "this mechanism is not part of the model",
+                              .value = '"' + p.key + '"',
+                              .suggestion = "set mechanism." + m.name + ".enabled = true"});
         const double value = c.number(p.key);
         if (!p.nominal) p.nominal = value;
         p.validate();
@@ -121,7 +125,8 @@ LineCase LineCase::read(CaseFile& file) {
   LineCase c;
   LineKind line;
   if (!file.has("line"))
-    throw file.located(InputError({.problem = "the table [line] is missing", .key = "model.kind", .suggestion = "add [line] with kind = \"bar\" or \"pipe\", see docs/theory/line.md"}));
+    throw file.located(InputError(
+        {.problem = "the table [line] is missing", .key = "model.kind", .suggestion = "add [line] with kind = \"bar\" or \"pipe\", see docs/theory/line.md"}));
   // The kind decides which keys are known; a wrong one is told before them.
   const std::vector<std::string> any_key = file.names("line");
   file.read("line", line, any_key);
@@ -131,13 +136,15 @@ LineCase LineCase::read(CaseFile& file) {
   else
     file.read("line", c.pipe);
   for (const char* solid : {"geometry", "material", "load", "sensor", "sensors", "condition", "solver", "fields"})
-    if (file.has(solid)) throw file.located(InputError({.problem = "this table belongs to a model on a mesh, not to a line", .key = solid, .suggestion = "take it out"}));
+    if (file.has(solid))
+      throw file.located(InputError({.problem = "this table belongs to a model on a mesh, not to a line", .key = solid, .suggestion = "take it out"}));
   read_unit(file, c);
   file.read("time", c.time);
   read_stations(file, c);
   if (c.kind == "bar") {
     if (!file.has("drive"))
-      throw file.located(InputError({.problem = "the table [drive] is missing: what passes a bar's first gauge", .key = "line.kind", .suggestion = "add [drive] with file = ..."}));
+      throw file.located(InputError(
+          {.problem = "the table [drive] is missing: what passes a bar's first gauge", .key = "line.kind", .suggestion = "add [drive] with file = ..."}));
     file.read("drive", c.drive);
     file.locating([&] { c.record = read_drive(file.resolve(c.drive.file), c.drive); });
     double known = std::numeric_limits<double>::infinity();
@@ -148,14 +155,16 @@ LineCase LineCase::read(CaseFile& file) {
                                      .value = number_text(c.time.end),
                                      .range = fmt::format("at most {} s", number_text(known))}));
   } else if (file.has("drive")) {
-    throw file.located(InputError({.problem = "a pipe is driven by its valve, not by a record", .key = "drive", .suggestion = "take the table out, or set line.kind = \"bar\""}));
+    throw file.located(InputError(
+        {.problem = "a pipe is driven by its valve, not by a record", .key = "drive", .suggestion = "take the table out, or set line.kind = \"bar\""}));
   }
   std::vector<std::string> names;
   for (const auto& s : c.stations) names.push_back(s.name);
   c.mechanisms = read_line_mechanisms(file, line_mechanisms(c.kind), names);
   for (const auto& m : c.mechanisms)
     if (m.enabled && !c.has_what_it_needs(m))
-      throw file.located(InputError({.problem = "this mechanism needs " + m.entry->needs, .key = "mechanism." + m.name + ".enabled", .suggestion = "set " + m.entry->needs}));
+      throw file.located(
+          InputError({.problem = "this mechanism needs " + m.entry->needs, .key = "mechanism." + m.name + ".enabled", .suggestion = "set " + m.entry->needs}));
   read_bound_parameters(file, c);
   return c;
 }
@@ -165,7 +174,9 @@ double LineCase::number(const std::string& key) const {
   const auto v = find_number(looked_at, key);
   if (v.number) return *v.number;
   if (!*v.optional)
-    throw InputError({.problem = "has no value in the case, so there is no nominal", .value = '"' + key + '"', .suggestion = "set it in its table, or give the parameter a nominal"});
+    throw InputError({.problem = "has no value in the case, so there is no nominal",
+                      .value = '"' + key + '"',
+                      .suggestion = "set it in its table, or give the parameter a nominal"});
   return **v.optional;
 }
 

@@ -17,8 +17,8 @@ bool is_line_case(CaseFile& file);
 
 struct LineCase {
   std::string name;
-  std::string kind = "bar";    ///< or "pipe"
-  std::string unit;            ///< of the readings: a bar's is the drive's; a pipe's Pa, kPa, MPa or bar
+  std::string kind = "bar";     ///< or "pipe"
+  std::string unit;             ///< of the readings: a bar's is the drive's; a pipe's Pa, kPa, MPa or bar
   double pascals_per_unit = 1;  ///< of a pipe's readings
   BarOptions bar;
   PipeOptions pipe;

@@ -8,7 +8,8 @@ bool LineMechanism::off() const {
   return std::all_of(entry->keys.begin(), entry->keys.end(), [&](const MechanismKey& k) {
     if (!k.decides) return true;
     if (values[k.name] != k.off) return false;
-    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == k.off; });
+    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(),
+                       [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == k.off; });
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Physics that a line leaves out: named blocks of keys whose off values give the base model exactly, as in forward/mechanism. A mechanism is one pair of files that
-/// makes its LineMechanismEntry, and one line in register.cpp. At its off values it is not called at all.
+/// Physics that a line leaves out: named blocks of keys whose off values give the base model exactly, as in forward/mechanism. A mechanism is one pair of files
+/// that makes its LineMechanismEntry, and one line in register.cpp. At its off values it is not called at all.
 #include <complex>
 #include <functional>
 #include <span>
@@ -18,7 +18,7 @@ namespace calomel {
 struct LineMechanismEntry {
   std::string law;  ///< one line
   std::vector<MechanismKey> keys;
-  std::string needs;        ///< number of the case without which it is not offered ("line.radius"), or empty
+  std::string needs;         ///< number of the case without which it is not offered ("line.radius"), or empty
   bool per_station = false;  ///< `[mechanism.NAME.STATION]` tables are allowed
 
   /// Bar: multiplies the wavenumber at each angular frequency, (frequencies). `radius` [m] is NaN where the case has none.
@@ -35,8 +35,8 @@ const Registry<LineMechanismEntry>& pipe_mechanisms();
 /// By `line.kind`, "bar" or "pipe".
 const Registry<LineMechanismEntry>& line_mechanisms(const std::string& kind);
 
-/// A mechanism of the case's kind of line with its values. One that is not enabled stands at its off values, so that it is not part of the model until a number of it
-/// is set (LineModel::evaluate).
+/// A mechanism of the case's kind of line with its values. One that is not enabled stands at its off values, so that it is not part of the model until a number
+/// of it is set (LineModel::evaluate).
 struct LineMechanism {
   std::string name;
   const LineMechanismEntry* entry;

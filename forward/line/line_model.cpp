@@ -54,7 +54,8 @@ std::vector<double> LineModel::bar_histories(const LineCase& at) const {
   if (!(at.bar.wave_speed > 0)) throw NumericsError("the wave speed must be above 0, it is " + number_text(at.bar.wave_speed));
   double longest = 0;
   for (const auto& s : at.stations) longest = std::max(longest, s.distance / at.bar.wave_speed + std::abs(s.delay));
-  if (!(longest < 1e3 * (case_.record.end() - case_.record.begin))) throw NumericsError(fmt::format("the wave takes {:.4g} s to a station, far beyond the record", longest));
+  if (!(longest < 1e3 * (case_.record.end() - case_.record.begin)))
+    throw NumericsError(fmt::format("the wave takes {:.4g} s to a station, far beyond the record", longest));
   const BarWave wave(case_.record, std::max(longest, case_.time.end - case_.record.end()));
   std::vector<std::complex<double>> wavenumber;
   for (const double w : wave.omega()) wavenumber.emplace_back(w / at.bar.wave_speed);
@@ -100,13 +101,15 @@ std::vector<double> LineModel::pipe_histories(const LineCase& at) const {
 
 std::vector<double> LineModel::histories(const LineCase& at) const {
   for_active(at, [&](const LineMechanism& m) {
-    if (!at.has_what_it_needs(m)) throw InputError({.problem = "this mechanism needs " + m.entry->needs, .key = "mechanism." + m.name, .suggestion = "set " + m.entry->needs});
+    if (!at.has_what_it_needs(m))
+      throw InputError({.problem = "this mechanism needs " + m.entry->needs, .key = "mechanism." + m.name, .suggestion = "set " + m.entry->needs});
   });
   std::vector<double> out = at.kind == "bar" ? bar_histories(at) : pipe_histories(at);
   const std::size_t times = shape_.times.size();
   for_active(at, [&](const LineMechanism& m) {
     if (!m.entry->channel) return;
-    for (std::size_t k = 0; k < at.stations.size(); ++k) m.entry->channel(m.values, at.stations[k].name, at.time.output_interval, {out.data() + k * times, times});
+    for (std::size_t k = 0; k < at.stations.size(); ++k)
+      m.entry->channel(m.values, at.stations[k].name, at.time.output_interval, {out.data() + k * times, times});
   });
   for (const double x : out)
     if (!std::isfinite(x)) throw NumericsError("the history is not a number");
@@ -128,7 +131,7 @@ Prediction LineModel::evaluate(std::span<const double> theta, const std::map<std
 std::vector<OfferedMechanism> LineModel::offered() const {
   std::vector<OfferedMechanism> all;
   for (const auto& m : case_.mechanisms)
-    if (!m.enabled && case_.has_what_it_needs(m)) all.push_back({m.name, m.entry->law, m.entry->keys});
+    if (!m.enabled && case_.has_what_it_needs(m)) all.push_back({m.name, m.entry->law, m.entry->keys, m.entry->per_station});
   return all;
 }
 
@@ -138,14 +141,15 @@ LineDescription LineModel::describe() const {
     double longest = std::max(0.0, case_.time.end - case_.record.end());
     for (const auto& s : case_.stations) longest = std::max(longest, s.distance / case_.bar.wave_speed + std::abs(s.delay));
     const BarWave wave(case_.record, longest);
-    d.cells = wave.omega().size(), d.nodes = wave.samples(), d.steps = shape_.times.size() - 1, d.time_step = case_.record.interval;
+    d.cells = wave.omega().size(), d.nodes = wave.samples(), d.steps = 1, d.time_step = case_.record.interval;
   } else {
     const PipeFlow flow(pipe_setup(case_), case_.time.end);
     d.cells = std::size_t(case_.pipe.cells), d.nodes = flow.nodes(), d.time_step = flow.time_step();
     d.steps = std::size_t(std::ceil(case_.time.end / d.time_step * (1 - 1e-12)));
     d.friction_factor = case_.friction_factor(), d.steady_pressure = flow.pressure(d.nodes - 1);
     if (case_.time.output_interval < d.time_step)
-      d.notes.push_back(fmt::format("a step of the grid, {:.4g} s, is longer than output_interval: histories are linear in between; more cells make it shorter", d.time_step));
+      d.notes.push_back(fmt::format("a step of the grid, {:.4g} s, is longer than output_interval: histories are linear in between; more cells make it shorter",
+                                    d.time_step));
   }
   for (const auto& m : case_.mechanisms) {
     if (m.enabled)

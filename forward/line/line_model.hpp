@@ -1,5 +1,6 @@
 #pragma once
-/// The line as a ForwardModel: waves along a bar or a pipe, fractions of a millisecond to milliseconds a run, so that a diagnosis of omitted physics can be tested on measured records.
+/// The line as a ForwardModel: waves along a bar or a pipe, about a millisecond a run, so that a diagnosis of omitted physics can be tested on measured
+/// records.
 #include <map>
 
 #include "forward/line/line_case.hpp"
@@ -12,12 +13,13 @@ struct OfferedMechanism {
   std::string name;
   std::string law;
   std::vector<MechanismKey> keys;  ///< name, unit, off value, default prior range, whether it decides
+  bool per_station = false;        ///< "mechanism.NAME.STATION.KEY" is of one station alone
 };
 
 /// What `check` prints.
 struct LineDescription {
-  std::size_t cells = 0, nodes = 0, steps = 0;  ///< pipe: of its grid; bar: frequencies, samples of the record and what is appended, output intervals
-  double time_step = 0;                         ///< [s]; bar: of the record
+  std::size_t cells = 0, nodes = 0, steps = 0;  ///< pipe: of its grid; bar: frequencies, samples of the record and what is appended, one step for all times
+  double time_step = 0;                         ///< [s]; bar: between samples of the record
   double friction_factor = 0;                   ///< of the pipe's turbulent flow [-]
   double steady_pressure = 0;                   ///< of the pipe at the valve [Pa]
   std::vector<std::string> active;              ///< mechanisms that are part of the model

@@ -48,7 +48,8 @@ struct PipeOptions {
     v("diameter", diameter, {.unit = "m", .range = above(0), .doc = "inner", .required = true});
     v("wave_speed", wave_speed, {.unit = "m/s", .range = above(0), .doc = "of pressure waves in the filled pipe", .required = true});
     v("velocity", velocity, {.unit = "m/s", .range = at_least(0), .doc = "of the steady flow towards the valve", .required = true});
-    v("reservoir_pressure", reservoir_pressure, {.unit = "Pa", .range = at_least(-101325), .doc = "over the atmosphere's, at the pipe's end", .required = true});
+    v("reservoir_pressure", reservoir_pressure,
+      {.unit = "Pa", .range = at_least(-101325), .doc = "over the atmosphere's, at the pipe's end", .required = true});
     v("density", density, {.unit = "kg/m^3", .range = above(0), .doc = "of the liquid; default: water at 20 C"});
     v("viscosity", viscosity, {.unit = "Pa s", .range = at_least(0), .doc = "of the liquid; default: water at 20 C"});
     v("friction_factor", friction_factor, {.range = between(0, 1), .doc = "Darcy's, of turbulent flow; default: Haaland's of the steady flow"});

@@ -35,12 +35,20 @@ void first_order_lag(double tau, double interval, std::span<double> y) {
 }
 
 LineMechanismEntry line_sensor_response(const LineSensorRanges& r) {
-  return {.law = "gain, lag of first order and low pass of each station",
-          .keys = {{.name = "gain", .unit = "", .off = 1, .low = 0.85, .high = 1.15, .doc = "on top of the station's own"},
-                   {.name = "lag", .unit = "s", .off = 0, .low = r.lag_low, .high = r.lag_high, .log_uniform = true, .least = 0, .doc = "tau of tau dy/dt + y = x"},
-                   {.name = "low_pass", .unit = "Hz", .off = std::numeric_limits<double>::infinity(), .low = r.pass_low, .high = r.pass_high, .log_uniform = true, .least = 1e-3, .doc = "-3 dB frequency of a second-order Butterworth; inf = none"}},
-          .per_station = true,
-          .channel = respond};
+  return {
+      .law = "gain, lag of first order and low pass of each station",
+      .keys = {{.name = "gain", .unit = "", .off = 1, .low = 0.85, .high = 1.15, .doc = "on top of the station's own"},
+               {.name = "lag", .unit = "s", .off = 0, .low = r.lag_low, .high = r.lag_high, .log_uniform = true, .least = 0, .doc = "tau of tau dy/dt + y = x"},
+               {.name = "low_pass",
+                .unit = "Hz",
+                .off = std::numeric_limits<double>::infinity(),
+                .low = r.pass_low,
+                .high = r.pass_high,
+                .log_uniform = true,
+                .least = 1e-3,
+                .doc = "-3 dB frequency of a second-order Butterworth; inf = none"}},
+      .per_station = true,
+      .channel = respond};
 }
 
 }  // namespace calomel

@@ -12,9 +12,9 @@ namespace calomel {
 
 namespace {
 
-constexpr double gravity = 9.80665;          ///< standard [m/s^2]
-constexpr double laminar_reynolds = 2320;    ///< of the steady flow: below, Vardy and Brown's B is that of laminar flow
-constexpr double laminar_b = 210.08;         ///< Vardy and Brown 2003
+constexpr double gravity = 9.80665;        ///< standard [m/s^2]
+constexpr double laminar_reynolds = 2320;  ///< of the steady flow: below, Vardy and Brown's B is that of laminar flow
+constexpr double laminar_b = 210.08;       ///< Vardy and Brown 2003
 
 void expect_number(bool holds, const char* what, double value) {
   if (!holds || !std::isfinite(value)) throw NumericsError(fmt::format("{} = {:.6g}", what, value));
@@ -47,13 +47,15 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
     height_.push_back(s_.density * gravity * s_.rise * double(i) / s_.cells);
     pressure_.push_back(s_.reservoir_pressure - loss * double(i));
     if (pressure(i) < s_.vapour_pressure)
-      throw NumericsError(fmt::format("the steady pressure {:.4g} Pa at {:.3g} m is below the vapour pressure {:.4g} Pa", pressure(i), dx_ * double(i), s_.vapour_pressure));
+      throw NumericsError(
+          fmt::format("the steady pressure {:.4g} Pa at {:.3g} m is below the vapour pressure {:.4g} Pa", pressure(i), dx_ * double(i), s_.vapour_pressure));
   }
   steady_ = pressure_;
   upstream_.assign(n, s_.velocity), downstream_ = upstream_;
   valve_drop_ = pressure(n - 1) - s_.outlet_pressure;
   if (s_.velocity > 0 && !(valve_drop_ > 0))
-    throw NumericsError(fmt::format("the pressure behind the valve, {:.4g} Pa, is not below the steady one before it, {:.4g} Pa", s_.outlet_pressure, pressure(n - 1)));
+    throw NumericsError(
+        fmt::format("the pressure behind the valve, {:.4g} Pa, is not below the steady one before it, {:.4g} Pa", s_.outlet_pressure, pressure(n - 1)));
 
   cavities_ = std::isfinite(s_.vapour_pressure);
   cavity_.assign(n, 0.0), gas_.assign(n, 0.0);

@@ -24,10 +24,10 @@ struct PipeSetup {
   int cells = 64;
 
   double vapour_pressure = -std::numeric_limits<double>::infinity();  ///< gauge; no pressure falls below it [Pa]
-  double gas_fraction = 0;          ///< of the volume at the steady pressure, isothermal [-]
-  double unsteady_friction = 0;     ///< share of Vardy and Brown's [-]
-  double retarded_compliance = 0;   ///< of the wall, over the line's elastic one [-]
-  double retardation_time = 0;      ///< of the wall [s]
+  double gas_fraction = 0;                                            ///< of the volume at the steady pressure, isothermal [-]
+  double unsteady_friction = 0;                                       ///< share of Vardy and Brown's [-]
+  double retarded_compliance = 0;                                     ///< of the wall, over the line's elastic one [-]
+  double retardation_time = 0;                                        ///< of the wall [s]
 };
 
 /// Darcy's friction factor of turbulent flow, Haaland 1983: f^-1/2 = -1.8 log10((roughness/3.7)^1.11 + 6.9/Re). roughness: over the diameter [-].
@@ -36,17 +36,18 @@ double haaland(double reynolds, double roughness);
 /// P_t + rho a^2 V_x + q_t = 0, rho V_t + P_x + rho f V|V| / 2D + F = 0, with P = p + rho g z the piezometric pressure, f = max(64/Re, friction_factor) at each
 /// instant (quasi-steady), and
 ///   q  retarded strain of a Kelvin-Voigt wall, times rho a^2: tau q_t + q = chi (P - P_steady)
-///   F  unsteady friction, (16 mu / D^2) int V_t(s) W(4 nu (t - s) / D^2) ds, W(t) = exp(-B t) / (2 sqrt(pi t)), B = Re^k / 12.86, k = log10(15.29 Re^-0.0567); 210.08
+///   F  unsteady friction, (16 mu / D^2) int V_t(s) W(4 nu (t - s) / D^2) ds, W(t) = exp(-B t) / (2 sqrt(pi t)), B = Re^k / 12.86, k = log10(15.29 Re^-0.0567);
+///   210.08
 ///      for laminar flow (Vardy and Brown 2003), by a sum of exponentials.
 /// Along dx/dt = +-a this is dP +- rho a dV +- (friction) dx + q_t dt = 0; all terms by the trapezoidal rule. Vapour: at a node whose pressure would fall below
-/// the vapour pressure a cavity opens, d(volume)/dt = area (V_downstream - V_upstream), and (p - p_v) volume = gas constant; with no gas p >= p_v, volume >= 0 and
-/// one of the two an equality, which is solved exactly in every step (discrete vapour and gas cavities: Wylie 1984; Bergant, Simpson and Tijsseling 2006). That is
-/// Riemer's cutoff of mercury: p = max(p_elastic, p_v), reversible.
-/// Valve: V|V| = V0^2 opening^2 (p - p_out) / (p_steady - p_out).
+/// the vapour pressure a cavity opens, d(volume)/dt = area (V_downstream - V_upstream), and (p - p_v) volume = gas constant; with no gas p >= p_v, volume >= 0
+/// and one of the two an equality, which is solved exactly in every step (discrete vapour and gas cavities: Wylie 1984; Bergant, Simpson and Tijsseling 2006).
+/// That is Riemer's cutoff of mercury: p = max(p_elastic, p_v), reversible. Valve: V|V| = V0^2 opening^2 (p - p_out) / (p_steady - p_out).
 class PipeFlow {
  public:
   /// The steady state. `longest`: how long it will run [s], which the exponentials of unsteady friction must span.
-  /// Errors: NumericsError where a number is outside its law, or the steady flow is not one: pressure below the vapour's or behind the valve above that before it.
+  /// Errors: NumericsError where a number is outside its law, or the steady flow is not one: pressure below the vapour's or behind the valve above that before
+  /// it.
   PipeFlow(const PipeSetup& setup, double longest);
 
   void step();
@@ -73,8 +74,8 @@ class PipeFlow {
   [[nodiscard]] double resistance(double velocity) const;
   [[nodiscard]] double opening(double time) const;
   /// The line that arrives at `to` from its neighbour `from`, with sign +1 from the reservoir's side (of velocities `there` and, at the node, `here`).
-  [[nodiscard]] Characteristic arriving(std::size_t from, std::size_t to, double sign, const std::vector<double>& there, const std::vector<double>& here, std::span<const double> past_there,
-                                        std::span<const double> past_here) const;
+  [[nodiscard]] Characteristic arriving(std::size_t from, std::size_t to, double sign, const std::vector<double>& there, const std::vector<double>& here,
+                                        std::span<const double> past_there, std::span<const double> past_here) const;
   void cavity_node(std::size_t i, const Characteristic& plus, double outflow_constant, double outflow_slope);
   void remember(std::vector<double>& past, const std::vector<double>& before, const std::vector<double>& now) const;
   [[nodiscard]] double friction_now(std::span<const double> past, std::size_t node) const;
@@ -85,14 +86,14 @@ class PipeFlow {
   bool cavities_ = false, wall_ = false, unsteady_ = false;
   std::size_t steps_ = 0;
   double valve_drop_ = 0;
-  std::vector<double> height_;                ///< rho g z of the nodes [Pa]
-  std::vector<double> pressure_, steady_;     ///< piezometric [Pa]
+  std::vector<double> height_;             ///< rho g z of the nodes [Pa]
+  std::vector<double> pressure_, steady_;  ///< piezometric [Pa]
   std::vector<double> upstream_, downstream_;
-  std::vector<double> cavity_, gas_;          ///< [m^3], [Pa m^3]
-  std::vector<double> retarded_, rate_;       ///< q [Pa], dq/dt [Pa/s]
-  std::vector<double> weight_, decay_;        ///< of the exponentials, of a step
-  std::vector<double> past_up_, past_down_;   ///< (node, exponential) of unsteady friction, by side [m/s]
-  double fresh_ = 0;                          ///< F of a step's own change of velocity, over it [Pa s/m^2]
+  std::vector<double> cavity_, gas_;         ///< [m^3], [Pa m^3]
+  std::vector<double> retarded_, rate_;      ///< q [Pa], dq/dt [Pa/s]
+  std::vector<double> weight_, decay_;       ///< of the exponentials, of a step
+  std::vector<double> past_up_, past_down_;  ///< (node, exponential) of unsteady friction, by side [m/s]
+  double fresh_ = 0;                         ///< F of a step's own change of velocity, over it [Pa s/m^2]
 };
 
 }  // namespace calomel

@@ -22,7 +22,8 @@ std::optional<double> number_of(const std::string& word) {
 }
 
 std::vector<std::string> words_of(std::string line) {
-  std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
   std::istringstream in(line);
   std::vector<std::string> words;
   for (std::string w; in >> w && w[0] != '#';) words.push_back(w);
@@ -56,7 +57,8 @@ Signal read_signal(const std::filesystem::path& path, int column, std::optional<
   if (n < 4) throw InputError({.problem = "holds fewer than four samples", .file = path.string()});
   signal.begin = time[0];
   signal.interval = sample_interval.value_or((time[n - 1] - time[0]) / double(n - 1));
-  if (!(signal.interval > 0)) throw InputError({.problem = "time must increase", .value = number_text(time[n - 1]), .file = path.string(), .line = lines[n - 1]});
+  if (!(signal.interval > 0))
+    throw InputError({.problem = "time must increase", .value = number_text(time[n - 1]), .file = path.string(), .line = lines[n - 1]});
   if (!sample_interval)
     for (std::size_t i = 0; i < n; ++i)
       if (std::abs(time[i] - time[0] - double(i) * signal.interval) > 0.1 * signal.interval)

@@ -20,7 +20,8 @@ struct DriveOptions {
   void visit(V& v) {
     v("file", file, {.doc = "text file with columns of numbers, the first of them time [s]; lines of words before the numbers are a header", .required = true});
     v("column", column, {.range = between(2, 1000), .doc = "column of the record at the first gauge, counted from 1"});
-    v("sample_interval", sample_interval, {.unit = "s", .range = above(0), .doc = "time between samples, for a file whose times are rounded; default: as its first column says"});
+    v("sample_interval", sample_interval,
+      {.unit = "s", .range = above(0), .doc = "time between samples, for a file whose times are rounded; default: as its first column says"});
     v("baseline", baseline, {.unit = "s", .range = at_least(0), .doc = "length of the quiet beginning whose mean is taken off; 0 = none"});
     v("scale", scale, {.doc = "factor on the record"});
   }
@@ -34,8 +35,8 @@ struct Signal {
   [[nodiscard]] double end() const { return begin + interval * double(value.size() - 1); }
 };
 
-/// One column of a text file (commas, semicolons or blanks between columns, `#` comments). A time may be off its even place by a tenth of the interval, unless the
-/// interval is given: then the times are not read but for the first. Errors: InputError with file and line.
+/// One column of a text file (commas, semicolons or blanks between columns, `#` comments). A time may be off its even place by a tenth of the interval, unless
+/// the interval is given: then the times are not read but for the first. Errors: InputError with file and line.
 Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval);
 
 /// The record that drives a bar: its column, less the mean of its quiet beginning, times the scale. Errors: as read_signal; no sample within the baseline.

@@ -3,7 +3,9 @@
 namespace calomel {
 
 LineMechanismEntry vapour_cutoff() {
-  return {.law = "p >= p_v: vapour cavities open at the nodes and close again, d(volume)/dt = area (V_downstream - V_upstream); with free gas (p - p_v) volume is constant",
+  return {.law =
+              "p >= p_v: vapour cavities open at the nodes and close again, d(volume)/dt = area (V_downstream - V_upstream); with free gas (p - p_v) volume is "
+              "constant",
           .keys = {{.name = "pressure",
                     .unit = "Pa",
                     .off = -std::numeric_limits<double>::infinity(),

@@ -14,7 +14,15 @@ void attenuate(const MechanismValues& v, const BarOptions&, std::span<const doub
 
 LineMechanismEntry viscous_attenuation() {
   return {.law = "sigma = E (e + theta de/dt): k = (omega / c0) (1 + i omega theta)^-1/2",
-          .keys = {{.name = "time", .unit = "s", .off = 0, .low = 1e-9, .high = 1e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = "theta, viscosity over Young's modulus"}},
+          .keys = {{.name = "time",
+                    .unit = "s",
+                    .off = 0,
+                    .low = 1e-9,
+                    .high = 1e-6,
+                    .log_uniform = true,
+                    .least = 0,
+                    .greatest = 1,
+                    .doc = "theta, viscosity over Young's modulus"}},
           .wavenumber = attenuate};
 }
 

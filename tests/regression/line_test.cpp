@@ -66,8 +66,9 @@ TEST(Line, OfAPipeIsCheckedAndSimulated) {
   const auto dir = folder_with("line_pipe", {{"case.toml", pipe_case}});
   const auto told = printed(dir, "check case.toml");
   EXPECT_EQ(told.status, 0);
-  for (const char* part : {"case: hammer, waves along a pipe", "32 cells, 64 steps of 0.001 s, 1 stations at 65 times, readings in kPa", "rho a V 625 kPa, period 4 L / a 0.128 s",
-                           "mechanisms: vapour_cutoff; offered to a diagnosis: unsteady_friction, wall_viscoelasticity, sensor_response", "parameters: wave_speed 1100 to 1400"})
+  for (const char* part :
+       {"case: hammer, waves along a pipe", "32 cells, 64 steps of 0.001 s, 1 stations at 65 times, readings in kPa", "rho a V 625 kPa, period 4 L / a 0.128 s",
+        "mechanisms: vapour_cutoff; offered to a diagnosis: unsteady_friction, wall_viscoelasticity, sensor_response", "parameters: wave_speed 1100 to 1400"})
     EXPECT_THAT(told.said, HasSubstr(part));
   EXPECT_THAT(printed(dir, "check case.toml --resolved").said, HasSubstr("\"closure_exponent\": 1.0"));
   const auto made = run(dir, "simulate case.toml");

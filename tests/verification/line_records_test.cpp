@@ -54,8 +54,8 @@ Fit least(const std::function<double(const std::vector<double>&)>& f, std::vecto
   for (int restart = 0; restart < 2; ++restart) {
     Vector at(gsl_vector_alloc(n), gsl_vector_free), step(gsl_vector_alloc(n), gsl_vector_free);
     for (std::size_t i = 0; i < n; ++i) gsl_vector_set(at.get(), i, x[i]), gsl_vector_set(step.get(), i, steps[i]);
-    const std::unique_ptr<gsl_multimin_fminimizer, decltype(&gsl_multimin_fminimizer_free)> search(gsl_multimin_fminimizer_alloc(gsl_multimin_fminimizer_nmsimplex2, n),
-                                                                                                   gsl_multimin_fminimizer_free);
+    const std::unique_ptr<gsl_multimin_fminimizer, decltype(&gsl_multimin_fminimizer_free)> search(
+        gsl_multimin_fminimizer_alloc(gsl_multimin_fminimizer_nmsimplex2, n), gsl_multimin_fminimizer_free);
     gsl_multimin_fminimizer_set(search.get(), &g, at.get(), step.get());
     for (int i = 0; i < iterations && !gsl_multimin_fminimizer_iterate(search.get()); ++i)
       if (gsl_multimin_fminimizer_size(search.get()) < 1e-6) break;
@@ -80,9 +80,10 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
     rows_absent("no " + path.string());
     GTEST_SKIP() << "no " << path;
   }
-  const LineModel model = model_of(fmt::format("[case]\nsensor_unit = \"V\"\n[model]\nkind = \"line\"\n[line]\nkind = \"bar\"\nwave_speed = {}\nradius = {}\n[drive]\nfile = \"{}\"\n"
-                                               "sample_interval = {}\nbaseline = 4.95e-5\n[time]\nend = 4.95e-4\noutput_interval = {}\n[[station]]\nname = \"out\"\ndistance = {}\n",
-                                               bar_speed, bar_radius, path.string(), sample, sample, travel));
+  const LineModel model = model_of(
+      fmt::format("[case]\nsensor_unit = \"V\"\n[model]\nkind = \"line\"\n[line]\nkind = \"bar\"\nwave_speed = {}\nradius = {}\n[drive]\nfile = \"{}\"\n"
+                  "sample_interval = {}\nbaseline = 4.95e-5\n[time]\nend = 4.95e-4\noutput_interval = {}\n[[station]]\nname = \"out\"\ndistance = {}\n",
+                  bar_speed, bar_radius, path.string(), sample, sample, travel));
   const Signal record = read_drive(path, {.column = 3, .sample_interval = sample, .baseline = 4.95e-5});
   const auto misfit = [&](std::span<const double> history) {  // with the best gain [mV]
     double hh = 0, hy = 0, yy = 0;
@@ -119,20 +120,34 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
       },
       {0, 0.25}, {3, 0.05});
   const auto told = [&](const char* what, double measured, double reference, double tolerance) {
-    verify({.item = item, .quantity = fmt::format("bar: residual, {}", what), .unit = "mV", .reference = reference, .source = "computed independently", .measured = measured, .tolerance = tolerance, .control = "the other laws' rows, with residuals of their own"});
+    verify({.item = item,
+            .quantity = fmt::format("bar: residual, {}", what),
+            .unit = "mV",
+            .reference = reference,
+            .source = "computed independently",
+            .measured = measured,
+            .tolerance = tolerance,
+            .control = "the other laws' rows, with residuals of their own"});
   };
   told("1-D bar", base.rms, 27.4, 0.15);
   told("sensor lag", lag.rms, 25.5, 0.15);
   told("viscous attenuation", viscous.rms, 23.7, 0.15);
   told("Love's rod", love.rms, 17.4, 0.6);
   told("Pochhammer and Chree", inertia.rms, 16.1, 0.15);
-  verify({.item = item, .quantity = "bar: Poisson's ratio found by lateral_inertia", .reference = 0.285, .source = "fitted independently, +- 0.015; steel 0.25 to 0.31", .measured = inertia.x[1], .tolerance = 0.015, .control = "the same by Love's rod", .control_value = love.x[1]});
+  verify({.item = item,
+          .quantity = "bar: Poisson's ratio found by lateral_inertia",
+          .reference = 0.285,
+          .source = "fitted independently, +- 0.015; steel 0.25 to 0.31",
+          .measured = inertia.x[1],
+          .tolerance = 0.015,
+          .control = "the same by Love's rod",
+          .control_value = love.x[1]});
   std::cout << fmt::format("low pass of second order: {:.2f} mV at {:.1f} kHz; Love's rod nu {:.3f}\n", low_pass.rms, low_pass.x[1], love.x[1]);
   for (const Fit* rival : {&base, &lag, &viscous, &low_pass, &love}) EXPECT_GT(rival->rms, inertia.rms + 0.5);
 }
 
-// Gauge pressure at a closing valve of Adelaide's rig (37.23 m, 22.1 mm, 1.4 m/s, 22 m of head, the valve 2.03 m above), column separation. The points, sorted in time, are
-// compared on even times of 1 ms.
+// Gauge pressure at a closing valve of Adelaide's rig (37.23 m, 22.1 mm, 1.4 m/s, 22 m of head, the valve 2.03 m above), column separation. The points, sorted
+// in time, are compared on even times of 1 ms.
 TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
   const auto path = data() / "water_hammer" / "severe_valve_trace.csv";
   if (!std::filesystem::exists(path)) {
@@ -152,7 +167,8 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
     if (!(p.first > 0.446 && p.first < 0.480 && p.second > 1000)) without.push_back(p);
   EXPECT_EQ(points.size() - without.size(), 6u);
   const LineModel model = model_of(
-      "[case]\nsensor_unit = \"kPa\"\n[model]\nkind = \"line\"\n[line]\nkind = \"pipe\"\nlength = 37.23\ndiameter = 0.0221\nwave_speed = 1319\nvelocity = 1.4\nreservoir_pressure = 215.4e3\n"
+      "[case]\nsensor_unit = \"kPa\"\n[model]\nkind = \"line\"\n[line]\nkind = \"pipe\"\nlength = 37.23\ndiameter = 0.0221\nwave_speed = 1319\nvelocity = "
+      "1.4\nreservoir_pressure = 215.4e3\n"
       "closure_time = 0.009\nrise = 2.03\ncells = 32\n[time]\nend = 0.8\noutput_interval = 0.0005\n[[station]]\nname = \"valve\"\ndistance = 37.23\n");
   const auto misfit = [](const std::vector<std::pair<double, double>>& record, const std::vector<double>& history) {
     double sum = 0;
@@ -179,7 +195,8 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
         x, steps);
   };
   const std::string speed = "line.wave_speed", friction = "line.friction_factor";
-  const Numbers cutoff{{"mechanism.vapour_cutoff.pressure", -99e3}}, any_friction{{"line.outlet_pressure", -1e9}};  // a valve that lets even absurd friction be steady
+  const Numbers cutoff{{"mechanism.vapour_cutoff.pressure", -99e3}},
+      any_friction{{"line.outlet_pressure", -1e9}};  // a valve that lets even absurd friction be steady
   const auto nominal = at(cutoff);
   const Fit elastic = fit({speed, friction}, {1319, 0.3}, {60, 0.2}, any_friction), vapour = fit({speed, friction}, {1319, 0.0236}, {60, 0.01}, cutoff),
             unsteady = fit({speed, friction, "mechanism.unsteady_friction.strength"}, {1319, 0.3, 5}, {60, 0.2, 5}, any_friction),
@@ -191,13 +208,39 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
     for (std::size_t i = 400;; ++i)
       if (history[i] > 200) return model.shape().times[i];
   };
-  std::cout << fmt::format("cutoff at nominal numbers: {:.0f} kPa rms, {:.0f} without the points of the figure; fitted {:.0f} and {:.0f} at {:.0f} m/s, friction {:.4f}\n",
-                           misfit(points, nominal), misfit(without, nominal), vapour.rms, misfit(without, at(fitted)), vapour.x[0], vapour.x[1]);
-  std::cout << fmt::format("elastic {:.0f} kPa at friction {:.3f}; unsteady friction {:.0f} (strength {:.1f}), retarded wall {:.0f} (compliance {:.2f}), lag {:.0f} ({:.3f} s); back at {:.4f} s, level pipe {:.4f} s\n",
-                           elastic.rms, elastic.x[1], unsteady.rms, unsteady.x[2], wall.rms, wall.x[2], lag.rms, lag.x[2], returns(nominal), returns(at(level)));
-  verify({.item = item, .quantity = "water hammer: residual of the best elastic line", .unit = "kPa", .reference = 732, .source = "computed independently, at absurd friction", .measured = elastic.rms, .tolerance = 10, .control = "with the cutoff", .control_value = vapour.rms});
-  verify({.item = item, .quantity = "water hammer: when the pressure comes back, cutoff at nominal numbers", .unit = "s", .reference = 0.383, .source = "the record (Bergant and Simpson 1999)", .measured = returns(nominal), .tolerance = 0.006, .control = "the pipe level", .control_value = returns(at(level))});
-  verify({.item = item, .quantity = "water hammer: residual with the cutoff over that of the elastic line", .reference = 369.0 / 732, .source = "computed independently, for a level pipe", .measured = vapour.rms / elastic.rms, .tolerance = 0.1, .control = "retarded wall in its place", .control_value = wall.rms / elastic.rms});
+  std::cout << fmt::format(
+      "cutoff at nominal numbers: {:.0f} kPa rms, {:.0f} without the points of the figure; fitted {:.0f} and {:.0f} at {:.0f} m/s, friction {:.4f}\n",
+      misfit(points, nominal), misfit(without, nominal), vapour.rms, misfit(without, at(fitted)), vapour.x[0], vapour.x[1]);
+  std::cout << fmt::format(
+      "elastic {:.0f} kPa at friction {:.3f}; unsteady friction {:.0f} (strength {:.1f}), retarded wall {:.0f} (compliance {:.2f}), lag {:.0f} ({:.3f} s); "
+      "back at {:.4f} s, level pipe {:.4f} s\n",
+      elastic.rms, elastic.x[1], unsteady.rms, unsteady.x[2], wall.rms, wall.x[2], lag.rms, lag.x[2], returns(nominal), returns(at(level)));
+  verify({.item = item,
+          .quantity = "water hammer: residual of the best elastic line",
+          .unit = "kPa",
+          .reference = 732,
+          .source = "computed independently, at absurd friction",
+          .measured = elastic.rms,
+          .tolerance = 10,
+          .control = "with the cutoff",
+          .control_value = vapour.rms});
+  verify({.item = item,
+          .quantity = "water hammer: when the pressure comes back, cutoff at nominal numbers",
+          .unit = "s",
+          .reference = 0.383,
+          .source = "the record (Bergant and Simpson 1999)",
+          .measured = returns(nominal),
+          .tolerance = 0.006,
+          .control = "the pipe level",
+          .control_value = returns(at(level))});
+  verify({.item = item,
+          .quantity = "water hammer: residual with the cutoff over that of the elastic line",
+          .reference = 369.0 / 732,
+          .source = "computed independently, for a level pipe",
+          .measured = vapour.rms / elastic.rms,
+          .tolerance = 0.1,
+          .control = "retarded wall in its place",
+          .control_value = wall.rms / elastic.rms});
   for (const Fit* rival : {&elastic, &unsteady, &wall, &lag}) EXPECT_GT(rival->rms, 1.5 * vapour.rms);
   EXPECT_GT(vapour.x[1], 0.01);
   EXPECT_LT(vapour.x[1], 0.04);

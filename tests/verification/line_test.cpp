@@ -1,5 +1,5 @@
-// The line against exact solutions: Joukowsky's pressure and the period 4L/a at Courant number 1, quasi-steady and unsteady friction, a retarded wall, vapour cavities;
-// Pochhammer and Chree's first mode of a bar.
+// The line against exact solutions: Joukowsky's pressure and the period 4L/a at Courant number 1, quasi-steady and unsteady friction, a retarded wall, vapour
+// cavities; Pochhammer and Chree's first mode of a bar.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,14 +41,15 @@ double decay(const PipeSetup& s, double frequency) {
     for (auto [sum, n] : {std::pair(&a, 3), std::pair(&b, 9)}) {
       const double x = (flow.time() / period - n) / 3;
       if (x >= 0 && x <= 1)
-        *sum += (1 - std::cos(2 * M_PI * x)) * (flow.pressure(std::size_t(s.cells)) - s.reservoir_pressure) * std::exp(std::complex<double>(0, -frequency * flow.time()));
+        *sum += (1 - std::cos(2 * M_PI * x)) * (flow.pressure(std::size_t(s.cells)) - s.reservoir_pressure) *
+                std::exp(std::complex<double>(0, -frequency * flow.time()));
     }
   }
   return -std::log(std::abs(b / a)) / (6 * period);
 }
 
-/// Volume of liquid that a level pipe's pressure has pressed into it, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each cell, which is what
-/// the scheme keeps [m^3].
+/// Volume of liquid that a level pipe's pressure has pressed into it, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each cell,
+/// which is what the scheme keeps [m^3].
 double stored(const PipeFlow& flow, const PipeSetup& s) {
   const double impedance = s.density * s.wave_speed;
   double sum = 0;
@@ -71,8 +72,24 @@ TEST(LinePipe, ShowsJoukowskysPressureAndThePeriodExactly) {
     if (flow.pressure(64) < before - 1e3) falls.push_back(flow.time());
     before = flow.pressure(64);
   }
-  verify({.item = item, .quantity = "pipe: pressure of a closed valve", .unit = "Pa", .reference = 1000 * 1250 * 0.5, .source = "Joukowsky, rho a V", .measured = rise, .tolerance = 1e-3, .control = "rho a (V + 1e-6 m/s)", .control_value = 1250e3 * 0.500001});
-  verify({.item = item, .quantity = "pipe: period", .unit = "s", .reference = 4 * 40.0 / 1250, .source = "4 L / a", .measured = falls[1] - falls[0], .tolerance = 1e-9, .control = "one step more", .control_value = falls[1] - falls[0] + flow.time_step()});
+  verify({.item = item,
+          .quantity = "pipe: pressure of a closed valve",
+          .unit = "Pa",
+          .reference = 1000 * 1250 * 0.5,
+          .source = "Joukowsky, rho a V",
+          .measured = rise,
+          .tolerance = 1e-3,
+          .control = "rho a (V + 1e-6 m/s)",
+          .control_value = 1250e3 * 0.500001});
+  verify({.item = item,
+          .quantity = "pipe: period",
+          .unit = "s",
+          .reference = 4 * 40.0 / 1250,
+          .source = "4 L / a",
+          .measured = falls[1] - falls[0],
+          .tolerance = 1e-9,
+          .control = "one step more",
+          .control_value = falls[1] - falls[0] + flow.time_step()});
 }
 
 TEST(LinePipe, LosesWhatLaminarFrictionTakes) {
@@ -82,7 +99,15 @@ TEST(LinePipe, LosesWhatLaminarFrictionTakes) {
   const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + 2 * rate / z; });
   PipeSetup none = s;
   none.viscosity = 0;
-  verify({.item = item, .quantity = "pipe: decay by laminar friction", .unit = "1/s", .reference = rate, .source = "16 nu / D^2", .measured = decay(s, exact.imag()), .tolerance = 0.002 * rate, .control = "no viscosity", .control_value = decay(none, exact.imag())});
+  verify({.item = item,
+          .quantity = "pipe: decay by laminar friction",
+          .unit = "1/s",
+          .reference = rate,
+          .source = "16 nu / D^2",
+          .measured = decay(s, exact.imag()),
+          .tolerance = 0.002 * rate,
+          .control = "no viscosity",
+          .control_value = decay(none, exact.imag())});
 }
 
 TEST(LinePipe, LosesWhatUnsteadyFrictionTakes) {
@@ -92,7 +117,15 @@ TEST(LinePipe, LosesWhatUnsteadyFrictionTakes) {
   const auto exact = slowest_rate(s, [&](std::complex<double> z) { return 1.0 + steady / z + 2.0 / std::sqrt(z * T + 210.08); });
   PipeSetup quasi_steady = s;
   quasi_steady.unsteady_friction = 0;
-  verify({.item = item, .quantity = "pipe: decay by unsteady friction", .unit = "1/s", .reference = -exact.real(), .source = "linear theory of Vardy and Brown's weighting function", .measured = decay(s, exact.imag()), .tolerance = 0.005 * -exact.real(), .control = "quasi-steady", .control_value = decay(quasi_steady, exact.imag())});
+  verify({.item = item,
+          .quantity = "pipe: decay by unsteady friction",
+          .unit = "1/s",
+          .reference = -exact.real(),
+          .source = "linear theory of Vardy and Brown's weighting function",
+          .measured = decay(s, exact.imag()),
+          .tolerance = 0.005 * -exact.real(),
+          .control = "quasi-steady",
+          .control_value = decay(quasi_steady, exact.imag())});
 }
 
 TEST(LinePipe, LosesWhatARetardedWallTakes) {
@@ -104,11 +137,20 @@ TEST(LinePipe, LosesWhatARetardedWallTakes) {
     PipeSetup slower = s;
     slower.retardation_time = 1.2 * tau;
     slower.retarded_compliance *= 1.2;
-    verify({.item = item, .quantity = fmt::format("pipe: decay by a retarded wall, time {:g} s", tau), .unit = "1/s", .reference = -exact.real(), .source = "linear theory of a Kelvin-Voigt element", .measured = decay(s, exact.imag()), .tolerance = 0.005 * -exact.real(), .control = "time and compliance +20 %", .control_value = decay(slower, exact.imag())});
+    verify({.item = item,
+            .quantity = fmt::format("pipe: decay by a retarded wall, time {:g} s", tau),
+            .unit = "1/s",
+            .reference = -exact.real(),
+            .source = "linear theory of a Kelvin-Voigt element",
+            .measured = decay(s, exact.imag()),
+            .tolerance = 0.005 * -exact.real(),
+            .control = "time and compliance +20 %",
+            .control_value = decay(slower, exact.imag())});
   }
 }
 
-// In the n-th period 2L/a of a frictionless pipe the liquid leaves the valve at V0 - (2n + 1) d, d = (p_R - p_v)/(rho a): exact, with the grid's nodes on all changes.
+// In the n-th period 2L/a of a frictionless pipe the liquid leaves the valve at V0 - (2n + 1) d, d = (p_R - p_v)/(rho a): exact, with the grid's nodes on all
+// changes.
 TEST(LinePipe, CavityAtTheValveIsThatOfTheExactSolution) {
   PipeSetup s = pipe(32);
   s.vapour_pressure = -100e3;
@@ -128,13 +170,44 @@ TEST(LinePipe, CavityAtTheValveIsThatOfTheExactSolution) {
     most = std::max(most, cavities), worst = std::max(worst, std::abs(stored(flow, s) - steady - cavities - flown));
   }
   const double exact = flow.area() * (s.velocity - d) * period;
-  verify({.item = item, .quantity = "pipe: greatest cavity at the valve", .unit = "m^3", .reference = exact, .source = "exact, one cavity without friction", .measured = greatest, .tolerance = 1e-9 * exact, .control = "vapour pressure 1 Pa lower", .control_value = exact * (1 - 1 / 1250e3 / (s.velocity - d))});
-  verify({.item = item, .quantity = "pipe: pressure below the vapour's", .unit = "Pa", .reference = 0, .source = "p >= p_v", .measured = least + 100e3, .tolerance = 1e-6, .control = "elastic line", .control_value = least_elastic + 100e3});
-  verify({.item = item, .quantity = "pipe: liquid stored less what flowed in, over the greatest cavity", .reference = 0, .source = "mass", .measured = worst / most, .tolerance = 1e-9, .control = "cavities left out", .control_value = worst / most + 1});
+  verify({.item = item,
+          .quantity = "pipe: greatest cavity at the valve",
+          .unit = "m^3",
+          .reference = exact,
+          .source = "exact, one cavity without friction",
+          .measured = greatest,
+          .tolerance = 1e-9 * exact,
+          .control = "vapour pressure 1 Pa lower",
+          .control_value = exact * (1 - 1 / 1250e3 / (s.velocity - d))});
+  verify({.item = item,
+          .quantity = "pipe: pressure below the vapour's",
+          .unit = "Pa",
+          .reference = 0,
+          .source = "p >= p_v",
+          .measured = least + 100e3,
+          .tolerance = 1e-6,
+          .control = "elastic line",
+          .control_value = least_elastic + 100e3});
+  verify({.item = item,
+          .quantity = "pipe: liquid stored less what flowed in, over the greatest cavity",
+          .reference = 0,
+          .source = "mass",
+          .measured = worst / most,
+          .tolerance = 1e-9,
+          .control = "cavities left out",
+          .control_value = worst / most + 1});
 }
 
 TEST(LineBar, DispersesAsPochhammerAndChreeHaveIt) {
   const PochhammerChreeMode mode(0.29, 2);
-  for (const auto& [Omega, tabulated] : {std::pair(.26, .9986), {.50, .9944}, {.74, .9869}, {.98, .9747}, {1.22, .9545}, {1.46, .9196}, {1.70, .8547}, {1.94, .7594}})
-    verify({.item = item, .quantity = fmt::format("bar: c/c0 at {:.2f}", Omega), .reference = tabulated, .source = "Pochhammer and Chree's first mode, tabulated for nu = 0.29", .measured = mode.speed(Omega), .tolerance = 2e-4, .control = "Poisson's ratio 0.40", .control_value = PochhammerChreeMode(0.40, 2).speed(Omega)});
+  for (const auto& [Omega, tabulated] :
+       {std::pair(.26, .9986), {.50, .9944}, {.74, .9869}, {.98, .9747}, {1.22, .9545}, {1.46, .9196}, {1.70, .8547}, {1.94, .7594}})
+    verify({.item = item,
+            .quantity = fmt::format("bar: c/c0 at {:.2f}", Omega),
+            .reference = tabulated,
+            .source = "Pochhammer and Chree's first mode, tabulated for nu = 0.29",
+            .measured = mode.speed(Omega),
+            .tolerance = 2e-4,
+            .control = "Poisson's ratio 0.40",
+            .control_value = PochhammerChreeMode(0.40, 2).speed(Omega)});
 }

@@ -27,9 +27,11 @@ kind = "line"
 [line]
 kind = "bar"
 wave_speed = 5000
-)" + line + R"(
+)" + line +
+         R"(
 [drive]
-file = ")" + pulse_file() + R"("
+file = ")" +
+         pulse_file() + R"("
 [time]
 end = 400e-6
 output_interval = 0.5e-6
@@ -58,7 +60,8 @@ density = 1000
 velocity = 0.5
 reservoir_pressure = 200e3
 cells = 32
-)" + line + R"(
+)" + line +
+         R"(
 [time]
 end = 0.5
 output_interval = 0.001

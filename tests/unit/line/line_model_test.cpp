@@ -51,7 +51,7 @@ TEST(LineModel, OfAPipeShowsJoukowskysPressureAndThePeriodExactly) {
   const auto y = values(model);
   const double rise = 1000 * 1250 * 0.5 / 1e3;  // 625 kPa
   for (std::size_t i = 1; i < model.shape().times.size(); ++i) {
-    const double t = model.shape().times[i], phase = std::fmod(t, 0.128);  // 4 L / a
+    const double t = model.shape().times[i], phase = std::fmod(t, 0.128);                                            // 4 L / a
     if (std::abs(phase) < 0.0011 || std::abs(phase - 0.064) < 0.0011 || std::abs(phase - 0.128) < 0.0011) continue;  // a step of the grid at the fronts
     ASSERT_NEAR(y[i], 200 + (phase < 0.064 ? rise : -rise), 1e-9) << t;
   }
@@ -69,7 +69,9 @@ TEST(LineModel, EveryMechanismAtItsOffValuesIsTheBaseModelByteForByte) {
         const std::string key = "mechanism." + m.name + '.' + k.name;
         off[key] = k.decides ? k.off : k.low;
         if (!k.decides) continue;
-        const double moved = std::isfinite(k.off) && k.low == k.off ? k.high : k.log_uniform ? std::sqrt(k.low * k.high) : k.low + 0.5 * (k.high - k.low) * (0.5 * (k.low + k.high) == k.off ? 0.5 : 1);
+        const double moved = std::isfinite(k.off) && k.low == k.off ? k.high
+                             : k.log_uniform                        ? std::sqrt(k.low * k.high)
+                                                                    : k.low + 0.5 * (k.high - k.low) * (0.5 * (k.low + k.high) == k.off ? 0.5 : 1);
         EXPECT_NE(values(base, {{key, moved}}), plain) << key << " = " << moved;
       }
       EXPECT_EQ(values(base, off), plain) << m.name;
@@ -143,7 +145,8 @@ TEST(LineCase, TellsPlaceValueAndSuggestionOfWhatIsWrong) {
   EXPECT_THAT(error_of(bar_text("", "radius = -0.01")), HasSubstr("line.radius"));
   EXPECT_THAT(error_of(bar_text("[mechanism.vapour_cutoff]\n")), HasSubstr("mechanism.vapour_cutoff: no mechanism of a bar of this name"));
   EXPECT_THAT(error_of(pipe_text("[mechanism.vapour_cutoff]\npresure = 1\n")), HasSubstr("did you mean \"pressure\"?"));
-  EXPECT_THAT(error_of(pipe_text("[[station]]\nname = \"out\"\ndistance = 41\n")), HasSubstr("station[2].distance = 41: a station of a pipe lies on it (allowed: 0 to 40 m)"));
+  EXPECT_THAT(error_of(pipe_text("[[station]]\nname = \"out\"\ndistance = 41\n")),
+              HasSubstr("station[2].distance = 41: a station of a pipe lies on it (allowed: 0 to 40 m)"));
   EXPECT_THAT(error_of(pipe_text("[[station]]\nname = \"valve\"\ndistance = 1\n")), HasSubstr("two stations have the same name"));
   EXPECT_THAT(error_of(pipe_text("[geometry]\nkind = \"box\"\n")), HasSubstr("belongs to a model on a mesh"));
   EXPECT_THAT(error_of(pipe_text("[parameter.x]\nkey = \"line.frction_factor\"\nmin = 0\nmax = 1\n")), HasSubstr("did you mean \"line.friction_factor\"?"));

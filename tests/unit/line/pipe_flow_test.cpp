@@ -11,9 +11,7 @@ namespace calomel {
 namespace {
 
 /// Water in 40 m of pipe, no friction, a valve that closes at once; rho a V = 625 kPa above 200 kPa.
-PipeSetup pipe() {
-  return {.length = 40, .diameter = 0.02, .wave_speed = 1250, .density = 1000, .velocity = 0.5, .reservoir_pressure = 200e3, .cells = 32};
-}
+PipeSetup pipe() { return {.length = 40, .diameter = 0.02, .wave_speed = 1250, .density = 1000, .velocity = 0.5, .reservoir_pressure = 200e3, .cells = 32}; }
 
 TEST(PipeFlow, StaysSteadyWhileTheValveIsOpen) {
   PipeSetup s = pipe();
@@ -50,8 +48,8 @@ TEST(PipeFlow, ValveFollowsItsLawWhileItCloses) {
   }
 }
 
-// A single cavity at the valve of a frictionless pipe: its wall of liquid moves at V = -(V0 - (2n + 1) d) in the n-th period 2L/a, d = (p_R - p_v)/(rho a). All is linear
-// between multiples of 2L/a, on which the grid has its nodes, so the volume is exact.
+// A single cavity at the valve of a frictionless pipe: its wall of liquid moves at V = -(V0 - (2n + 1) d) in the n-th period 2L/a, d = (p_R - p_v)/(rho a). All
+// is linear between multiples of 2L/a, on which the grid has its nodes, so the volume is exact.
 TEST(PipeFlow, CavityAtTheValveGrowsAndClosesAsTheExactSolutionHasIt) {
   PipeSetup s = pipe();
   s.vapour_pressure = -100e3;
@@ -78,8 +76,8 @@ TEST(PipeFlow, CavityAtTheValveGrowsAndClosesAsTheExactSolutionHasIt) {
   EXPECT_GT(time_closed, 0);
 }
 
-/// Volume of liquid that the pressure has pressed into the pipe, less the cavities, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each
-/// cell, which is what the scheme keeps without friction [m^3].
+/// Volume of liquid that the pressure has pressed into the pipe, less the cavities, A/(rho a^2) int p dx: half of what the characteristics carry that leave
+/// into each cell, which is what the scheme keeps without friction [m^3].
 double stored(const PipeFlow& flow, const PipeSetup& s) {
   const double impedance = s.density * s.wave_speed;
   double sum = 0, cavities = 0;
@@ -115,7 +113,8 @@ TEST(PipeFlow, KeepsTheLiquidWhileCavitiesOpenAndClose) {
   EXPECT_LT(balance_error(s), 1e-10);
   s.gas_fraction = 1e-7;
   EXPECT_LT(balance_error(s), 1e-3);  // the gas that is there from the beginning
-  s.gas_fraction = 0, s.viscosity = 1e-3, s.friction_factor = 0.024;  // friction takes from a characteristic where it leaves and where it arrives: to first order in the step
+  s.gas_fraction = 0, s.viscosity = 1e-3,
+  s.friction_factor = 0.024;  // friction takes from a characteristic where it leaves and where it arrives: to first order in the step
   const double coarse = balance_error(s);
   s.cells = 128;
   EXPECT_LT(coarse, 1e-3);
@@ -151,8 +150,8 @@ std::complex<double> slowest_rate(const PipeSetup& p, F&& f) {
   return s;
 }
 
-/// Decay rate [1/s] and frequency [rad/s] of the valve's slowest wave between periods `first` and `last`, from its projections through Hann's windows of three periods,
-/// which leave out the higher waves.
+/// Decay rate [1/s] and frequency [rad/s] of the valve's slowest wave between periods `first` and `last`, from its projections through Hann's windows of three
+/// periods, which leave out the higher waves.
 std::complex<double> measured_rate(const PipeSetup& s, double frequency, int first, int last) {
   const double period = 2 * M_PI / frequency;
   PipeFlow flow(s, period * (last + 3));
@@ -162,7 +161,8 @@ std::complex<double> measured_rate(const PipeSetup& s, double frequency, int fir
     for (auto [sum, n] : {std::pair(&a, first), std::pair(&b, last)}) {
       const double x = (flow.time() / period - n) / 3;
       if (x < 0 || x > 1) continue;
-      *sum += (1 - std::cos(2 * M_PI * x)) * (flow.pressure(std::size_t(s.cells)) - s.reservoir_pressure) * std::exp(std::complex<double>(0, -frequency * flow.time()));
+      *sum += (1 - std::cos(2 * M_PI * x)) * (flow.pressure(std::size_t(s.cells)) - s.reservoir_pressure) *
+              std::exp(std::complex<double>(0, -frequency * flow.time()));
     }
   }
   return std::log(b / a) / (period * (last - first)) + std::complex<double>(0, frequency);
@@ -204,7 +204,7 @@ TEST(PipeFlow, RetardedWallDampsAsItsLinearTheory) {
 }
 
 TEST(Haaland, IsColebrooksWithinTwoPerCent) {
-  EXPECT_NEAR(haaland(1e5, 0), 0.01799, 0.02 * 0.01799);     // Colebrook's, within the 2 % that Haaland gives
+  EXPECT_NEAR(haaland(1e5, 0), 0.01799, 0.02 * 0.01799);  // Colebrook's, within the 2 % that Haaland gives
   EXPECT_NEAR(haaland(1e5, 1e-3), 0.02217, 0.02 * 0.02217);
   EXPECT_GT(std::abs(haaland(1e5, 0) - 0.02217), 0.02 * 0.02217);
   EXPECT_EQ(haaland(0, 0), 0);

@@ -11,7 +11,8 @@ TEST(PochhammerChree, FirstModeIsRayleighsAtLowFrequency) {
   // c/c0 = 1 - nu^2 Omega^2 / 4: Rayleigh, Theory of Sound, section 157. The next term is of order Omega^4.
   for (const double nu : {0.1, 0.29, 0.45}) {
     const PochhammerChreeMode mode(nu, 1);
-    for (const double Omega : {0.02, 0.06, 0.1}) EXPECT_NEAR((1 - mode.speed(Omega)) / (nu * nu * Omega * Omega / 4), 1, 0.5 * Omega * Omega + 1e-6) << nu << ", " << Omega;
+    for (const double Omega : {0.02, 0.06, 0.1})
+      EXPECT_NEAR((1 - mode.speed(Omega)) / (nu * nu * Omega * Omega / 4), 1, 0.5 * Omega * Omega + 1e-6) << nu << ", " << Omega;
   }
 }
 
@@ -33,8 +34,20 @@ TEST(PochhammerChree, FirstModeSolvesTheFrequencyEquationBetweenItsRoots) {
   for (double Omega = 0.033; Omega < 4; Omega += 0.05) {
     const double c = mode.speed(Omega), e = 2e-6;
     EXPECT_LT(pochhammer_chree(Omega, c - e, 0.285) * pochhammer_chree(Omega, c + e, 0.285), 0) << Omega;
-    EXPECT_GT(std::abs(pochhammer_chree(Omega, c - 1e-3, 0.285)), 50 * std::abs(pochhammer_chree(Omega, c, 0.285))) << Omega;  // the control: another speed does not
+    EXPECT_GT(std::abs(pochhammer_chree(Omega, c - 1e-3, 0.285)), 50 * std::abs(pochhammer_chree(Omega, c, 0.285)))
+        << Omega;  // the control: another speed does not
   }
+}
+
+TEST(PochhammerChree, FirstModeIsFollowedForAnyPoissonsRatio) {
+  for (const double nu : {0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.33, 0.4, 0.45, 0.49}) {
+    const PochhammerChreeMode mode(nu, 25);
+    const double shear = 1 / std::sqrt(2 * (1 + nu));
+    EXPECT_NEAR(mode.speed(0.1), 1 - nu * nu * 0.0025, 1e-5) << nu;
+    EXPECT_LT(mode.speed(25), shear) << nu;  // slower than shear waves: the surface wave, not a higher mode
+    EXPECT_GT(mode.speed(25), 0.85 * shear) << nu;
+  }
+  EXPECT_NEAR(PochhammerChreeMode(0.001, 25).speed(25), 1, 1e-3);  // the corner at 1.84 is passed
 }
 
 TEST(PochhammerChree, WithoutPoissonsRatioDoesNotDisperse) {
