@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "apps/inputs/study_case.hpp"
+#include "forward/line/line_mechanism.hpp"
+#include "forward/line/signal.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/surrogate/emulator.hpp"
 #include "inverse/objective/objective.hpp"
@@ -38,6 +40,19 @@ std::string off_text(const MechanismKey& key) {
   return key.off_at.empty() ? off : "`" + key.off_at + "` (" + off + ")";
 }
 
+std::string mechanism_rows(const std::vector<MechanismKey>& keys) {
+  std::string s = "\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n";
+  for (const auto& k : keys) {
+    if (!k.choices.empty()) {
+      s += fmt::format("| `{}` |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.name, k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
+      continue;
+    }
+    s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high),
+                     k.log_uniform ? "log-uniform" : "uniform", k.doc);
+  }
+  return s;
+}
+
 std::string mechanism_page() {
   std::string s =
       "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
@@ -52,18 +67,34 @@ std::string mechanism_page() {
         built, rows.size());
   s += "\nKeys that every mechanism takes: `enabled` (default `false`), `parameter`.\n";
   for (const auto& row : rows) {
-    s += fmt::format("\n### `{}`\n\n`{}`{}{}\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n", row.name, row.entry.law,
-                     row.entry.built() ? "" : " (not built yet)", row.entry.per_sensor ? "; `[mechanism." + row.name + ".SENSOR]` for one gauge" : "");
-    for (const auto& k : row.entry.keys) {
-      if (!k.choices.empty()) {
-        s += fmt::format("| `{}` |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.name, k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
-        continue;
-      }
-      s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low),
-                       number_text(k.high), k.log_uniform ? "log-uniform" : "uniform", k.doc);
-    }
+    s += fmt::format("\n### `{}`\n\n`{}`{}{}", row.name, row.entry.law, row.entry.built() ? "" : " (not built yet)",
+                     row.entry.per_sensor ? "; `[mechanism." + row.name + ".SENSOR]` for one gauge" : "");
+    s += mechanism_rows(row.entry.keys);
   }
   return s;
+}
+
+std::string line_mechanism_page(const std::string& kind) {
+  std::string s = fmt::format("\n### Mechanisms of a {}\n", kind);
+  for (const auto& row : line_mechanisms(kind).rows()) {
+    s += fmt::format("\n#### `{}` of a {}\n\n`{}`{}{}", row.name, kind, row.entry.law, row.entry.needs.empty() ? "" : "; needs `" + row.entry.needs + "`",
+                     row.entry.per_station ? "; `[mechanism." + row.name + ".STATION]` for one station" : "");
+    s += mechanism_rows(row.entry.keys);
+  }
+  return s;
+}
+
+std::string line_page() {
+  std::string s = "\n# Cases of a line\n\nWith `[model] kind = \"line\"` the case is a bar or a pipe, see [theory/line.md](theory/line.md). It has `[case]`, `[model]`, `[line]`, `[time]`, "
+                  "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME stands for `line.NAME`) and `[recordings]` as above; `sensor_unit` is the unit of the "
+                  "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n";
+  s += table<ModelOptions>("[model]", "model", "Which model computes the histories.");
+  s += table<BarOptions>("[line] of a bar", "line", "The wave that passes a first gauge, where it is measured, runs on to the stations.");
+  s += table<DriveOptions>("[drive]", "drive", "What is measured at the first gauge of a bar.");
+  s += table<PipeOptions>("[line] of a pipe", "line", "Reservoir, pipe and closing valve.");
+  s += table<StationOptions>("[[station]]", "station", "Where a history is read; at least one.");
+  s += "\n## `[mechanism.NAME]` of a line\n\nAs above: a key's *off* value gives the base model exactly. All that the case does not enable are offered to a diagnosis.\n";
+  return s + line_mechanism_page("bar") + line_mechanism_page("pipe");
 }
 
 template <class Entry>
@@ -76,7 +107,7 @@ std::string catalogue(const std::string& heading, const Registry<Entry>& registr
 /// Tables whose names are kept for stages to come: nothing reads their keys yet.
 std::string reserved_tables() {
   std::vector<std::string> reserved;
-  for (const char* name : {"model", "output", "sensitivity", "diagnosis", "report"})
+  for (const char* name : {"output", "sensitivity", "diagnosis", "report"})
     if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
   return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
 }
@@ -131,6 +162,7 @@ std::string case_reference() {
   s += catalogue("Objectives (`enc.objective`, `spe.objective`)", objectives());
   s += catalogue("Optimisers (`enc.optimizers`)", optimizers());
   s += reserved_tables();
+  s += line_page();
   return s;
 }
 

@@ -4,6 +4,7 @@
 
 #include "apps/verbs.hpp"
 #include "forward/campaign/design.hpp"
+#include "forward/line/line_mechanism.hpp"
 #include "forward/material/riemer.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/solver/load.hpp"
@@ -30,6 +31,8 @@ ExitStatus run_list(const CommandLine&) {
   print("laws of the liquid ([material.mercury] law)", liquid_laws());
   print("loads ([load] kind)", loads());
   print("mechanisms ([mechanism.NAME])", mechanisms());
+  print("mechanisms of a bar ([model] kind = \"line\", [line] kind = \"bar\")", bar_mechanisms());
+  print("mechanisms of a pipe ([line] kind = \"pipe\")", pipe_mechanisms());
   print("designs ([campaign] design)", designs());
   print("surrogates ([surrogate] kind)", surrogate_kinds());
   print("objectives ([enc], [spe] objective)", objectives());

@@ -26,12 +26,12 @@ void Parameter::validate() const {
   if (prior == "beta") need("alpha", alpha), need("beta", beta);
 }
 
-std::vector<Parameter> read_parameters(CaseFile& file) {
+std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table) {
   std::vector<Parameter> all;
   for (const auto& name : file.names("parameter")) {
     Parameter p;
     p.name = name;
-    p.key = "material.mercury." + name;
+    p.key = table + '.' + name;
     file.read("parameter." + name, p);
     all.push_back(std::move(p));
   }

@@ -40,7 +40,7 @@ struct Parameter {
 /// {name: value} of the values in `theta`, (n) with n no more than the parameters.
 Json named(std::span<const Parameter> parameters, std::span<const double> theta);
 
-/// All `[parameter.*]` tables in file order. Errors: InputError with the place.
-std::vector<Parameter> read_parameters(CaseFile& file);
+/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place.
+std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
 
 }  // namespace calomel

@@ -10,20 +10,25 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor", "emulator", "errors"};
+                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "line", "drive", "station"};
   return tables;
 }
 
 StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides) {
   CaseFile file(path, overrides);
   file.expect_all_read(known_tables());  // a misspelt table is told before the keys that it leaves missing
-  ForwardCase forward = file.locating([&] { return ForwardCase::read(file); });
-  StudyCase study{.file = std::move(file), .forward = std::move(forward)};
+  std::optional<LineCase> line;
+  if (is_line_case(file)) line = file.locating([&] { return LineCase::read(file); });
+  ForwardCase forward = line ? ForwardCase{} : file.locating([&] { return ForwardCase::read(file); });
+  StudyCase study{.file = std::move(file), .forward = std::move(forward), .line = std::move(line)};
   for (const char* later : {"model", "output"})
-    if (study.file.has(later))
+    if (study.file.has(later) && (std::string(later) != "model" || study.file.text("model.kind") == "umbridge"))
       throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
                                            .key = later,
                                            .suggestion = "leave the table out to run the built-in model"}));
+  for (const char* of_a_line : {"line", "drive", "station"})
+    if (!study.line && study.file.has(of_a_line))
+      throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh", .key = of_a_line, .suggestion = "add [model] with kind = \"line\", or take it out"}));
   for (const char* later : {"sensitivity"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
@@ -43,7 +48,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
 }
 
 Json StudyCase::echo() const {
-  Json all = forward.echo();
+  Json all = line ? line->echo() : forward.echo();
   if (recordings) all["recordings"] = calomel::echo(*recordings);
   all["campaign"] = calomel::echo(campaign);
   all["floor"] = calomel::echo(floor);
@@ -61,6 +66,7 @@ Json StudyCase::echo() const {
 }
 
 Json StudyCase::model_options() const {
+  if (line) return line->echo();
   Json options = forward.echo();
   for (const char* changes_nothing : {"checkpoint", "energy_balance"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
   if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any
@@ -75,7 +81,7 @@ Json StudyCase::model_options() const {
 
 std::map<std::string, std::string> StudyCase::model_inputs() const {
   std::map<std::string, std::string> inputs;
-  for (const char* key : {"geometry.file", "load.file", "sensors"})
+  for (const char* key : {"geometry.file", "load.file", "sensors", "drive.file"})
     if (const auto name = file.text(key)) inputs[key] = hash_file(file.resolve(*name));
   return inputs;
 }

@@ -9,6 +9,7 @@
 #include "base/case_file.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "forward/forward_case.hpp"
+#include "forward/line/line_case.hpp"
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
@@ -44,7 +45,8 @@ struct FieldOptions {
 
 struct StudyCase {
   CaseFile file;
-  ForwardCase forward;
+  ForwardCase forward;           ///< as it is by default where the model is a line
+  std::optional<LineCase> line;  ///< the model is a line
   CampaignOptions campaign;
   FloorOptions floor;
   SurrogateOptions surrogate;

@@ -11,6 +11,8 @@ namespace calomel {
 
 StudyInputs::StudyInputs(const CommandLine& command)
     : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
+  if (study_.line && command.verb != "check" && command.verb != "simulate")
+    throw study_.file.located(InputError({.problem = "a line is only checked and simulated in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check or simulate"}));
   if (command.verb != "check" && command.verb != "report") make_directory(command.out);
 }
 
@@ -23,11 +25,18 @@ const BuiltInModel& StudyInputs::model() {
   return *model_;
 }
 
+const LineModel& StudyInputs::line() {
+  expect(study_.line.has_value(), "only a line has a line model");
+  if (!line_) line_ = std::make_unique<LineModel>(*study_.line);
+  return *line_;
+}
+
 const Problem& StudyInputs::problem() {
   if (!problem_) {
     std::vector<std::string> warnings;
-    recordings_ = study_.matched_recordings(model().shape().sensors, warnings);
-    problem_ = study_.file.locating([&] { return make_problem(model().shape(), *recordings_, *study_.recordings); });
+    const ModelShape& shape = study_.line ? line().shape() : model().shape();
+    recordings_ = study_.matched_recordings(shape.sensors, warnings);
+    problem_ = study_.file.locating([&] { return make_problem(shape, *recordings_, *study_.recordings); });
     notes_.warn(warnings);
     notes_.warn(problem_->warnings);
   }

@@ -8,6 +8,7 @@
 #include "apps/notes.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/level_runs.hpp"
+#include "forward/line/line_model.hpp"
 #include "forward/runs/run_store.hpp"
 #include "inverse/data/problem.hpp"
 
@@ -30,8 +31,10 @@ class StudyInputs {
   /// Pulses of an ensemble mean.
   [[nodiscard]] EnsembleOptions ensemble() const { return {.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd}; }
 
-  /// The case's model. Errors: InputError with its place (geometry, sensors).
+  /// The case's model on a mesh. Errors: InputError with its place (geometry, sensors).
   [[nodiscard]] const BuiltInModel& model();
+  /// The case's line, where study().line is there.
+  [[nodiscard]] const LineModel& line();
   /// The recordings against the model. What they warn of is told once.
   /// Errors: InputError with its place, see StudyCase::matched_recordings and make_problem.
   [[nodiscard]] const Problem& problem();
@@ -47,6 +50,7 @@ class StudyInputs {
   StudyCase study_;
   Notes notes_;
   std::unique_ptr<BuiltInModel> model_;
+  std::unique_ptr<LineModel> line_;
   std::optional<Recordings> recordings_;
   std::optional<Problem> problem_;
   std::unique_ptr<RunStore> runs_;

@@ -7,13 +7,14 @@
 
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/pipeline/histories_file.hpp"
+#include "apps/pipeline/line_stages.hpp"
 #include "apps/pipeline/run_fields.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/case_lines.hpp"
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "base/artefact.hpp"
-#include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "forward/solver/kernel.hpp"
 #include "inverse/calibration/calibration.hpp"
@@ -29,25 +30,6 @@ struct Simulated {
 };
 
 Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(); }
-
-void write_histories(const std::filesystem::path& path, const ModelShape& shape, const std::vector<double>& strain, const Provenance& provenance) {
-  NetcdfWriter file(path);
-  file.attribute("title", "calomel simulation");
-  file.attribute("unit", shape.unit);
-  file.attribute("provenance", provenance.json().dump());
-  std::vector<std::string> dims{"sensor", "time"};
-  if (shape.conditions.size() > 1) {
-    file.dimension("condition", shape.conditions.size());
-    file.variable("condition", {"condition"}, shape.conditions);
-    dims.insert(dims.begin(), "condition");
-  }
-  file.dimension("sensor", shape.sensors.size());
-  file.dimension("time", shape.times.size());
-  file.variable("sensor", {"sensor"}, shape.sensors);
-  file.variable("time", {"time"}, shape.times, {{"units", "s"}});
-  file.variable("strain", dims, strain, {{"units", shape.unit == "strain" ? "1" : shape.unit}});
-  file.commit();
-}
 
 Json of_run(const SolveSummary& s, bool balanced) {
   Json json{{"steps", s.steps},
@@ -142,6 +124,7 @@ void tell_nominals_left_out(const StudyInputs& inputs) {
 
 ExitStatus simulate_stage(StageCall& call) {
   auto& inputs = call.inputs;
+  if (inputs.study().line) return simulate_line_stage(call);
   tell_nominals_left_out(inputs);
   const auto& model = inputs.model();
   const auto description = model.describe();

@@ -82,6 +82,24 @@ std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& p
 
 }  // namespace
 
+MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor, std::span<const std::string> sensors,
+                                    std::vector<std::string> extra) {
+  const std::string path = "mechanism." + name;
+  MechanismTable table{.values = MechanismValues(keys)};
+  const std::vector<std::string> gauges = per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
+  extra.push_back("parameter");
+  extra.insert(extra.end(), gauges.begin(), gauges.end());
+  KeyTable common{keys, "", table.values, &table.enabled};
+  file.read(path, common, extra);
+  for (const auto& gauge : gauges) {
+    KeyTable own{keys, gauge + '.', table.values, nullptr};
+    file.read(path + '.' + gauge, own);
+    for (const auto& k : keys)
+      if (!file.has(path + '.' + gauge + '.' + k.name)) table.values.forget(gauge + '.' + k.name);
+  }
+  return table;
+}
+
 MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors) {
   MechanismTables tables;
   file.accept("mechanism");
@@ -89,19 +107,8 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
     const std::string path = "mechanism." + name;
     const MechanismEntry& entry = entry_of(file, name, path);
     tables.listed.push_back(name);
-    std::vector<std::string> extra{"parameter"};
-    EnabledMechanism mechanism{name, &entry, MechanismValues(entry.keys)};
-    bool enabled = false;
-    const std::vector<std::string> gauges = entry.per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
-    extra.insert(extra.end(), gauges.begin(), gauges.end());
-    KeyTable common{entry.keys, "", mechanism.values, &enabled};
-    file.read(path, common, extra);
-    for (const auto& gauge : gauges) {
-      KeyTable own{entry.keys, gauge + '.', mechanism.values, nullptr};
-      file.read(path + '.' + gauge, own);
-      for (const auto& k : entry.keys)
-        if (!file.has(path + '.' + gauge + '.' + k.name)) mechanism.values.forget(gauge + '.' + k.name);
-    }
+    auto [values, enabled] = read_mechanism_table(file, name, entry.keys, entry.per_sensor, sensors);
+    EnabledMechanism mechanism{name, &entry, std::move(values)};
     if (enabled && !entry.built())
       throw file.located(InputError({.problem = "this mechanism is not built yet in this version, so it cannot be enabled",
                                      .key = path + ".enabled",

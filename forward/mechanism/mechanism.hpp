@@ -117,6 +117,16 @@ struct MechanismTables {
   std::vector<std::string> notes;  ///< e.g. that a listed one is not built
 };
 
+/// What one `[mechanism.NAME]` says.
+struct MechanismTable {
+  MechanismValues values;
+  bool enabled = false;
+};
+
+/// Reads it: the keys, with `per_sensor` tables of single sensors; `extra` keys are left to others. Errors: InputError with the place.
+MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor, std::span<const std::string> sensors,
+                                    std::vector<std::string> extra = {});
+
 /// Reads `[mechanism.*]`: unknown names, keys and gauges are errors, so is enabling one that is not built.
 MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors);
 

@@ -32,6 +32,8 @@ const std::vector<std::string>& items() {
                                             "Bubble collapse",
                                             "Bubbly dispersion",
                                             "Rear face",
+                                            "Line",
+                                            "Line on measured records",
                                             "Reproducibility"};
   return all;
 }

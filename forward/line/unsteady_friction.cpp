@@ -1,0 +1,11 @@
+#include "forward/line/unsteady_friction.hpp"
+
+namespace calomel {
+
+LineMechanismEntry unsteady_friction() {
+  return {.law = "(16 mu / D^2) int dV/dt W of the past of the velocity, W = exp(-B t) / (2 sqrt(pi t)) of Vardy and Brown",
+          .keys = {{.name = "strength", .unit = "", .off = 0, .low = 0, .high = 2, .least = 0, .greatest = 100, .doc = "share of Vardy and Brown's"}},
+          .pipe = [](const MechanismValues& v, PipeSetup& s) { s.unsteady_friction = v["strength"]; }};
+}
+
+}  // namespace calomel
