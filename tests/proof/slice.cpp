@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define EVERY_MACHINE __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#define EVERY_MACHINE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define EVERY_MACHINE
 #endif
