@@ -42,12 +42,13 @@ class Target:
         self.gauges = [(n, round(x, 4), round(z, 4), d) for n, x, z, d in self.gauges]
 
     def stretch(self, r, wall, shortest, longest):
-        """Begin and length of a stretch of a wall, away from the corners."""
+        """Begin and length of a stretch of a wall, away from the corners, and how many times as long it may become."""
         if wall == "front":
-            length = on_grid(r.uniform(0.3, 0.6) * (self.height - self.top - self.bottom))
-            return on_grid(r.uniform(self.bottom + 0.002, self.height - self.top - 0.002 - length)), length
-        length = on_grid(r.uniform(shortest, longest))
-        return on_grid(r.uniform(self.front + 0.004, self.length - 0.01 - length)), length
+            length, low, high = on_grid(r.uniform(0.3, 0.6) * (self.height - self.top - self.bottom)), self.bottom + 0.002, self.height - self.top - 0.002
+        else:
+            length, low, high = on_grid(r.uniform(shortest, longest)), self.front + 0.004, self.length - 0.008
+        begin = on_grid(r.uniform(low, high - length))
+        return begin, length, (high - begin) / length
 
     def free_place(self, r, wall):
         """A place on the top or bottom wall, 5 mm from its gauges."""
@@ -80,17 +81,17 @@ def draw_effect(name, t, r):
     if name == "zener_steel":
         return {"loss": r.uniform(0.01, 0.02), "frequency": log_uniform(r, 8e3, 4e4)}, 4
     if name == "heated_steel":
-        return {"rise": r.uniform(0.5, 1), "depth": log_uniform(r, 0.015, 0.06), "expansion": 16e-6}, 4
+        return {"rise": r.uniform(0.5, 1), "depth": log_uniform(r, 0.015, 0.06), "expansion": 16e-6}, 3
     if name == "tait":
         return {"stiffening": r.uniform(8, 12)}, 1.3
     if name == "debonding":
         wall = r.choice(("top", "bottom", "front"))
-        begin, length = t.stretch(r, wall, 0.015, 0.03)
-        return {"wall": wall, "begin": begin, "length": length, "strength": r.choice((0.0, r.uniform(0, 5e4)))}, 1.2 if wall == "front" else 2
+        begin, length, most = t.stretch(r, wall, 0.015, 0.03)
+        return {"wall": wall, "begin": begin, "length": length, "strength": r.choice((0.0, r.uniform(0, 5e4)))}, most
     if name == "thinning":
         wall = r.choice(("top", "bottom", "front"))
-        begin, length = t.stretch(r, wall, 0.01, 0.025)
-        return {"wall": wall, "begin": begin, "length": length, "fraction": r.uniform(0.2, 0.45)}, 1.2 if wall == "front" else 2
+        begin, length, most = t.stretch(r, wall, 0.01, 0.025)
+        return {"wall": wall, "begin": begin, "length": length, "fraction": r.uniform(0.2, 0.45)}, most
     if name == "residual_ringing":
         return {"amplitude": sign(r) * r.uniform(0.1, 0.3), "after": r.uniform(3e-4, 5e-4)}, 3
     if name == "gauge_fault":
@@ -102,12 +103,12 @@ def draw_effect(name, t, r):
     if name == "rib":
         return {"wall": wall, "place": t.free_place(r, wall), "thickness": 0.003, "height": on_grid(r.uniform(0.004, 0.01))}, 2
     if name == "gas_pocket":
-        begin, length = t.stretch(r, "top", 0.01, 0.03)
-        return {"wall": "top", "begin": begin, "length": length, "thickness": log_uniform(r, 1e-6, 2e-5)}, 20
+        begin, length, most = t.stretch(r, "top", 0.008, 0.02)
+        return {"wall": "top", "begin": begin, "length": length, "thickness": log_uniform(r, 5e-5, 1e-3)}, most
     if name == "speed_gradient":
         return {"change": sign(r) * r.uniform(0.05, 0.1)}, 3
     if name == "added_mass":
-        begin, length = t.stretch(r, wall, 0.015, 0.04)
+        begin, length, _ = t.stretch(r, wall, 0.015, 0.04)
         return {"wall": wall, "begin": begin, "length": length, "mass": r.uniform(5, 15)}, 10
     if name == "slot":
         return {"wall": wall, "place": t.free_place(r, wall), "width": 0.5e-3, "depth": r.uniform(0.3, 0.6) * getattr(t, wall)}, 1.6
