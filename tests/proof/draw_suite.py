@@ -90,8 +90,8 @@ def draw_effect(name, t, r):
         return {"wall": wall, "begin": begin, "length": length, "strength": r.choice((0.0, r.uniform(0, 5e4)))}, most
     if name == "thinning":
         wall = r.choice(("top", "bottom", "front"))
-        begin, length, most = t.stretch(r, wall, 0.01, 0.025)
-        return {"wall": wall, "begin": begin, "length": length, "fraction": r.uniform(0.2, 0.45)}, most
+        begin, length, _ = t.stretch(r, wall, 0.01, 0.025)
+        return {"wall": wall, "begin": begin, "length": length, "fraction": r.uniform(0.15, 0.3)}, 2
     if name == "residual_ringing":
         return {"amplitude": sign(r) * r.uniform(0.1, 0.3), "after": r.uniform(3e-4, 5e-4)}, 3
     if name == "gauge_fault":
@@ -103,8 +103,8 @@ def draw_effect(name, t, r):
     if name == "rib":
         return {"wall": wall, "place": t.free_place(r, wall), "thickness": 0.003, "height": on_grid(r.uniform(0.004, 0.01))}, 2
     if name == "gas_pocket":
-        begin, length, most = t.stretch(r, "top", 0.008, 0.02)
-        return {"wall": "top", "begin": begin, "length": length, "thickness": log_uniform(r, 5e-5, 1e-3)}, most
+        begin, length, _ = t.stretch(r, "top", 0.008, 0.02)
+        return {"wall": "top", "begin": begin, "length": length, "thickness": log_uniform(r, 2e-6, 2e-5)}, 20
     if name == "speed_gradient":
         return {"change": sign(r) * r.uniform(0.05, 0.1)}, 3
     if name == "added_mass":

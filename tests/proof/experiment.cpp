@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -39,12 +40,12 @@ const std::map<std::string, Known>& known_effects() {
       {"heated_steel", {"thermal_stress", {{"rise", proportion}, {"depth", not_at_all}, {"expansion", not_at_all}}}},
       {"tait", {"nonlinear_eos", {{"stiffening", proportion}}}},
       {"debonding", {"interface", {{"begin", not_at_all}, {"length", proportion}, {"strength", not_at_all}}}},
-      {"thinning", {"wall_thinning", {{"begin", not_at_all}, {"length", proportion}, {"fraction", not_at_all}}}},
+      {"thinning", {"wall_thinning", {{"begin", not_at_all}, {"length", not_at_all}, {"fraction", proportion}}}},
       {"residual_ringing", {"previous_pulses", {{"amplitude", proportion}, {"after", not_at_all}}}},
       {"gauge_fault", {"sensor_response", {{"gain", logarithm}, {"delay", proportion}, {"low_pass", inverse}, {"angle", proportion}}}},
       {"yielding", {"", {{"stress", inverse}, {"hardening", not_at_all}}}},
       {"rib", {"", {{"place", not_at_all}, {"thickness", not_at_all}, {"height", proportion}}}},
-      {"gas_pocket", {"", {{"begin", not_at_all}, {"length", proportion}, {"thickness", not_at_all}}}},
+      {"gas_pocket", {"", {{"begin", not_at_all}, {"length", not_at_all}, {"thickness", proportion}}}},
       {"speed_gradient", {"", {{"change", proportion}}}},
       {"added_mass", {"", {{"begin", not_at_all}, {"length", not_at_all}, {"mass", proportion}}}},
       {"slot", {"", {{"place", not_at_all}, {"width", not_at_all}, {"depth", proportion}}}},
@@ -226,21 +227,38 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
     g.fill(Cell::continuing, length + behind * h, length + (behind + 1) * h, low, high);
   }
   const auto at_wall = [&](const Effect& e, const char* wall) { return e.word.contains("wall") ? e.word.at("wall") == wall : std::string(wall) == "top"; };
+  // A depth that is no whole number of cells leaves a cell of less density and stiffness.
+  struct Part {
+    double x0, x1, z0, z1, left;
+  };
+  std::vector<Part> parts;
+  const auto carve = [&](Cell into, const std::string& wall, bool from_inside, double begin, double end_, double deep) {
+    double whole = std::floor(deep / h + 1e-9), part = deep / h - whole;
+    if (part > 0.85) whole += 1, part = 0;
+    const bool front_wall = wall == "front", top_wall = wall == "top";
+    const double outer = top_wall ? height : 0, inner = front_wall ? front : top_wall ? high : low;
+    const double start = from_inside ? inner : outer, direction = (inner > outer) == from_inside ? -1 : 1;
+    const auto box = [&](double from, double to) {
+      const double u = start + direction * from, v = start + direction * to;
+      const double least = std::min(u, v), most = std::max(u, v);
+      return front_wall ? std::array{least, most, begin, end_} : std::array{begin, end_, least, most};
+    };
+    const auto b = box(0, whole * h), p = box(whole * h, (whole + 1) * h);
+    g.fill(into, b[0], b[1], b[2], b[3]);
+    if (part > 1e-6) parts.push_back({p[0], p[1], p[2], p[3], 1 - part});
+  };
+  const auto thickness = [&](const Effect& e) { return at_wall(e, "front") ? front : at_wall(e, "top") ? top : bottom; };
+  const auto wall_of = [](const Effect& e) { return e.word.contains("wall") ? e.word.at("wall") : std::string("top"); };
   if (thinning) {  // eaten away from inside, half as deep over the first and last eighth
     const Effect& e = *thinning;
-    const double b = e["begin"], l = e["length"], f = e["fraction"];
-    for (const auto& [from, to, share] : {std::tuple{0.0, 1.0, 0.5}, {0.125, 0.875, 1.0}}) {
-      if (at_wall(e, "top")) g.fill(Cell::mercury, b + from * l, b + to * l, high, high + h * std::round(share * f * top / h));
-      if (at_wall(e, "bottom")) g.fill(Cell::mercury, b + from * l, b + to * l, low - h * std::round(share * f * bottom / h), low);
-      if (at_wall(e, "front")) g.fill(Cell::mercury, front - h * std::round(share * f * front / h), front, b + from * l, b + to * l);
-    }
+    const double b = e["begin"], l = e["length"], deep = std::min(e["fraction"], 0.8) * thickness(e);
+    carve(Cell::mercury, wall_of(e), true, b, b + l, 0.5 * deep);
+    carve(Cell::mercury, wall_of(e), true, b + 0.125 * l, b + 0.875 * l, deep);
   }
   if (slot) {  // cut from outside
     const Effect& e = *slot;
-    const double p = h * std::round(e["place"] / h), w = h * std::max(1.0, std::round(e["width"] / h)), d = h * std::round(e["depth"] / h);
-    if (at_wall(e, "top")) g.fill(Cell::vacuum, p, p + w, height - d, height);
-    if (at_wall(e, "bottom")) g.fill(Cell::vacuum, p, p + w, 0, d);
-    if (at_wall(e, "front")) g.fill(Cell::vacuum, 0, d, p, p + w);
+    const double p = h * std::round(e["place"] / h), w = h * std::max(1.0, std::round(e["width"] / h));
+    carve(Cell::vacuum, wall_of(e), false, p, p + w, std::min(e["depth"], 0.9 * thickness(e)));
   }
   if (rib) {
     const Effect& e = *rib;
@@ -254,6 +272,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   if (const Effect* e = find("speed_gradient")) mercury.speed_gradient = (*e)["change"] / (high - low), mercury.gradient_middle = 0.5 * (low + high);
   const Solid steel = Solid::from_young(steel_density, young, poisson);
   Slice s(g, steel, mercury);
+  for (const Part& part : parts)
+    s.set_solid([&](double x, double z) { return x > part.x0 && x < part.x1 && z > part.z0 && z < part.z1; }, {part.left * steel.density, part.left * steel.lambda, part.left * steel.mu});
   if (layer) {  // of the given sound speed, its density from the impedance; Poisson's ratio 0.45
     const double ratio = (*layer)["impedance_ratio"], speed = (*layer)["speed"];
     s.set_solid([&](double x, double) { return x > length; }, Solid::from_speed(ratio * density * sound_speed / speed, speed, 0.45));
@@ -381,7 +401,7 @@ Difference difference(const std::vector<double>& mean, const std::vector<double>
   return d;
 }
 
-double strength(const Difference& d, const Experiment& experiment) {
+double strength(const std::vector<double>& by_gauge, const Experiment& experiment) {
   std::string only;
   bool one = !experiment.effects.empty();
   for (const auto& e : experiment.effects) {
@@ -390,8 +410,8 @@ double strength(const Difference& d, const Experiment& experiment) {
     if (found != e.word.end()) only = found->second;
   }
   double sum = 0, count = 0;
-  for (std::size_t g = 0; g < d.band.size(); ++g)
-    if (!one || experiment.gauges[g].name == only) sum += d.band[g], ++count;
+  for (std::size_t g = 0; g < by_gauge.size(); ++g)
+    if (!one || experiment.gauges[g].name == only) sum += by_gauge[g], ++count;
   return sum / count;
 }
 

@@ -69,6 +69,6 @@ struct Difference {
 };
 [[nodiscard]] Difference difference(const std::vector<double>& mean, const std::vector<double>& reference, std::size_t gauges, double interval);
 /// Mean over the gauges; of effects on one gauge only, that gauge's.
-[[nodiscard]] double strength(const Difference& d, const Experiment& experiment);
+[[nodiscard]] double strength(const std::vector<double>& by_gauge, const Experiment& experiment);
 
 }  // namespace calomel::proof

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <numeric>
 #include <set>
 
 #include "base/random.hpp"
@@ -25,8 +25,6 @@ void write(const std::filesystem::path& path, const std::string& text) {
   if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-double mean(const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0) / double(v.size()); }
-
 std::vector<Effect> scaled(const std::vector<Effect>& effects, double times) {
   std::vector<Effect> out;
   for (const auto& e : effects) out.push_back(e.scaled(times));
@@ -41,26 +39,31 @@ std::vector<double> quantiles(const Experiment& x, int count) {
   return out;
 }
 
-/// The scale of the effects at which they make the target strength, by secants in logarithms on a coarser grid.
+/// The scale of the effects at which they make the target strength, by secants and halvings in logarithms on a coarser grid.
 double find_scale(const Experiment& x, int threads) {
   const auto energies = quantiles(x, x.search_pulses);
   const auto pulses = energies.size();
   const auto base = mean_of(x.strains({}, x.search_grid, energies, threads), pulses);
   const auto made = [&](double scale) {
-    const double s = strength(difference(mean_of(x.strains(scaled(x.effects, scale), x.search_grid, energies, threads), pulses), base, x.gauges.size(), x.interval), x);
+    const double s = strength(difference(mean_of(x.strains(scaled(x.effects, scale), x.search_grid, energies, threads), pulses), base, x.gauges.size(), x.interval).band, x);
     fmt::print("scale {:.4g}: strength {:.4f} on {} mm\n", scale, s, 1e3 * x.search_grid);
     std::fflush(stdout);
     return s;
   };
-  double scale = 1, best = 1, best_off = 1e300, scale_before = 0, made_before = 0;
-  for (int trial = 0; trial < 6; ++trial) {
+  double scale = 1, best = 1, best_off = 1e300, scale_before = 0, made_before = 0, below = x.least_scale, above = x.greatest_scale;
+  for (int trial = 0; trial < 8; ++trial) {
     const double s = std::max(made(scale), 1e-6), off = std::log(s / x.target_strength);
     if (std::abs(off) < best_off) best_off = std::abs(off), best = scale;
     if (std::abs(off) < 0.08) break;
+    (off < 0 ? below : above) = scale;
     double slope = 1;
     if (scale_before > 0 && scale != scale_before) slope = std::clamp(std::log(s / made_before) / std::log(scale / scale_before), 0.4, 3.0);
     scale_before = scale, made_before = s;
-    scale = std::clamp(scale * std::exp(std::clamp(-off / slope, -2.5, 2.5)), x.least_scale, x.greatest_scale);
+    scale = scale * std::exp(std::clamp(-off / slope, -2.5, 2.5));
+    if (scale <= below || scale >= above) {  // halve what is left; the ends themselves while nothing has been seen beyond
+      const bool open = scale <= below ? below == x.least_scale : above == x.greatest_scale;
+      scale = open ? std::clamp(scale, below, above) : std::sqrt(below * above);
+    }
     if (scale == scale_before) break;
   }
   return best;
@@ -82,7 +85,7 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
   t += fmt::format("grid = {}\nseconds = {:.1f}\n\n", x.grid, seconds);
   t += fmt::format("[strength]  # relative L2 between the mean records with and without the effects\ndecimated = {:.5f}  # by a Hann window to 20 kHz, mean over gauges (of a gauge's fault: that gauge)\n"
                    "samples = {:.5f}\nscale = {:.5g}\ntarget = {:.5g}\nby_gauge = [{:.5f}]\n\n",
-                   effects.empty() ? 0.0 : strength(d, x), d.raw.empty() ? 0.0 : mean(d.raw), scale, x.target_strength, fmt::join(d.band, ", "));
+                   effects.empty() ? 0.0 : strength(d.band, x), effects.empty() ? 0.0 : strength(d.raw, x), scale, x.target_strength, fmt::join(d.band, ", "));
   t += fmt::format("[parameter]\ndensity = {:.10g}\nsound_speed = {:.10g}\ntensile_cutoff = {:.10g}\n\n", x.density, x.sound_speed, x.cutoff);
   t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\n\n", x.young, x.viscosity, x.pulse_length,
                    x.energy, fmt::join(x.energies, ", "), x.noise_time);
@@ -146,7 +149,7 @@ void generate(const std::filesystem::path& spec, const std::filesystem::path& ou
   Difference d;
   if (!effects.empty()) {
     d = difference(mean_of(strains, pulses), mean_of(x.strains({}, x.grid, x.energies, threads), pulses), gauges, x.interval);
-    fmt::print("strength {:.4f} decimated, {:.4f} of all samples (target {:.4f})\n", strength(d, x), mean(d.raw), x.target_strength);
+    fmt::print("strength {:.4f} decimated, {:.4f} of all samples (target {:.4f})\n", strength(d.band, x), strength(d.raw, x), x.target_strength);
   }
   std::filesystem::create_directories(out);
   write(out / "case.toml", x.case_file());
