@@ -104,8 +104,10 @@ def main():
         means = {}
         for grid in args.grids:
             path = os.path.join(folder, f"grid_{grid:g}.toml")
-            truth = slice_spec(path, args.seed, index, 1e-3 * grid)
+            slice_spec(path, args.seed, index, 1e-3 * grid)
             means[f"grid {grid:g}"] = own(os.path.abspath(args.generator), folder, path, grid)
+        path = os.path.join(folder, f"grid_{args.grids[0]:g}.toml")  # any grid will do to write the case
+        truth = slice_spec(path, args.seed, index, 1e-3 * args.grids[0])
         for size in args.elements if args.calomel else []:
             means[f"library {size:g}"] = library(os.path.abspath(args.calomel), os.path.abspath(args.generator), folder, path, truth, size)
         grids = [f"grid {g:g}" for g in args.grids]
