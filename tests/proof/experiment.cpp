@@ -33,7 +33,12 @@ const std::map<std::string, Known>& known_effects() {
       {"rear_layer", {"rear_reflection", {{"impedance_ratio", logarithm}, {"speed", not_at_all}, {"thickness", not_at_all}, {"behind_ratio", not_at_all}}}},
       {"bubbles",
        {"bubbly_liquid",
-        {{"small_fraction", proportion}, {"large_fraction", proportion}, {"small_radius", not_at_all}, {"large_radius", not_at_all}, {"ambient", not_at_all}, {"viscosity", not_at_all}}}},
+        {{"small_fraction", proportion},
+         {"large_fraction", proportion},
+         {"small_radius", not_at_all},
+         {"large_radius", not_at_all},
+         {"ambient", not_at_all},
+         {"viscosity", not_at_all}}}},
       {"nucleation", {"cavitation_kinetics", {{"number", inverse_square}, {"radius", not_at_all}}}},
       {"relaxing_liquid", {"liquid_viscosity", {{"viscosity", proportion}, {"time", not_at_all}}}},
       {"zener_steel", {"structural_damping", {{"loss", proportion}, {"frequency", not_at_all}}}},
@@ -133,11 +138,20 @@ double Effect::operator[](const std::string& key) const {
 Effect Effect::scaled(double times) const {
   Effect e = *this;
   for (auto& [key, value] : e.number) switch (known(name).keys.at(key)) {
-      case Follows::not_at_all: break;
-      case Follows::proportion: value *= times; break;
-      case Follows::logarithm: value = std::exp(times * std::log(value)); break;
-      case Follows::inverse: value /= times; break;
-      case Follows::inverse_square: value /= times * times; break;
+      case Follows::not_at_all:
+        break;
+      case Follows::proportion:
+        value *= times;
+        break;
+      case Follows::logarithm:
+        value = std::exp(times * std::log(value));
+        break;
+      case Follows::inverse:
+        value /= times;
+        break;
+      case Follows::inverse_square:
+        value /= times * times;
+        break;
     }
   return e;
 }
@@ -149,7 +163,8 @@ Experiment Experiment::read(const std::filesystem::path& path) {
   Experiment e;
   const auto table = [&](const char* name) { return Table(file[name].as_table(), "[" + std::string(name) + "] of " + path.string()); };
   for (const auto& [key, node] : file)
-    if (static const std::vector<std::string> names = {"case", "geometry", "steel", "mercury", "nominal", "load", "time", "pulses", "gauges", "gauge", "effect", "strength"};
+    if (static const std::vector<std::string> names = {"case", "geometry", "steel", "mercury", "nominal", "load", "time", "pulses", "gauges", "gauge", "effect",
+                                                       "strength"};
         std::find(names.begin(), names.end(), std::string(key.str())) == names.end())
       throw std::runtime_error("no table [" + std::string(key.str()) + "] is known in " + path.string());
   table("case")("name", e.name)("seed", e.seed)("grid", e.grid);
@@ -159,14 +174,15 @@ Experiment Experiment::read(const std::filesystem::path& path) {
   table("nominal")("young", e.nominal_young)("density", e.nominal_density)("sound_speed", e.nominal_sound_speed)("tensile_cutoff", e.nominal_cutoff)(
       "pulse_length", e.nominal_pulse_length);
   e.center = e.height / 2;
-  table("load")("peak_pressure", e.peak)("center", e.center)("width", e.width)("decay", e.decay)("buildup", e.buildup)("buildup_length", e.buildup_length)("exponent", e.exponent)(
-      "pulse_length", e.pulse_length);
+  table("load")("peak_pressure", e.peak)("center", e.center)("width", e.width)("decay", e.decay)("buildup", e.buildup)("buildup_length", e.buildup_length)(
+      "exponent", e.exponent)("pulse_length", e.pulse_length);
   table("time")("end", e.end)("interval", e.interval);
   table("pulses")("count", e.pulses)("energy", e.energy)("energy_sd", e.energy_sd).knows("energies");
   if (const auto* list = file["pulses"]["energies"].as_array())
     for (const auto& v : *list) e.energies.push_back(v.value<double>().value());
   table("gauges")("place_sd", e.place_sd)("gain_sd", e.gain_sd)("noise_time", e.noise_time);
-  table("strength")("target", e.target_strength)("least_scale", e.least_scale)("greatest_scale", e.greatest_scale)("grid", e.search_grid)("pulses", e.search_pulses);
+  table("strength")("target", e.target_strength)("least_scale", e.least_scale)("greatest_scale", e.greatest_scale)("grid", e.search_grid)("pulses",
+                                                                                                                                          e.search_pulses);
   if (const auto* list = file["gauge"].as_array())
     for (const auto& node : *list) {
       GaugeSpec g;
@@ -180,9 +196,12 @@ Experiment Experiment::read(const std::filesystem::path& path) {
       Effect effect;
       for (const auto& [key, value] : *node.as_table()) {
         const std::string k(key.str());
-        if (k == "name") effect.name = value.value<std::string>().value();
-        else if (value.is_string()) effect.word[k] = value.value<std::string>().value();
-        else effect.number[k] = value.value<double>().value();
+        if (k == "name")
+          effect.name = value.value<std::string>().value();
+        else if (value.is_string())
+          effect.word[k] = value.value<std::string>().value();
+        else
+          effect.number[k] = value.value<double>().value();
       }
       for (const auto& [key, value] : effect.number)
         if (!known(effect.name).keys.contains(key)) throw std::runtime_error("the effect " + effect.name + " has no key " + key);
@@ -273,7 +292,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   const Solid steel = Solid::from_young(steel_density, young, poisson);
   Slice s(g, steel, mercury);
   for (const Part& part : parts)
-    s.set_solid([&](double x, double z) { return x > part.x0 && x < part.x1 && z > part.z0 && z < part.z1; }, {part.left * steel.density, part.left * steel.lambda, part.left * steel.mu});
+    s.set_solid([&](double x, double z) { return x > part.x0 && x < part.x1 && z > part.z0 && z < part.z1; },
+                {part.left * steel.density, part.left * steel.lambda, part.left * steel.mu});
   if (layer) {  // of the given sound speed, its density from the impedance; Poisson's ratio 0.45
     const double ratio = (*layer)["impedance_ratio"], speed = (*layer)["speed"];
     s.set_solid([&](double x, double) { return x > length; }, Solid::from_speed(ratio * density * sound_speed / speed, speed, 0.45));
@@ -283,7 +303,10 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   if (const Effect* e = find("relaxing_liquid")) s.relaxing = {(*e)["viscosity"], (*e)["time"]};
   if (const Effect* e = find("tait")) s.tait.exponent = (*e)["stiffening"] - 1;
   if (const Effect* e = find("bubbles"))
-    s.bubbles = {.fraction = {(*e)["small_fraction"], (*e)["large_fraction"]}, .radius = {(*e)["small_radius"], (*e)["large_radius"]}, .ambient = (*e)["ambient"], .viscosity = (*e)["viscosity"]};
+    s.bubbles = {.fraction = {(*e)["small_fraction"], (*e)["large_fraction"]},
+                 .radius = {(*e)["small_radius"], (*e)["large_radius"]},
+                 .ambient = (*e)["ambient"],
+                 .viscosity = (*e)["viscosity"]};
   if (const Effect* e = find("zener_steel")) s.zener = {.strength = 4 * (*e)["loss"], .time = 1 / (2 * std::numbers::pi * (*e)["frequency"])};
   if (const Effect* e = find("yielding")) s.yielding = {(*e)["stress"], (*e)["hardening"]};
 
@@ -292,7 +315,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   if (debonding || pocket)
     s.set_contacts([&](Contact& c, double x, double z) {
       const auto covers = [&](const Effect& e) {
-        const bool wall = (at_wall(e, "top") && c.across_z && c.sign > 0) || (at_wall(e, "bottom") && c.across_z && c.sign < 0) || (at_wall(e, "front") && !c.across_z && c.sign < 0);
+        const bool wall = (at_wall(e, "top") && c.across_z && c.sign > 0) || (at_wall(e, "bottom") && c.across_z && c.sign < 0) ||
+                          (at_wall(e, "front") && !c.across_z && c.sign < 0);
         const double along = c.across_z ? x : z;
         return wall && along > e["begin"] && along < e["begin"] + e["length"];
       };
@@ -318,7 +342,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
       if (x > length) return profile(length, z);  // the layer is as tense as the mercury in front of it
       if (!heated) return 0.0;
       const double u = x / (*heated)["depth"];
-      return (3 * steel.lambda + 2 * steel.mu) * (*heated)["expansion"] * (*heated)["rise"] * std::exp(-0.5 * std::pow(std::abs((z - z0) / wz), exponent)) / (1 + u * u);
+      return (3 * steel.lambda + 2 * steel.mu) * (*heated)["expansion"] * (*heated)["rise"] * std::exp(-0.5 * std::pow(std::abs((z - z0) / wz), exponent)) /
+             (1 + u * u);
     });
   return s;
 }
@@ -417,23 +442,26 @@ double strength(const std::vector<double>& by_gauge, const Experiment& experimen
 
 std::string Experiment::case_file() const {
   std::string t = fmt::format(
-      "[case]\nname = \"{}\"\n\n[geometry]\nkind = \"box\"\nlength = {}\nwidth = 0.10\nheight = {}\nwalls = {{front = {}, rear = {}, side = 0.005, top = {}, bottom = {}}}\nrear = \"{}\"\n"
+      "[case]\nname = \"{}\"\n\n[geometry]\nkind = \"box\"\nlength = {}\nwidth = 0.10\nheight = {}\nwalls = {{front = {}, rear = {}, side = 0.005, top = {}, "
+      "bottom = {}}}\nrear = \"{}\"\n"
       "plane_strain = true\nelement_size = 0.002\n\n",
       name, length, height, front, rear > 0 ? rear : 0.005, top, bottom, rear > 0 ? "wall" : "non_reflecting");
   t += fmt::format("[material.steel]\ndensity = {:.1f}\nyoung = {:.5g}\npoisson = {}\n\n", steel_density, nominal_young, poisson);
-  t += fmt::format("[material.mercury]\nlaw = \"riemer\"\ndensity = {:.1f}\nsound_speed = {:.1f}\ntensile_cutoff = {:.6g}\n\n", nominal_density, nominal_sound_speed, nominal_cutoff);
+  t += fmt::format("[material.mercury]\nlaw = \"riemer\"\ndensity = {:.1f}\nsound_speed = {:.1f}\ntensile_cutoff = {:.6g}\n\n", nominal_density,
+                   nominal_sound_speed, nominal_cutoff);
   t += fmt::format("[load]\npolicy = \"fixed\"\npeak_pressure = {:.6g}\npulse_length = {:.4g}\n\n", peak, nominal_pulse_length);
-  t += fmt::format("[load.profile]\ncenter = [0.0, {}]\nwidths = [1000.0, {}]\ndecay = {}\nbuildup = {}\nbuildup_length = {}\nexponent = {:.1f}\n\n", center, width, decay, buildup, buildup_length,
-                   exponent);
+  t += fmt::format("[load.profile]\ncenter = [0.0, {}]\nwidths = [1000.0, {}]\ndecay = {}\nbuildup = {}\nbuildup_length = {}\nexponent = {:.1f}\n\n", center,
+                   width, decay, buildup, buildup_length, exponent);
   t += fmt::format("[time]\nend = {:.6g}\noutput_interval = {:.6g}\n\n", end, interval);
   for (const auto& g : gauges)
-    t += fmt::format("[[sensor]]\nname = \"{}\"\nposition = [{}, 0.0, {}]\ndirection = {}\ngauge_length = {}\n\n", g.name, g.x, g.z, g.along_x ? "[1, 0, 0]" : "[0, 0, 1]", g.length);
+    t += fmt::format("[[sensor]]\nname = \"{}\"\nposition = [{}, 0.0, {}]\ndirection = {}\ngauge_length = {}\n\n", g.name, g.x, g.z,
+                     g.along_x ? "[1, 0, 0]" : "[0, 0, 1]", g.length);
   t += "[recordings]\nfile = \"recordings.csv\"\n\n";
   t += fmt::format("[parameter.tensile_cutoff]\nmin = 0.0\nmax = 1500000.0\nprior = \"uniform\"\nnominal = {:.6g}\n\n", nominal_cutoff);
   t += fmt::format("[parameter.density]\nmin = 1350.0\nmax = 13600.0\nprior = \"uniform\"\nnominal = {:.1f}\n\n", nominal_density);
   t += fmt::format("[parameter.sound_speed]\nmin = 500.0\nmax = 4000.0\nprior = \"uniform\"\nnominal = {:.1f}\n", nominal_sound_speed);
-  for (const char* m : {"bubbly_liquid", "cavitation_kinetics", "liquid_viscosity", "structural_damping", "nonlinear_eos", "thermal_stress", "beam_profile", "previous_pulses",
-                        "rear_reflection", "interface", "sensor_response", "wall_thinning", "static_pressure"})
+  for (const char* m : {"bubbly_liquid", "cavitation_kinetics", "liquid_viscosity", "structural_damping", "nonlinear_eos", "thermal_stress", "beam_profile",
+                        "previous_pulses", "rear_reflection", "interface", "sensor_response", "wall_thinning", "static_pressure"})
     t += fmt::format("\n[mechanism.{}]\n", m);
   return t;
 }

@@ -41,13 +41,13 @@ struct Experiment {
   double pulse_length = 0.7e-6, nominal_pulse_length = 0.7e-6;
   double end = 0.25e-3, interval = 1e-6;
   int pulses = 20;
-  double energy = 1, energy_sd = 0.015;            ///< of all pulses; from pulse to pulse
+  double energy = 1, energy_sd = 0.015;  ///< of all pulses; from pulse to pulse
   double place_sd = 0, gain_sd = 0, noise_time = 5e-6;
-  std::vector<double> energies;                    ///< relative energy of each pulse; drawn where none is given
+  std::vector<double> energies;  ///< relative energy of each pulse; drawn where none is given
   std::vector<GaugeSpec> gauges;
   std::vector<Effect> effects;
-  double target_strength = 0;                      ///< relative L2 that the effects are to make; 0: as given
-  double least_scale = 0.02, greatest_scale = 4;   ///< of the search for it
+  double target_strength = 0;                     ///< relative L2 that the effects are to make; 0: as given
+  double least_scale = 0.02, greatest_scale = 4;  ///< of the search for it
   double search_grid = 0.5e-3;
   int search_pulses = 8;
 

@@ -1,6 +1,7 @@
 /// Records of a box slice with concealed physics: reference_generator SPEC.toml OUT_DIR [--truth FILE] [--mean FILE] [--threads N]
 ///
-/// Writes case.toml and recordings.csv into OUT_DIR and, apart from it, the truth (OUT_DIR.truth.toml by default). --mean FILE writes the noise-free mean record and nothing else.
+/// Writes case.toml and recordings.csv into OUT_DIR and, apart from it, the truth (OUT_DIR.truth.toml by default). --mean FILE writes the noise-free mean
+/// record and nothing else.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -45,7 +46,8 @@ double find_scale(const Experiment& x, int threads) {
   const auto pulses = energies.size();
   const auto base = mean_of(x.strains({}, x.search_grid, energies, threads), pulses);
   const auto made = [&](double scale) {
-    const double s = strength(difference(mean_of(x.strains(scaled(x.effects, scale), x.search_grid, energies, threads), pulses), base, x.gauges.size(), x.interval).band, x);
+    const double s =
+        strength(difference(mean_of(x.strains(scaled(x.effects, scale), x.search_grid, energies, threads), pulses), base, x.gauges.size(), x.interval).band, x);
     fmt::print("scale {:.4g}: strength {:.4f} on {} mm\n", scale, s, 1e3 * x.search_grid);
     std::fflush(stdout);
     return s;
@@ -80,15 +82,22 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
   const char* family = effects.empty() ? "none" : sensor ? "sensor" : outside ? "outside" : library.size() > 1 ? "pair" : "single";
   std::string label;
   for (const auto& name : library) label += (label.empty() ? "" : "+") + name;
-  std::string t = fmt::format("name = \"{}\"\nseed = {}\nfamily = \"{}\"  # none, single, pair, outside, sensor\nmechanism = \"{}\"  # the library's name; empty: none, or it has no such mechanism\n", x.name,
-                              x.seed, family, effects.empty() ? "none" : outside ? "" : label);
+  std::string t = fmt::format(
+      "name = \"{}\"\nseed = {}\nfamily = \"{}\"  # none, single, pair, outside, sensor\nmechanism = \"{}\"  # the library's name; empty: none, or it has no "
+      "such mechanism\n",
+      x.name, x.seed, family,
+      effects.empty() ? "none"
+      : outside       ? ""
+                      : label);
   t += fmt::format("grid = {}\nseconds = {:.1f}\n\n", x.grid, seconds);
-  t += fmt::format("[strength]  # relative L2 between the mean records with and without the effects\ndecimated = {:.5f}  # by a Hann window to 20 kHz, mean over gauges (of a gauge's fault: that gauge)\n"
-                   "samples = {:.5f}\nscale = {:.5g}\ntarget = {:.5g}\nby_gauge = [{:.5f}]\n\n",
-                   effects.empty() ? 0.0 : strength(d.band, x), effects.empty() ? 0.0 : strength(d.raw, x), scale, x.target_strength, fmt::join(d.band, ", "));
+  t += fmt::format(
+      "[strength]  # relative L2 between the mean records with and without the effects\ndecimated = {:.5f}  # by a Hann window to 20 kHz, mean over gauges (of "
+      "a gauge's fault: that gauge)\n"
+      "samples = {:.5f}\nscale = {:.5g}\ntarget = {:.5g}\nby_gauge = [{:.5f}]\n\n",
+      effects.empty() ? 0.0 : strength(d.band, x), effects.empty() ? 0.0 : strength(d.raw, x), scale, x.target_strength, fmt::join(d.band, ", "));
   t += fmt::format("[parameter]\ndensity = {:.10g}\nsound_speed = {:.10g}\ntensile_cutoff = {:.10g}\n\n", x.density, x.sound_speed, x.cutoff);
-  t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\n\n", x.young, x.viscosity, x.pulse_length,
-                   x.energy, fmt::join(x.energies, ", "), x.noise_time);
+  t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\n\n",
+                   x.young, x.viscosity, x.pulse_length, x.energy, fmt::join(x.energies, ", "), x.noise_time);
   for (const auto& g : x.gauges) t += fmt::format("[nuisance.gauge.{}]\nmoved = {:.6g}\ngain = {:.6f}\nnoise = {:.4g}\n\n", g.name, g.moved, g.gain, g.noise);
   for (const auto& e : effects) {
     t += fmt::format("[[effect]]\nname = \"{}\"\nmechanism = \"{}\"\n", e.name, library_name(e.name));
@@ -127,7 +136,8 @@ void add_noise(double* y, std::size_t n, double sd, double interval, double time
   }
 }
 
-void generate(const std::filesystem::path& spec, const std::filesystem::path& out, std::filesystem::path truth, const std::filesystem::path& mean_file, int threads) {
+void generate(const std::filesystem::path& spec, const std::filesystem::path& out, std::filesystem::path truth, const std::filesystem::path& mean_file,
+              int threads) {
   Experiment x = Experiment::read(spec);
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
@@ -176,16 +186,21 @@ int main(int argc, char** argv) try {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word.starts_with("--") && i + 1 < argc) {
-      if (word == "--truth") truth = argv[++i];
-      else if (word == "--mean") mean_file = argv[++i];
-      else if (word == "--threads") threads = std::stoi(argv[++i]);
-      else throw std::runtime_error("no option " + word);
+      if (word == "--truth")
+        truth = argv[++i];
+      else if (word == "--mean")
+        mean_file = argv[++i];
+      else if (word == "--threads")
+        threads = std::stoi(argv[++i]);
+      else
+        throw std::runtime_error("no option " + word);
     } else {
       places.emplace_back(word);
     }
   }
   if (places.size() != (mean_file.empty() ? 2 : 1)) {
-    fmt::print(stderr, "usage: reference_generator SPEC.toml OUT_DIR [--truth FILE] [--threads N]\n       reference_generator SPEC.toml --mean FILE [--threads N]\n");
+    fmt::print(stderr,
+               "usage: reference_generator SPEC.toml OUT_DIR [--truth FILE] [--threads N]\n       reference_generator SPEC.toml --mean FILE [--threads N]\n");
     return 2;
   }
   generate(places[0], places.size() > 1 ? places[1] : "", truth, mean_file, threads);

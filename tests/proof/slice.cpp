@@ -34,7 +34,8 @@ struct Liquid {
   Real modulus, viscosity, front, cutoff, dt, per_h, ramp;
 };
 
-/// Riemer's law, p = max(p0 - K e - eta rate, -cutoff). `opened` is 1 from the moment a cell has given way until the front that closes it has passed: there the rate is resisted by `front`, too.
+/// Riemer's law, p = max(p0 - K e - eta rate, -cutoff). `opened` is 1 from the moment a cell has given way until the front that closes it has passed: there the
+/// rate is resisted by `front`, too.
 EVERY_MACHINE void riemer(Out p, Out e, Out opened, In p0, In vx, In vz, In vz_after, Liquid q, int n) {
   for (int k = 0; k < n; ++k) {
     const Real rate = ((vx[k + 1] - vx[k]) + (vz_after[k] - vz[k])) * q.per_h;
@@ -86,7 +87,8 @@ EVERY_MACHINE void relaxing(Out p, Out e, Out opened, Out memory, In p0, In vx, 
   }
 }
 
-/// Void grows from nuclei: n of them per volume, dR/dt = sign sqrt(2/3 |p + cutoff| / rho) (Rayleigh), never past p = -cutoff. `radius` is R, in units of the nucleus.
+/// Void grows from nuclei: n of them per volume, dR/dt = sign sqrt(2/3 |p + cutoff| / rho) (Rayleigh), never past p = -cutoff. `radius` is R, in units of the
+/// nucleus.
 EVERY_MACHINE void nucleation(Out p, Out e, Out opened, Out radius, In p0, In vx, In vz, In vz_after, Liquid q, Real void_of_nuclei, Real speed, int n) {
   for (int k = 0; k < n; ++k) {
     const Real rate = ((vx[k + 1] - vx[k]) + (vz_after[k] - vz[k])) * q.per_h;
@@ -119,40 +121,51 @@ struct Cloud {
   Real ambient;
 };
 
-/// Bubbles of two sizes after Rayleigh and Plesset, isothermal, b = R/R0 and its rate g:  b b'' + 3/2 b'^2 = (p_gas - ambient - p)/(rho R0^2) - damping b'/b. They are advanced in `parts` parts of
-/// the step, semi-implicitly; a bubble is not crushed below a tenth of its radius, where its motion is lost (it breaks up).
-EVERY_MACHINE void bubbly(Out p, Out e, Out opened, Out b0, Out g0, Out b1, Out g1, In p0, In vx, In vz, In vz_after, Liquid q, Cloud cloud, int parts, int n) {
-  const Real part = q.dt / Real(parts);
+/// One part of a step of a bubble of size i: b = R/R0, g its rate, semi-implicit in the drag. `push_of` is 1/(rho R0^2).
+[[gnu::always_inline]] inline void move_bubble(Real& b, Real& g, Real pressure, Real ambient, Real surface, Real push_of, Real damping, Real part, Real most) {
+  const Real per_b = 1 / b;
+  const Real gas = (ambient + surface) * per_b * per_b * per_b - surface * per_b;
+  const Real push = (gas - ambient - pressure) * push_of * per_b;
+  const Real speed = g < 0 ? -g : g;
+  const Real drag = (Real(1.5) * speed + damping * per_b) * per_b;
+  const Real free = (g + part * push) / (1 + part * drag);
+  const Real limit = most * b;
+  const Real slower = free < limit ? free : limit;
+  const Real bounded = slower > -limit ? slower : -limit;
+  const Real next = b + part * bounded;
+  g = next > Real(0.1) ? bounded : Real(0);
+  b = next > Real(0.1) ? next : Real(0.1);
+}
+
+/// Bubbles of two sizes after Rayleigh and Plesset, isothermal, b = R/R0:  b b'' + 3/2 b'^2 = (p_gas - ambient - p)/(rho R0^2) - damping b'/b. They are
+/// advanced in four parts of the step; a bubble changes by a fifth in a part at most and is not crushed below a tenth of its radius, where its motion is lost
+/// (it breaks up).
+EVERY_MACHINE void bubbly(Out p, Out e, Out opened, Out b0, Out g0, Out b1, Out g1, In p0, In vx, In vz, In vz_after, Liquid q, Cloud cloud, int n) {
+  const Real part = q.dt / 4, most = Real(0.2) / part;
   for (int k = 0; k < n; ++k) {
     const Real rate = ((vx[k + 1] - vx[k]) + (vz_after[k] - vz[k])) * q.per_h;
     const Real strain = e[k] + q.dt * rate;
     const Real heat = p0[k] * q.ramp;
-    Real b[2] = {b0[k], b1[k]}, g[2] = {g0[k], g1[k]};
-    Real pressure = 0;
-    for (int m = 0; m < parts; ++m) {
-      const Real grown = cloud.fraction[0] * (b[0] * b[0] * b[0] - 1) + cloud.fraction[1] * (b[1] * b[1] * b[1] - 1);
-      const Real elastic = heat - q.modulus * (strain - Real(parts - 1 - m) * part * rate - grown) - q.viscosity * rate;
-      pressure = elastic > -q.cutoff ? elastic : -q.cutoff;
-      for (int i = 0; i < 2; ++i) {
-        const Real per_b = 1 / b[i];
-        const Real gas = (cloud.ambient + cloud.surface[i]) * per_b * per_b * per_b - cloud.surface[i] * per_b;
-        const Real push = (gas - cloud.ambient - pressure) * cloud.per_inertia[i] * per_b;
-        const Real speed = g[i] < 0 ? -g[i] : g[i];
-        const Real drag = (Real(1.5) * speed + cloud.damping[i] * per_b) * per_b;
-        Real fast = (g[i] + part * push) / (1 + part * drag);
-        const Real most = Real(0.2) * b[i] / part;
-        fast = fast > most ? most : (fast < -most ? -most : fast);
-        const Real next = b[i] + part * fast;
-        g[i] = next > Real(0.1) ? fast : Real(0);
-        b[i] = next > Real(0.1) ? next : Real(0.1);
-      }
-    }
-    const Real grown = cloud.fraction[0] * (b[0] * b[0] * b[0] - 1) + cloud.fraction[1] * (b[1] * b[1] * b[1] - 1);
+    Real r = b0[k], u = g0[k], s = b1[k], v = g1[k];
+#define CALOMEL_PART(rest)                                                                                            \
+  {                                                                                                                   \
+    const Real grown = cloud.fraction[0] * (r * r * r - 1) + cloud.fraction[1] * (s * s * s - 1);                     \
+    const Real elastic = heat - q.modulus * (strain - (rest)*part * rate - grown) - q.viscosity * rate;               \
+    const Real pressure = elastic > -q.cutoff ? elastic : -q.cutoff;                                                  \
+    move_bubble(r, u, pressure, cloud.ambient, cloud.surface[0], cloud.per_inertia[0], cloud.damping[0], part, most); \
+    move_bubble(s, v, pressure, cloud.ambient, cloud.surface[1], cloud.per_inertia[1], cloud.damping[1], part, most); \
+  }
+    CALOMEL_PART(3)
+    CALOMEL_PART(2)
+    CALOMEL_PART(1)
+    CALOMEL_PART(0)
+#undef CALOMEL_PART
+    const Real grown = cloud.fraction[0] * (r * r * r - 1) + cloud.fraction[1] * (s * s * s - 1);
     const Real elastic = heat - q.modulus * (strain - grown);
     const Real open = opened[k];
     const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
     const Real trial = elastic - q.viscosity * rate + closing;
-    e[k] = strain, b0[k] = b[0], g0[k] = g[0], b1[k] = b[1], g1[k] = g[1];
+    e[k] = strain, b0[k] = r, g0[k] = u, b1[k] = s, g1[k] = v;
     p[k] = trial > -q.cutoff ? trial : -q.cutoff;
     const Real still = rate < 0 ? open : Real(0);
     opened[k] = elastic < -q.cutoff ? Real(1) : still;
@@ -163,9 +176,10 @@ EVERY_MACHINE void strain_increments(Out exx, Out ezz, In ux, In uz, In uz_after
   for (int k = 0; k < n; ++k) exx[k] = dt_per_h * (ux[k + 1] - ux[k]), ezz[k] = dt_per_h * (uz_after[k] - uz[k]);
 }
 
-/// Stress increments of solid cells. The last terms carry what a strain that is linear across a cell adds in bending: with them n cells through a wall have its whole stiffness, without
-/// them 1 - 1/n^2 of it. exx_below, exx_above: the rows below and above.
-EVERY_MACHINE void normal_stress(Out dxx, Out dzz, In exx, In ezz, In exx_below, In exx_above, In p_modulus, In lame, In pair_z, In pair_z_above, In pair_x, int n) {
+/// Stress increments of solid cells. The last terms carry what a strain that is linear across a cell adds in bending: with them n cells through a wall have its
+/// whole stiffness, without them 1 - 1/n^2 of it. exx_below, exx_above: the rows below and above.
+EVERY_MACHINE void normal_stress(Out dxx, Out dzz, In exx, In ezz, In exx_below, In exx_above, In p_modulus, In lame, In pair_z, In pair_z_above, In pair_x,
+                                 int n) {
   for (int k = 0; k < n; ++k) {
     dxx[k] = p_modulus[k] * exx[k] + lame[k] * ezz[k] + pair_z[k] * (exx[k] - exx_below[k]) - pair_z_above[k] * (exx_above[k] - exx[k]);
     dzz[k] = p_modulus[k] * ezz[k] + lame[k] * exx[k] + pair_x[k] * (ezz[k] - ezz[k - 1]) - pair_x[k + 1] * (ezz[k + 1] - ezz[k]);
@@ -391,9 +405,11 @@ void Slice::advance_velocity(State& s, double dt) const {
   for (const Run& r : mercury_x_) kernel::accelerate(&s.vx[r.begin], &s.p[r.begin], &s.p[r.begin - 1], a, r.end - r.begin);
   for (const Run& r : mercury_z_) kernel::accelerate(&s.vz[r.begin], &s.p[r.begin], &s.p[r.begin - grid_.nx], a, r.end - r.begin);
   for (const Run& r : solid_x_)
-    kernel::accelerate_solid(&s.ux[r.begin], &s.sxx[r.begin], &s.sxx[r.begin - 1], &s.sxz[r.begin + grid_.nx], &s.sxz[r.begin], &inverse_mass_x_[r.begin], Real(dt), r.end - r.begin);
+    kernel::accelerate_solid(&s.ux[r.begin], &s.sxx[r.begin], &s.sxx[r.begin - 1], &s.sxz[r.begin + grid_.nx], &s.sxz[r.begin], &inverse_mass_x_[r.begin],
+                             Real(dt), r.end - r.begin);
   for (const Run& r : solid_z_)
-    kernel::accelerate_solid(&s.uz[r.begin], &s.szz[r.begin], &s.szz[r.begin - grid_.nx], &s.sxz[r.begin + 1], &s.sxz[r.begin], &inverse_mass_z_[r.begin], Real(dt), r.end - r.begin);
+    kernel::accelerate_solid(&s.uz[r.begin], &s.szz[r.begin], &s.szz[r.begin - grid_.nx], &s.sxz[r.begin + 1], &s.sxz[r.begin], &inverse_mass_z_[r.begin],
+                             Real(dt), r.end - r.begin);
   const double per_mass = 2 / (mercury_.density * grid_.h);
   for (const Contact& c : free_) (c.across_z ? s.vz : s.vx)[c.face] += Real(c.sign * dt * per_mass * s.p[c.cell]);
 
@@ -405,7 +421,7 @@ void Slice::advance_velocity(State& s, double dt) const {
     const double solid_mass = (c.across_z ? inverse_mass_z_ : inverse_mass_x_)[c.face];
     const double both = dt * (per_mass + solid_mass);
     const double away = c.sign * double(v) + dt * per_mass * s.p[c.cell], wall = c.sign * double(u);  // without the traction between them
-    double traction = 0;                                                                         // compression
+    double traction = 0;                                                                              // compression
     if (!c.apart) {
       traction = (away - wall) / both;
       if (traction < -c.strength) {
@@ -458,7 +474,13 @@ void Slice::advance_velocity(State& s, double dt) const {
 }
 
 void Slice::mercury_pressure(State& s, double dt, double ramp) const {
-  kernel::Liquid q{.modulus = 0, .viscosity = Real(mercury_.viscosity), .front = 0, .cutoff = Real(mercury_.cutoff), .dt = Real(dt), .per_h = Real(1 / grid_.h), .ramp = Real(ramp)};
+  kernel::Liquid q{.modulus = 0,
+                   .viscosity = Real(mercury_.viscosity),
+                   .front = 0,
+                   .cutoff = Real(mercury_.cutoff),
+                   .dt = Real(dt),
+                   .per_h = Real(1 / grid_.h),
+                   .ramp = Real(ramp)};
   for (const Run& r : mercury_cells_) {
     const int b = r.begin, n = r.end - r.begin, up = r.begin + grid_.nx;
     q.modulus = modulus_[std::size_t(r.row)];
@@ -471,13 +493,15 @@ void Slice::mercury_pressure(State& s, double dt, double ramp) const {
         cloud.damping[i] = Real(4 * bubbles.viscosity / inertia);
       }
       cloud.ambient = Real(bubbles.ambient);
-      kernel::bubbly(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &s.b[b], &s.c[b], &s.d[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, cloud, 4, n);
+      kernel::bubbly(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &s.b[b], &s.c[b], &s.d[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, cloud, n);
     } else if (nucleation.number > 0) {
       const double nuclei = nucleation.number * 4 / 3 * std::numbers::pi * std::pow(nucleation.radius, 3);
-      kernel::nucleation(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(nuclei), Real(std::sqrt(2 / (3 * mercury_.density)) / nucleation.radius), n);
+      kernel::nucleation(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(nuclei),
+                         Real(std::sqrt(2 / (3 * mercury_.density)) / nucleation.radius), n);
     } else if (relaxing.viscosity > 0) {
       const double keep = std::exp(-dt / relaxing.time);
-      kernel::relaxing(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(keep), Real(relaxing.viscosity * (1 - keep)), n);
+      kernel::relaxing(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(keep), Real(relaxing.viscosity * (1 - keep)),
+                       n);
     } else if (tait.exponent > 0) {
       kernel::tait(&s.p[b], &s.e[b], &s.opened[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(tait.exponent), n);
     } else {
@@ -502,7 +526,8 @@ void Slice::solid_stress(State& s, double dt, double ramp_step) const {
   };
   for (const Run& r : solid_cells_) {
     const int b = r.begin, n = r.end - r.begin;
-    kernel::normal_stress(dxx.data(), dzz.data(), &s.exx[b], &s.ezz[b], &s.exx[b - up], &s.exx[b + up], &p_modulus_[b], &lame_[b], &pair_z_[b], &pair_z_[b + up], &pair_x_[b], n);
+    kernel::normal_stress(dxx.data(), dzz.data(), &s.exx[b], &s.ezz[b], &s.exx[b - up], &s.exx[b + up], &p_modulus_[b], &lame_[b], &pair_z_[b],
+                          &pair_z_[b + up], &pair_x_[b], n);
     change(s.sxx, s.mxx, dxx.data(), b, n);
     change(s.szz, s.mzz, dzz.data(), b, n);
     if (ramp_step != 0)
@@ -520,7 +545,8 @@ void Slice::solid_stress(State& s, double dt, double ramp_step) const {
   if (yielding.stress > 0) yield(s);
 }
 
-/// Radial return to von Mises' surface with isotropic hardening, at the cells with the mean of the shear stresses at their corners; a corner takes the mean factor of its cells.
+/// Radial return to von Mises' surface with isotropic hardening, at the cells with the mean of the shear stresses at their corners; a corner takes the mean
+/// factor of its cells.
 void Slice::yield(State& s) const {
   const int up = grid_.nx;
   bool yields = false;
@@ -555,7 +581,8 @@ void Slice::advance_stress(State& s, double dt, double ramp_before, double ramp)
   solid_stress(s, dt, ramp - ramp_before);
 }
 
-std::vector<double> Slice::run(double energy, double end, double interval, std::span<const Gauge> gauges, const State* initial, double initial_scale, State* last) const {
+std::vector<double> Slice::run(double energy, double end, double interval, std::span<const Gauge> gauges, const State* initial, double initial_scale,
+                               State* last) const {
   const int steps = int(std::ceil(interval / stable_step()));
   const double dt = interval / steps;
   const auto samples = std::size_t(std::lround(end / interval)) + 1;
@@ -565,7 +592,8 @@ std::vector<double> Slice::run(double energy, double end, double interval, std::
     for (const auto field : {&State::vx, &State::vz, &State::ux, &State::uz, &State::sxx, &State::szz, &State::sxz})
       for (std::size_t c = 0; c < (s.*field).size(); ++c) (s.*field)[c] = a * (initial->*field)[c];
     for (const Run& r : mercury_cells_)
-      for (int c = r.begin; c < r.end; ++c) s.e[c] = a * (initial->e[c] - Real(initial->ramp) * p0_[c] / modulus_[std::size_t(r.row)]), s.p[c] = -modulus_[std::size_t(r.row)] * s.e[c];
+      for (int c = r.begin; c < r.end; ++c)
+        s.e[c] = a * (initial->e[c] - Real(initial->ramp) * p0_[c] / modulus_[std::size_t(r.row)]), s.p[c] = -modulus_[std::size_t(r.row)] * s.e[c];
   }
   std::vector<double> record(gauges.size() * samples, 0), strain(gauges.size(), 0);
   const auto ramp = [&](double t) { return energy * (pulse_length > 0 ? std::min(t / pulse_length, 1.0) : 1.0); };

@@ -1,8 +1,9 @@
 // The generator of concealed-physics records against what is known exactly, and its effects against the base model. Compiled in double precision.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
 
 #include "tests/proof/experiment.hpp"
 
@@ -48,7 +49,10 @@ Experiment small() {
   Experiment x;
   x.grid = 1e-3, x.length = 0.08, x.height = 0.03, x.front = 0.004, x.top = 0.004, x.bottom = 0.004;
   x.center = 0.014, x.width = 0.012, x.end = 60e-6, x.energies = {0.99, 1.01};
-  x.gauges = {{.name = "T1", .x = 0.02, .z = 0.03}, {.name = "T2", .x = 0.05, .z = 0.03}, {.name = "B1", .x = 0.035, .z = 0}, {.name = "F1", .x = 0, .z = 0.016, .along_x = false}};
+  x.gauges = {{.name = "T1", .x = 0.02, .z = 0.03},
+              {.name = "T2", .x = 0.05, .z = 0.03},
+              {.name = "B1", .x = 0.035, .z = 0},
+              {.name = "F1", .x = 0, .z = 0.016, .along_x = false}};
   return x;
 }
 
@@ -119,7 +123,8 @@ TEST(ReferenceGenerator, WaveRunsAtTheSpeedOfSoundAndIsReflectedByTheImpedances)
   EXPECT_NEAR(highest().second, 0.15, 0.6e-3);
   EXPECT_NEAR(highest().first, 1e5, 200);
   advance(slice, s, dt, 0.12 / speed);  // back at 0.13
-  const double steel_impedance = std::sqrt(steel.density * steel.p_modulus()), reflection = (steel_impedance - density * speed) / (steel_impedance + density * speed);
+  const double steel_impedance = std::sqrt(steel.density * steel.p_modulus()),
+               reflection = (steel_impedance - density * speed) / (steel_impedance + density * speed);
   EXPECT_NEAR(reflection, 0.3925, 3e-4);  // 316L and mercury at 1450 m/s
   EXPECT_NEAR(highest().first / 1e5, reflection, 0.002);
   EXPECT_NEAR(highest().second, 0.13, 1.1e-3);
@@ -130,7 +135,8 @@ TEST(ReferenceGenerator, WaveRunsAtTheSpeedOfSoundAndIsReflectedByTheImpedances)
 
 TEST(ReferenceGenerator, NothingComesBackFromTheRearFace) {
   const double h = 0.5e-3;
-  const Slice slice(strip(h, 0.2, 0.2, Cell::rigid, Cell::continuing), Solid::from_young(7960, 193e9, 0.29), {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
+  const Slice slice(strip(h, 0.2, 0.2, Cell::rigid, Cell::continuing), Solid::from_young(7960, 193e9, 0.29),
+                    {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
   const double dt = slice.stable_step();
   State s = running(slice, 0.1, dt);
   advance(slice, s, dt, 0.15 / speed);
@@ -139,7 +145,8 @@ TEST(ReferenceGenerator, NothingComesBackFromTheRearFace) {
   EXPECT_LT(left, 1e-3 * 1e5);
 }
 
-// Mercury that has given way, stretched by e0 and without strength, flies at V against a rigid wall: rho S V = p, S (e0 + p/K) = V behind a front of speed S (Rankine and Hugoniot).
+// Mercury that has given way, stretched by e0 and without strength, flies at V against a rigid wall: rho S V = p, S (e0 + p/K) = V behind a front of speed S
+// (Rankine and Hugoniot).
 TEST(ReferenceGenerator, ClosingCavityIsInelastic) {
   const double e0 = 1e-3, v = 1, length = 0.1, time = 1e-4, h = 0.5e-3;
   const double p = modulus / 2 * (std::sqrt(e0 * e0 + 4 * density * v * v / modulus) - e0), front = v / (e0 + p / modulus);
@@ -171,15 +178,16 @@ TEST(ReferenceGenerator, ClosingCavityIsInelastic) {
 // A wall that is pulled away does not carry mercury with it: the solid flies on with what the cutoff leaves, a gap opens in front of it.
 TEST(ReferenceGenerator, MercuryPartsFromTheWall) {
   const double h = 0.5e-3, cutoff = 1e5, thrown = 1, time = 10e-6;
-  const Slice slice(strip(h, 0.1, 0.104, Cell::rigid, Cell::vacuum), Solid::from_young(7960, 193e9, 0.29), {.density = density, .sound_speed = speed, .cutoff = cutoff});
+  const Slice slice(strip(h, 0.1, 0.104, Cell::rigid, Cell::vacuum), Solid::from_young(7960, 193e9, 0.29),
+                    {.density = density, .sound_speed = speed, .cutoff = cutoff});
   State s = slice.rest();
   const Grid& g = slice.grid();
   for (int j = 1; j < g.nz - 1; ++j)
     for (int i = 1; i < g.nx; ++i)
       if (g.at(i, j) == Cell::solid || g.at(i - 1, j) == Cell::solid) s.ux[std::size_t(g.index(i, j))] = Real(thrown);
   advance(slice, s, slice.stable_step(), time);
-  const double wall = thrown - cutoff * time / (7960 * 0.004);         // mean velocity of the plate
-  const double mercury = cutoff / (density * speed);                   // of the mercury behind its tension wave
+  const double wall = thrown - cutoff * time / (7960 * 0.004);  // mean velocity of the plate
+  const double mercury = cutoff / (density * speed);            // of the mercury behind its tension wave
   double mean = 0;
   for (int k = 0; k <= 8; ++k) mean += s.ux[std::size_t(g.index(201 + k, 2))] * (k == 0 || k == 8 ? 0.5 : 1) / 8;
   EXPECT_NEAR(mean, wall, 1e-4);
@@ -198,7 +206,7 @@ Mode lowest_mode(Slice& slice, double length, bool solid, double frequency, int 
   const Grid& g = slice.grid();
   auto& v = solid ? s.ux : s.vx;
   for (int j = 1; j < g.nz - 1; ++j)
-    for (int i = 2; i < g.nx - 1; ++i) v[std::size_t(g.index(i, j))] = Real(1e-4 * std::sin(M_PI * g.x(i) / length));
+    for (int i = 2; i < g.nx - 1; ++i) v[std::size_t(g.index(i, j))] = Real(1e-4 * std::sin(std::numbers::pi * g.x(i) / length));
   const auto middle = std::size_t(g.index(g.nx / 2, 2));
   Mode m;
   double before = v[middle];
@@ -225,12 +233,12 @@ TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {
   const Solid steel = Solid::from_young(7960, 193e9, 0.29);
   const double frequency = std::sqrt(steel.p_modulus() / steel.density) / 0.2;
   Slice slice(strip(1e-3, 0, 0.1, Cell::rigid, Cell::rigid), steel, {.density = density, .sound_speed = speed});
-  slice.zener = {.strength = 4 * 0.01, .time = 1 / (2 * M_PI * frequency)};
-  EXPECT_NEAR(std::log(lowest_mode(slice, 0.1, true, frequency, 10).left), -0.01 * 2 * M_PI * 9.5, 0.05);  // within the last period
+  slice.zener = {.strength = 4 * 0.01, .time = 1 / (2 * std::numbers::pi * frequency)};
+  EXPECT_NEAR(std::log(lowest_mode(slice, 0.1, true, frequency, 10).left), -0.01 * 2 * std::numbers::pi * 9.5, 0.05);  // within the last period
 }
 
 TEST(ReferenceGenerator, RelaxingLiquidLosesWhatItsViscositySays) {
-  const double frequency = speed / 0.2, omega = 2 * M_PI * frequency, time = 5e-6, zeta = 3e4;
+  const double frequency = speed / 0.2, omega = 2 * std::numbers::pi * frequency, time = 5e-6, zeta = 3e4;
   Slice slice(strip(1e-3, 0.1, 0.1, Cell::rigid, Cell::rigid), {}, {.density = density, .sound_speed = speed, .cutoff = 1e15, .viscosity = 0, .collapse = 0});
   slice.relaxing = {.viscosity = zeta, .time = time};
   slice.step_share = 0.3;
@@ -256,7 +264,8 @@ TEST(ReferenceGenerator, YieldingWaveHasAnElasticPrecursor) {
 
 TEST(ReferenceGenerator, RearLayerReflectsByItsImpedance) {
   const double ratio = 0.4;
-  const Slice slice(strip(0.5e-3, 0.15, 0.2, Cell::rigid, Cell::continuing), Solid::from_speed(ratio * density * speed / 1200, 1200, 0.45), {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
+  const Slice slice(strip(0.5e-3, 0.15, 0.2, Cell::rigid, Cell::continuing), Solid::from_speed(ratio * density * speed / 1200, 1200, 0.45),
+                    {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
   const double dt = slice.stable_step();
   State s = running(slice, 0.07, dt);
   advance(slice, s, dt, 0.13 / speed);
@@ -272,7 +281,10 @@ TEST(ReferenceGenerator, EffectOfNoStrengthIsTheBaseModel) {
   for (const auto& effect : effects) {
     Effect off = effect.scaled(effect.name == "nucleation" ? 1e-3 : 0);
     // The layer of the same impedance is a solid, transparent at normal incidence only; many nuclei yield at the cutoff but for the shock of a single cell.
-    const double allowed = effect.name == "rear_layer" ? 0.1 : effect.name == "nucleation" ? 0.05 : effect.name == "residual_ringing" || effect.name == "tait" ? 1e-6 : 0;
+    const double allowed = effect.name == "rear_layer"                                  ? 0.1
+                           : effect.name == "nucleation"                                ? 0.05
+                           : effect.name == "residual_ringing" || effect.name == "tait" ? 1e-6
+                                                                                        : 0;
     EXPECT_LE(change(x, off), allowed) << effect.name;
   }
 }
