@@ -31,6 +31,7 @@ MechanismKey time_constant(const char* name, const char* doc) { return {.name = 
 MechanismEntry cavitation_kinetics() {
   return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant",
           .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes")},
+          .like_the_mesh = true,
           .cost = 1.2,
           .setup = slow_walls,
           .liquid = liquid};

@@ -1,7 +1,7 @@
 #pragma once
-/// Mercury that stiffens under pressure: p = max((K/m) ((1 - e)^m - 1) - eta de_v/dt, -sigma_c), e = e_v - p0/K, which is the power law of Tait's form (Hayward 1967,
-/// Br. J. Appl. Phys. 18, 965, reviews such equations) on the mesh of the liquid at rest: small strains of it, as everywhere here, take the motion of the liquid into the exponent, m = n + 2 for Tait's n =
-/// B/A + 1. A wave of strain e runs with c (1 - e)^((m - 1)/2). Off: m = 1 (physics.md section 3).
+/// Mercury that stiffens under pressure: p = max((K/m) ((1 - e)^m - 1) - eta de_v/dt, -sigma_c), e = e_v - p0/K, the power law of Tait's form (Hayward 1967,
+/// Br. J. Appl. Phys. 18, 965) with m = n + 2 for Tait's n = B/A + 1: strains are those of small displacements on the mesh at rest, so that the motion of the
+/// liquid is in the exponent. A wave of strain e runs with c (1 - e)^((m - 1)/2). Off: m = 1 (physics.md section 3).
 #include "forward/mechanism/mechanism.hpp"
 
 namespace calomel {
