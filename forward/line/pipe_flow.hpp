@@ -92,7 +92,7 @@ class PipeFlow {
   std::vector<double> cavity_, gas_;         ///< [m^3], [Pa m^3]
   std::vector<double> retarded_, rate_;      ///< q [Pa], dq/dt [Pa/s]
   std::vector<double> weight_, decay_;       ///< of the exponentials, of a step
-  std::vector<double> past_up_, past_down_;  ///< (node, exponential) of unsteady friction, by side [m/s]
+  std::vector<double> past_up_, past_down_;  ///< (node, exponential) of unsteady friction, by side [Pa/m]
   double fresh_ = 0;                         ///< F of a step's own change of velocity, over it [Pa s/m^2]
 };
 

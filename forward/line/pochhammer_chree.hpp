@@ -17,7 +17,7 @@ class PochhammerChreeMode {
  public:
   /// poisson: 0 to below 0.5. Errors: NumericsError when the mode cannot be followed.
   PochhammerChreeMode(double poisson, double greatest);
-  /// c/c0 at Omega in 0 ... greatest, the nearest end outside; cubic between the roots, off by less than 1e-6.
+  /// c/c0 at Omega in 0 ... greatest, the nearest end outside; cubic between the roots, off by less than 2e-6.
   [[nodiscard]] double speed(double Omega) const;
 
  private:

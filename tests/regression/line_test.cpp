@@ -104,7 +104,7 @@ TEST(Line, TellsWhereACaseIsWrong) {
   EXPECT_THAT(said("[model]\nkind = \"lime\"\n"), HasSubstr("case.toml:2:1: model.kind = \"lime\""));
   EXPECT_THAT(said("[model]\nkind = \"lime\"\n"), HasSubstr("did you mean \"line\"?"));
   EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\nenabled = true\npoisson = 0.29\n"), HasSubstr("set line.radius"));
-  EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\npoisson = 0.6\n"), HasSubstr("(allowed: 0 to 0.49)"));
+  EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\npoisson = 0.6\n"), HasSubstr("(allowed: 0 <= x <= 0.49)"));
   EXPECT_THAT(said(slice_case + "[line]\nkind = \"bar\"\n"), HasSubstr("line: this table belongs to a line"));
   EXPECT_THAT(said(pipe_case, "campaign case.toml"), HasSubstr("a line is only checked and simulated in this version, not: campaign"));
   EXPECT_THAT(said(pipe_case, "simulate case.toml --mean"), HasSubstr("--mean"));
