@@ -29,7 +29,7 @@ SolveOptions solve_options(const SolverOptions& o) {
 /// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
   std::array<double, 11> numbers;
-  bool single, group;
+  bool single, group, parts;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
   bool operator==(const StepKey&) const = default;
@@ -55,6 +55,7 @@ StepKey step_key(const RunSetup& s, const SolveOptions& o) {
                       s.steel_stiffness_damping, s.steel_mass_damping},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
+          .parts = faces_may_part(s),
           .kind = kind_of(o),
           .buffer = o.subcycles > 1 ? o.subcycle_buffer : no_subcycles};
 }

@@ -16,7 +16,7 @@ double mass_damped_time_step(double step, double mass_damping);
 /// half a step are stable while 4 M - 2 dt C - dt^2 K is positive definite, so dt^2 lambda = 4 with lambda the greatest eigenvalue
 /// of K + 2 C / dt against M; taking 2 C / dt at the shorter step of the run only adds to it. lambda is found by Lanczos' method
 /// with the mass inner product, in every lane from a random start of its own, and raised by the residual of its Ritz vector.
-/// Deterministic. `liquid_alone`: of the liquid, the steel being no more than mass.
+/// Deterministic. Where wetted faces may part they are apart. `liquid_alone`: of the liquid, the steel being no more than mass.
 template <class R>
 double global_stable_step(const Run<R>& run, int threads, bool liquid_alone = false);
 
