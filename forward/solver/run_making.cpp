@@ -168,7 +168,7 @@ void Run<R>::make_stress(std::size_t b) {
 
 template <class R>
 void Run<R>::make_extras() {
-  const bool parting = faces_may_part(setup_);
+  const bool parting = !setup_.slip_strength.empty() || setup_.wetted_cutoff < unlimited_cutoff;
   if (!parting && setup_.initial_stress.empty()) return;
   const std::size_t copies = packed_.runs ? run_lanes : 1;
   strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
