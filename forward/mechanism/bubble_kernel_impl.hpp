@@ -146,7 +146,7 @@ BubbleFailure advance(const BubblyNumbers& b, const LiquidPoints& points) {
   return {};
 }
 
-extern const BubbleKernel kernel;
-const BubbleKernel kernel{advance};
+extern const BubbleKernel bubbles;
+const BubbleKernel bubbles{advance};
 
 }  // namespace calomel::CALOMEL_ISA
