@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/json.hpp"
+#include "forward/case_number.hpp"
 
 namespace calomel {
 
@@ -58,14 +59,7 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
   return all;
 }
 
-/// A number of a case: one that is always there, or an optional one. Of a case that may not be changed, one that may not.
-template <class Self>
-struct FoundNumber {
-  std::conditional_t<std::is_const_v<Self>, const double, double>* number = nullptr;
-  std::conditional_t<std::is_const_v<Self>, const std::optional<double>, std::optional<double>>* optional = nullptr;
-};
-
-/// The number at a dotted path. To be read it is only looked for; to be set, a gauge's own value of a mechanism is made.
+/// The number at a dotted path. To be read it is only looked for; to be set, a gauge's own value of a mechanism is made, and a word is the index of its choice.
 /// Errors: InputError naming the nearest of the known keys.
 template <class Self>
 FoundNumber<Self> find_number(Self& self, const std::string& key) {
@@ -81,10 +75,10 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
   for (auto& s : self.sensors) look("sensor." + s.name, s);
   for (auto& m : self.mechanisms) {
     const std::string path = "mechanism." + m.name + '.';
-    bool word = false;  // a key of choices holds no number
+    bool word = false;  // read, a key of choices is no number
     for (const auto& k : m.entry->keys) {
       if (k.choices.empty()) known.push_back(path + k.name);
-      else word = word || key.ends_with('.' + k.name);
+      else word = word || (std::is_const_v<Self> && key.ends_with('.' + k.name));
     }
     if (key.rfind(path, 0) != 0 || word) continue;
     const std::string rest = key.substr(path.size());
@@ -179,22 +173,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.listed_mechanisms = std::move(mechanism_tables.listed);
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
-  for (auto& p : c.parameters)
-    file.locating([&] {
-      const std::string table = "parameter." + p.name;
-      try {
-        if (!p.nominal)
-          p.nominal = c.number(p.key);
-        else
-          (void)c.number(p.key);
-        p.validate();
-      } catch (const InputError& e) {
-        auto parts = e.parts();
-        const bool has_key = file.has(table + ".key");
-        parts.key = parts.key.empty() ? table + (has_key ? ".key" : "") : table + '.' + parts.key;
-        throw InputError(parts);
-      }
-    });
+  bind_parameters(file, c.parameters, [&](const Parameter& p) { return c.number(p.key); });
   return c;
 }
 
@@ -204,27 +183,20 @@ double ForwardCase::number(const std::string& key) const {
     for (const auto& m : mechanisms)
       for (const auto& k : m.entry->keys)
         if (!k.off_at.empty() && key.starts_with("mechanism." + m.name + '.') && key.ends_with('.' + k.name)) return number(k.off_at);
-  if (v.number) return *v.number;
-  if (!*v.optional)
-    throw InputError({.problem = "has no value in the case, so there is no nominal",
-                      .value = '"' + key + '"',
-                      .suggestion = "set it in its table, or give the parameter a nominal"});
-  return **v.optional;
+  return v.value(key);
 }
 
-void ForwardCase::set_number(const std::string& key, double value) {
-  const auto v = find_number(*this, key);
-  if (v.number)
-    *v.number = value;
-  else
-    *v.optional = value;
-}
+void ForwardCase::set_number(const std::string& key, double value) { find_number(*this, key).set(value); }
 
 ForwardCase ForwardCase::at(std::span<const double> theta) const {
   expect(theta.size() == parameters.size(), "one value for each parameter");
   ForwardCase c = *this;
   for (std::size_t i = 0; i < theta.size(); ++i) c.set_number(parameters[i].key, theta[i]);
   return c;
+}
+
+bool ForwardCase::enables(const std::string& mechanism) const {
+  return std::any_of(mechanisms.begin(), mechanisms.end(), [&](const auto& m) { return m.name == mechanism; });
 }
 
 std::vector<EnabledMechanism> ForwardCase::active_mechanisms() const {

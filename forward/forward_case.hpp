@@ -80,6 +80,8 @@ struct ForwardCase {
 
   /// What switches this key of a mechanism off in this case: its off value, or the number of the case that it follows.
   [[nodiscard]] double off_value(const MechanismKey& key) const { return key.off_at.empty() ? key.off : number(key.off_at); }
+  /// Whether a mechanism is part of the model, on or off.
+  [[nodiscard]] bool enables(const std::string& mechanism) const;
   /// The mechanisms that are not off, with every value filled in.
   [[nodiscard]] std::vector<EnabledMechanism> active_mechanisms() const;
 

@@ -20,7 +20,7 @@ void enable(ForwardCase& c, const std::string& key) {
   const std::string prefix = "mechanism.";
   if (!key.starts_with(prefix)) return;
   const std::string name = key.substr(prefix.size(), key.find('.', prefix.size()) - prefix.size());
-  if (std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [&](const auto& m) { return m.name == name; })) return;
+  if (c.enables(name)) return;
   const MechanismEntry& entry = mechanisms().get(name, key);
   c.mechanisms.push_back({name, &entry, MechanismValues(entry.keys)});
 }
@@ -170,8 +170,7 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
   std::vector<Difference> differences;
   std::vector<RunPoint> points{point(theta, level)};
   for (const auto& row : calomel::mechanisms().rows()) {
-    const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
-    if (enabled || !row.entry.built() || row.entry.cost > greatest_cost || row.entry.superpose) continue;
+    if (case_.enables(row.name) || !row.entry.built() || row.entry.cost > greatest_cost || row.entry.superpose) continue;
     rows.push_back(&row);
     for (const auto& key : row.entry.keys) {
       if (!key.decides) continue;
@@ -213,8 +212,7 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
 std::vector<MechanismDirections> LevelRuns::linear_mechanisms(std::span<const double> theta) const {
   std::vector<MechanismDirections> out;
   for (const auto& row : calomel::mechanisms().rows()) {
-    const bool enabled = std::any_of(case_.mechanisms.begin(), case_.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
-    if (enabled || !row.entry.superpose) continue;
+    if (case_.enables(row.name) || !row.entry.superpose) continue;
     if (auto m = superposed(model(std::min(1, levels() - 1)), theta, row)) out.push_back(std::move(*m));
   }
   return out;

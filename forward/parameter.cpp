@@ -38,6 +38,22 @@ std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table)
   return all;
 }
 
+void bind_parameters(CaseFile& file, std::vector<Parameter>& parameters, const std::function<double(const Parameter&)>& number) {
+  for (auto& p : parameters)
+    file.locating([&] {
+      const std::string table = "parameter." + p.name;
+      try {
+        const double value = number(p);
+        if (!p.nominal) p.nominal = value;
+        p.validate();
+      } catch (const InputError& e) {
+        auto parts = e.parts();
+        parts.key = parts.key.empty() ? table + (file.has(table + ".key") ? ".key" : "") : table + '.' + parts.key;
+        throw InputError(parts);
+      }
+    });
+}
+
 Json named(std::span<const Parameter> parameters, std::span<const double> theta) {
   expect(theta.size() <= parameters.size(), "a value has the name of a parameter");
   Json j = Json::object();

@@ -1,5 +1,6 @@
 #pragma once
 /// The uncertain parameters of a case: name, the number they stand for, bounds, prior and nominal value.
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,5 +43,9 @@ Json named(std::span<const Parameter> parameters, std::span<const double> theta)
 
 /// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place.
 std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
+
+/// Holds each parameter against its number in the case, which is its nominal value where it has none of its own. `number`: of a parameter.
+/// Errors: InputError at the parameter's place, those of `number` and of Parameter::validate.
+void bind_parameters(CaseFile& file, std::vector<Parameter>& parameters, const std::function<double(const Parameter&)>& number);
 
 }  // namespace calomel

@@ -43,8 +43,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
   for (const auto& row : mechanisms().rows()) {
     const MechanismEntry& entry = row.entry;
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
-    const bool enabled = std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [&](const auto& m) { return m.name == row.name; });
-    if (!listed || enabled || !entry.built()) continue;
+    if (!listed || c.enables(row.name) || !entry.built()) continue;
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
     for (const auto& k : entry.keys)
       if (k.decides) g.added.push_back(key_of(c, row.name, k));

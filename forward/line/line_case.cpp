@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/json.hpp"
+#include "forward/case_number.hpp"
 
 namespace calomel {
 
@@ -24,14 +25,9 @@ struct LineKind {
 };
 
 /// The number at a dotted path, or the optional one. Errors: InputError naming the nearest of the known keys.
-struct FoundNumber {
-  double* number = nullptr;
-  std::optional<double>* optional = nullptr;
-};
-
-FoundNumber find_number(LineCase& self, const std::string& key) {
+FoundNumber<LineCase> find_number(LineCase& self, const std::string& key) {
   std::vector<std::string> known;
-  FoundNumber found;
+  FoundNumber<LineCase> found;
   const auto look = [&](const std::string& path, auto& options) {
     NumberVisitor v(key.rfind(path + '.', 0) == 0 ? key.substr(path.size() + 1) : "");
     options.visit(v);
@@ -92,24 +88,14 @@ void read_unit(CaseFile& file, LineCase& c) {
 
 void read_bound_parameters(CaseFile& file, LineCase& c) {
   c.parameters = read_parameters(file, "line");
-  for (auto& p : c.parameters)
-    file.locating([&] {
-      const std::string table = "parameter." + p.name;
-      try {
-        for (const auto& m : c.mechanisms)
-          if (p.key.starts_with("mechanism." + m.name + '.') && !m.enabled)
-            throw InputError({.problem = "this mechanism is not part of the model",
-                              .value = '"' + p.key + '"',
-                              .suggestion = "set mechanism." + m.name + ".enabled = true"});
-        const double value = c.number(p.key);
-        if (!p.nominal) p.nominal = value;
-        p.validate();
-      } catch (const InputError& e) {
-        auto parts = e.parts();
-        parts.key = parts.key.empty() ? table + (file.has(table + ".key") ? ".key" : "") : table + '.' + parts.key;
-        throw InputError(parts);
-      }
-    });
+  bind_parameters(file, c.parameters, [&](const Parameter& p) {
+    for (const auto& m : c.mechanisms)
+      if (p.key.starts_with("mechanism." + m.name + '.') && !m.enabled)
+        throw InputError({.problem = "this mechanism is not part of the model",
+                          .value = '"' + p.key + '"',
+                          .suggestion = "set mechanism." + m.name + ".enabled = true"});
+    return c.number(p.key);
+  });
 }
 
 }  // namespace
@@ -171,22 +157,10 @@ LineCase LineCase::read(CaseFile& file) {
 
 double LineCase::number(const std::string& key) const {
   LineCase looked_at = *this;  // a station's own value of a mechanism is made where it is first named
-  const auto v = find_number(looked_at, key);
-  if (v.number) return *v.number;
-  if (!*v.optional)
-    throw InputError({.problem = "has no value in the case, so there is no nominal",
-                      .value = '"' + key + '"',
-                      .suggestion = "set it in its table, or give the parameter a nominal"});
-  return **v.optional;
+  return find_number(looked_at, key).value(key);
 }
 
-void LineCase::set_number(const std::string& key, double value) {
-  const auto v = find_number(*this, key);
-  if (v.number)
-    *v.number = value;
-  else
-    *v.optional = value;
-}
+void LineCase::set_number(const std::string& key, double value) { find_number(*this, key).set(value); }
 
 LineCase LineCase::at(std::span<const double> theta) const {
   expect(theta.size() == parameters.size(), "one value for each parameter");

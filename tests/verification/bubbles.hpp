@@ -4,6 +4,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "forward/mechanism/bubbly_liquid.hpp"
+#include "tests/verification/one_point.hpp"
 #include "tests/verification/small_runs.hpp"
 
 namespace calomel::testing {
@@ -50,24 +51,11 @@ inline KellerMiksis helium(double kappa, double surface_tension = 0.47, double v
           .viscosity = viscosity};
 }
 
-/// One point of a law, driven by its strain.
-class OnePoint {
+/// One point of liquid with bubbles.
+class OnePoint : public DrivenPoint {
  public:
-  OnePoint(const BubblyLiquid& law, double dt) : law_(law), dt_(dt), state_(law.state_size()) {
-    const Vec3 centre{};
-    law.initialise({&centre, 1}, state_.data(), 1);
-  }
-  double step(double strain, double heating = 0) {
-    law_.advance({1, dt_, &strain, &before_, &heating, &pressure_, state_.data(), 1});
-    before_ = strain;
-    return pressure_;
-  }
-  [[nodiscard]] double radius() const { return state_[0]; }
-
- private:
-  const BubblyLiquid& law_;
-  double dt_, before_ = 0, pressure_ = 0;
-  std::vector<double> state_;
+  OnePoint(const BubblyLiquid& law, double dt) : DrivenPoint(law, dt) {}
+  [[nodiscard]] double radius() const { return state(0); }
 };
 
 /// Rises smoothly from 0 to 1 over the time `rise`.

@@ -216,8 +216,12 @@ void Engine::ask() {
   const Eigen::VectorXd zero = records[0].history();
   std::vector<Effect> seen;
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    if (!records[i + 1].done) continue;
     const auto& a = in_.groups[effects[i].group].added[effects[i].number];
+    if (!records[i + 1].done) {
+      const std::string& place = in_.groups[effects[i].group].place;
+      out_.skipped.push_back(fmt::format("{}{} = {:.4g}: {}", a.parameter.name, place.empty() ? "" : " (" + place + ")", effects[i].strength, records[i + 1].message));
+      continue;
+    }
     const Eigen::VectorXd change = records[i + 1].history() - zero;
     if (!(change.norm() > rounding * zero.norm())) continue;
     effects[i].change = change / (effects[i].strength - *a.parameter.nominal);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "base/provenance.hpp"
 
@@ -70,6 +71,29 @@ TEST(LevelRuns, DirectionsOfWhatIsAddedKnowTheChannelsButNotTheirOffsets) {
   const MechanismDirections *with = find(all, "previous_pulses"), *without = find(plain, "previous_pulses");
   ASSERT_TRUE(with && without);
   EXPECT_LT((column(*with, "cos_1") - 0.9 * column(*without, "cos_1")).norm(), 1e-9 * column(*without, "cos_1").norm());
+}
+
+// What acts on one wall goes through the store as any other number does: the run is that of the case that says so.
+TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
+  const ForwardCase c = testing::small_case();
+  RunStore store({.stage = "runs", .options = "a wall", .seed = 0, .inputs = {}}, scratch_file("wall"));
+  LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
+  std::set<std::string> walls;
+  for (const auto& g : offered_groups(c)) {
+    if (g.name != "wall_thinning") continue;
+    const Eigen::MatrixXd theta = Eigen::MatrixXd::Constant(1, 1, 0.2);
+    const RunRecord r = runs.run(theta, {0}, g.added, 1, {}, nullptr)[0];
+    if (g.place == "rear" || g.place == "side") {  // the mercury goes on there; a slice has none
+      EXPECT_FALSE(r.done);
+      continue;
+    }
+    ASSERT_TRUE(r.done) << g.place << ": " << r.message;
+    const Eigen::VectorXd said = mean_of("[mechanism.wall_thinning]\nenabled = true\nfraction = 0.2\nwall = \"" + g.place + "\"\n");
+    EXPECT_LT((r.history() - said).norm(), 1e-6 * said.norm()) << g.place;
+    EXPECT_GT((r.history() - mean_of("")).norm(), 1e-3 * said.norm()) << g.place;
+    walls.insert(g.place);
+  }
+  EXPECT_TRUE(walls.contains("top") && walls.contains("bottom"));
 }
 
 TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {

@@ -96,38 +96,6 @@ double greatest_difference(const std::vector<double>& a, const std::vector<doubl
   return difference / scale;
 }
 
-/// A box that next to nothing fills: its walls ring as dry ones do.
-ForwardCase ringing(double top) {
-  CaseFile file = CaseFile::from_text(R"([geometry]
-kind = "box"
-length = 0.06
-width = 0.05
-height = 0.03
-walls = { front = 0.004, rear = 0.004, side = 0.004, bottom = 0.004, top = )" + number_text(top) + R"( }
-rear = "wall"
-plane_strain = true
-element_size = 0.002
-wall_elements = 2
-[material.mercury]
-law = "linear"
-density = 5.0
-sound_speed = 300.0
-regularising_viscosity = 0.0
-least_mesh_viscosity = 0.0
-[load]
-peak_pressure = 1e3
-profile = { center = [0.0, 0.015], widths = [0.1, 0.1] }
-[time]
-end = 1.5e-3
-output_interval = 5e-6
-[[sensor]]
-name = "T"
-position = [0.03, 0.0, 0.03]
-direction = [1, 0, 0]
-)");
-  return ForwardCase::read(file);
-}
-
 double frequency(const ForwardCase& c) {
   const BuiltInModel model(c, {.pulses = 1});
   const auto p = model.evaluate({});
@@ -139,7 +107,7 @@ double frequency(const ForwardCase& c) {
 
 // A wall that a mechanism thins rings as one that is made so thin, and its gauge stays on the outer face.
 TEST(MechanismPlaces, AThinnedWallHasTheFrequencyOfTheThinnerOne) {
-  const ForwardCase thick = ringing(0.004), thin = ringing(0.002), thinned = with(thick, "thinner", thinner(), {{"fraction", 0.5}});
+  const ForwardCase thick = ringing_box(0.004), thin = ringing_box(0.002), thinned = with(thick, "thinner", thinner(), {{"fraction", 0.5}});
   const double f_thick = frequency(thick), f_thin = frequency(thin), f_thinned = frequency(thinned);
   measured("thick", f_thick), measured("thin", f_thin), measured("thinned", f_thinned);
   EXPECT_NEAR(f_thinned, f_thin, 0.01 * f_thin);

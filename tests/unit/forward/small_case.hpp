@@ -43,4 +43,36 @@ inline ForwardCase small_case(const std::string& more = "", const std::string& l
   return ForwardCase::read(file);
 }
 
+/// A box that next to nothing fills: its walls ring as dry ones do. `top`: thickness of the top wall [m].
+inline ForwardCase ringing_box(double top, const std::string& more = "") {
+  CaseFile file = CaseFile::from_text(R"([geometry]
+kind = "box"
+length = 0.06
+width = 0.05
+height = 0.03
+walls = { front = 0.004, rear = 0.004, side = 0.004, bottom = 0.004, top = )" + number_text(top) + R"( }
+rear = "wall"
+plane_strain = true
+element_size = 0.002
+wall_elements = 2
+[material.mercury]
+law = "linear"
+density = 5.0
+sound_speed = 300.0
+regularising_viscosity = 0.0
+least_mesh_viscosity = 0.0
+[load]
+peak_pressure = 1e3
+profile = { center = [0.0, 0.015], widths = [0.1, 0.1] }
+[time]
+end = 1.5e-3
+output_interval = 5e-6
+[[sensor]]
+name = "T"
+position = [0.03, 0.0, 0.03]
+direction = [1, 0, 0]
+)" + more);
+  return ForwardCase::read(file);
+}
+
 }  // namespace calomel::testing

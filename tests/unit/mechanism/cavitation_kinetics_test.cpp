@@ -3,7 +3,7 @@
 #include "forward/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"
-#include "tests/unit/mechanism/one_point.hpp"
+#include "tests/verification/one_point.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;

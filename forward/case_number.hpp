@@ -1,0 +1,34 @@
+#pragma once
+/// A number of a case, found by its dotted key.
+#include <optional>
+#include <string>
+#include <type_traits>
+
+#include "base/errors.hpp"
+
+namespace calomel {
+
+/// One that is always there, or an optional one. Of a case that may not be changed, one that may not.
+template <class Case>
+struct FoundNumber {
+  std::conditional_t<std::is_const_v<Case>, const double, double>* number = nullptr;
+  std::conditional_t<std::is_const_v<Case>, const std::optional<double>, std::optional<double>>* optional = nullptr;
+
+  /// Errors: InputError where an optional one is not set.
+  [[nodiscard]] double value(const std::string& key) const {
+    if (number) return *number;
+    if (!*optional)
+      throw InputError({.problem = "has no value in the case, so there is no nominal",
+                        .value = '"' + key + '"',
+                        .suggestion = "set it in its table, or give the parameter a nominal"});
+    return **optional;
+  }
+  void set(double value) const {
+    if (number)
+      *number = value;
+    else
+      *optional = value;
+  }
+};
+
+}  // namespace calomel
