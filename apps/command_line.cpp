@@ -57,6 +57,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::resolved:
       verb.add_flag("--resolved", command.resolved, "print the case with every default filled in, as JSON");
       return;
+    case Extra::power:
+      verb.add_flag("--power", command.power, "before measuring: what records of these gauges could tell, see [power]; needs no recordings");
+      return;
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
       return;
@@ -73,6 +76,7 @@ std::vector<Extra> extras_of(const std::string& verb) {
   if (verb == "calibrate") return {Extra::method};
   if (verb == "simulate") return {Extra::fields, Extra::mean};
   if (verb == "report") return {Extra::csv};
+  if (verb == "diagnose") return {Extra::power};
   if (verb == "import") return {Extra::unit};
   return {};
 }

@@ -30,6 +30,7 @@ struct CommandLine {
   bool csv = false;                          ///< report
   bool floor = false;                        ///< check
   bool resolved = false;                     ///< check
+  bool power = false;                        ///< diagnose
   std::filesystem::path write_mesh;          ///< check; empty: none
 };
 
@@ -45,7 +46,7 @@ struct Verb {
 };
 
 /// Options of `verb` beyond the shared ones.
-enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh };
+enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh, power };
 std::vector<Extra> extras_of(const std::string& verb);
 
 /// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed

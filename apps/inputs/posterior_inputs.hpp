@@ -13,6 +13,16 @@ namespace calomel {
 /// Errors: InputError with its place for recordings or meshes.
 std::unique_ptr<PosteriorInputs> posterior_inputs(StudyInputs& inputs, const RunStore::Progress& told);
 
+/// What a fit works on, from its parts, which outlive it; runs are those of `runs`.
+struct PosteriorParts {
+  const StudyCase& study;
+  LevelRuns& runs;
+  const Problem& problem;
+  const Recordings& recordings;
+  const RecordingOptions& recording_options;
+};
+std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, const CommandLine& command, const RunStore::Progress& told);
+
 /// The ensemble mean of the finest mesh at `theta`, (n_parameters of the case), nuisances at the middle of their priors; (values), empty where it fails.
 std::vector<double> fine_run(const PosteriorInputs& in, std::vector<double> theta);
 

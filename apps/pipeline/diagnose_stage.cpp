@@ -39,7 +39,8 @@ ExitStatus diagnose_stage(StageCall& call) {
                              },
                              .linear = [&](std::span<const double> theta) { return levels.linear_mechanisms(theta); },
                              .options = study.diagnosis,
-                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); }};
+                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },
+                             .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
     json["status"] = d.base.settled ? "done" : "not_to_be_trusted";

@@ -10,10 +10,9 @@
 #include "base/options.hpp"
 #include "forward/parameter_group.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
-#include "inverse/posterior/score_test.hpp"
-#include "uq/diagnosis/first_order.hpp"
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/locate.hpp"
+#include "uq/diagnosis/question.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
@@ -31,23 +30,21 @@ struct DiagnosisOptions {
   template <class V>
   void visit(V& v) {
     v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told"});
-    v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model: those that lead to first order"});
+    v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("candidate_coarse", candidate_coarse, {.range = between(1, 10000), .doc = "runs of the coarser mesh with a mechanism to begin with, beside the base model's"});
     v("candidate_fine", candidate_fine, {.range = between(1, 10000), .doc = "those of the finest mesh"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
   }
 };
 
-/// Runs the columns of thetas (n_parameters + added, n), each on its level's mesh.
-using RunAdded = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added)>;
-
 struct DiagnosisInputs {
   const PosteriorInputs& base;          ///< of the physical product; its box stands
   std::vector<ParameterGroup> groups;   ///< offered
   RunAdded run;
-  std::function<std::vector<MechanismDirections>(std::span<const double> theta)> linear;  ///< directions of the linear groups; may be empty
+  LinearDirections linear;
   DiagnosisOptions options;
   std::function<void(const std::string&)> say;  ///< what is being done; may be empty
+  std::function<void(const PosteriorRound&, const std::vector<Parameter>&)> round;  ///< told after every fit of a candidate's emulator; may be empty
 };
 
 struct Estimate {
@@ -68,6 +65,7 @@ struct Alternative {
   std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
   double held_out_gain = 0;            ///< 1 - after / before
   int runs = 0;                        ///< made for it alone
+  bool settled = false;                ///< its emulator
   std::string message;
 };
 

@@ -33,34 +33,34 @@ std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& p
   return folds;
 }
 
-PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::Index, double>>& held, const Fold& fold) {
-  const Decimation& grid = fit.errors->grid();
+std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations) {
   std::vector<Eigen::Index> rows;
   for (std::size_t i = 0; i < grid.observations(); ++i) {
-    if (std::find(fold.begin(), fold.end(), i) != fold.end()) continue;
+    if (std::find(observations.begin(), observations.end(), i) == observations.end()) continue;
     for (std::size_t k = 0; k < grid.windows(i).size(); ++k) rows.push_back(Eigen::Index(grid.offset(i) + k));
   }
-  std::vector<RecordErrors> errors;
-  for (const auto& h : fit.hypotheses)
-    errors.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
+  return rows;
+}
+
+LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows) {
+  std::vector<RecordErrors> parts;
+  for (const auto& h : errors.hypotheses)
+    parts.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
   const LogPosterior& all = *fit.posterior;
-  const LogPosterior part(all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), errors, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior());
-  const auto mode_of = [](const LogPosterior& posterior, const std::vector<LocalMode>& known) {
-    std::vector<Eigen::VectorXd> starts;
-    for (const auto& m : known) starts.push_back(posterior.q(m.at.theta, m.at.beyond));
-    auto modes = find_modes(posterior, starts);
-    if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
-    return modes[0];
-  };
-  PartFit out;
-  const auto predicted = [&](const LocalMode& m) { return Eigen::VectorXd(fit.coefficients * all.emulator().features(m.at.u, m.at.beyond)); };
-  const LocalMode full = mode_of(part, fit.modes);
-  out.log_evidence = log_evidence(part, full), out.prediction = predicted(full);
-  if (held.empty()) return out;
-  const LogPosterior nested = part.held(held);
-  const LocalMode without = mode_of(nested, fit.nested_modes);
-  out.nested_log_evidence = log_evidence(nested, without), out.nested_prediction = predicted(without);
-  return out;
+  return {all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), parts, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior()};
+}
+
+PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
+  std::vector<std::size_t> rest;
+  for (std::size_t i = 0; i < fit.errors->grid().observations(); ++i)
+    if (std::find(fold.begin(), fold.end(), i) == fold.end()) rest.push_back(i);
+  const LogPosterior part = part_of(fit, errors, rows_of(fit.errors->grid(), rest));
+  std::vector<Eigen::VectorXd> starts;
+  for (const auto& m : fit.modes) starts.push_back(m.q);
+  const auto modes = find_modes(part, starts);
+  if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
+  const LocalMode& m = modes[0];
+  return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond)};
 }
 
 double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {

@@ -13,14 +13,20 @@ using Fold = std::vector<std::size_t>;
 /// Gauges of one face of the target are held out together, where they sit on three faces or more; else each alone. positions: (sensors, 3).
 [[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& positions);
 
+/// Rows of the grid that belong to some observations, in their order on it.
+[[nodiscard]] std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations);
+
+/// The posterior of a fit by some of the values, on its own emulator, under the errors of another fit (or its own).
+[[nodiscard]] LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows);
+
 /// A fit without some of its values.
 struct PartFit {
-  double log_evidence = 0, nested_log_evidence = 0;  ///< the latter with the parameters that the fit holds nested
-  Eigen::VectorXd prediction, nested_prediction;     ///< of all values, (size): by the modes of the rest
+  double log_evidence = 0;
+  Eigen::VectorXd prediction;  ///< of all values, (size): by the mode of the rest
 };
 
-/// The mode and the evidence by the values of all but the fold, on the same emulator, from the same places.
-[[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::Index, double>>& held, const Fold& fold);
+/// The mode and the evidence by the values of all but the fold, from the fit's own modes. Errors: NumericsError where no mode is found.
+[[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold);
 
 /// Mean over the fold's observations of |prediction - record| / |record| on the grid.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
