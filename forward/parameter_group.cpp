@@ -1,5 +1,7 @@
 #include "forward/parameter_group.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -36,6 +38,25 @@ AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const 
   return a;
 }
 
+/// A key that shapes what the mechanism looks like.
+AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
+  AddedParameter a;
+  Parameter& p = a.parameter;
+  p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name, p.min = k.low, p.max = k.high, p.nominal = k.off;
+  const double ratio = std::log(k.high / k.low);
+  p.prior = "lognormal", p.mu = 0.5 * std::log(k.high * k.low), p.sigma = ratio / 4;
+  for (const double part : {1.0 / 6, 0.5, 5.0 / 6}) a.strengths.push_back(k.low * std::exp(part * ratio));
+  return a;
+}
+
+/// Stretches of a wall of this length: the whole, and quarters half a quarter apart.
+std::vector<std::pair<double, double>> stretches(std::optional<double> length) {
+  std::vector<std::pair<double, double>> all{{0, 1}};
+  if (length)
+    for (int i = 0; i + 2 <= 8; ++i) all.emplace_back(i * *length / 8, (i + 2) * *length / 8);
+  return all;
+}
+
 }  // namespace
 
 std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
@@ -45,18 +66,30 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built()) continue;
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
-    for (const auto& k : entry.keys)
+    for (const auto& k : entry.keys) {
       if (k.decides) g.added.push_back(key_of(c, row.name, k));
+      if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
+    }
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
     if (word == entry.keys.end()) {
       groups.push_back(std::move(g));
       continue;
     }
+    const std::string prefix = "mechanism." + row.name + '.';
+    const bool has_stretch = std::any_of(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return k.name == "begin"; });
     for (std::size_t i = 0; i < word->choices.size(); ++i) {
-      ParameterGroup one = g;
-      one.place = word->choices[i];
-      for (auto& a : one.added) a.with = {{"mechanism." + row.name + '.' + word->name, double(i)}};
-      groups.push_back(std::move(one));
+      const bool upright = word->choices[i] == "front" || word->choices[i] == "rear";
+      const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
+      for (const auto& [begin, end] : stretches(length)) {
+        ParameterGroup one = g;
+        one.place = word->choices[i], one.part = end < 1;
+        for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
+        if (one.part) {
+          one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
+          for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
+        }
+        groups.push_back(std::move(one));
+      }
     }
   }
   // What a coarser or a looser discretisation would do in the place of physics.

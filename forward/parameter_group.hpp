@@ -21,6 +21,8 @@ struct ParameterGroup {
   std::string name;                   ///< of the mechanism
   std::string place;                  ///< word that tells it from others of the name, such as a wall; empty where there is one
   std::vector<AddedParameter> added;  ///< at least one
+  std::vector<AddedParameter> shapes;  ///< change what the others look like and do nothing without them; `nominal` is their default
+  bool part = false;                  ///< of a place that another group of the name is about as a whole
   bool by_sensor = false;             ///< acts on each gauge alone
   bool linear = false;                ///< adds to the histories in proportion to its numbers
   bool numerical = false;             ///< no physics: numbers of the solver
@@ -29,7 +31,9 @@ struct ParameterGroup {
 };
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
-/// A key's prior is the range of the registry: uniform, half-Cauchy about the geometric middle for a log-uniform one.
+/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on.
+/// A key's prior is the range of the registry: uniform, half-Cauchy about the geometric middle for a log-uniform one; of a shape lognormal, the range two deviations
+/// either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 
 }  // namespace calomel

@@ -20,8 +20,9 @@ constexpr double farthest_shift = 0.7; ///< of the base parameters' box by what 
 constexpr double worth_fitting = 3;    ///< log Bayes factor to first order
 constexpr double spare = 3;            ///< runs of the coarser meshes over coefficients of a candidate's emulator, to begin with: they cost an eighth of the finer's
 constexpr double spare_fine = 1.5;     ///< of the finest mesh
-constexpr int first_rounds = 1, most_rounds = 6;            ///< of a candidate's emulator: before it is given up, and at all
-constexpr double steady = 3, steady_share = 0.1;            ///< change of a log Bayes factor in a round, and that over itself, below which it stays
+constexpr double zoom = 0.4, box_in_deviations = 4;        ///< the second box over the first, at least, and in deviations of the answer
+constexpr int first_rounds = 1, most_rounds = 6;           ///< of a candidate's emulator: before it is given up, and at all
+constexpr double steady = 3, steady_share = 0.1;            ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
 constexpr double hopeless = 60;        ///< log Bayes factors below the best so far
 constexpr double alike = 4;            ///< distance in standard deviations below which two explanations are one class
 
@@ -128,6 +129,7 @@ class Engine {
   void fit_pair();
   void fit(const std::vector<const Question*>& with);
   void reach_back(PosteriorInputs& in) const;
+  [[nodiscard]] PosteriorFit followed(PosteriorInputs& in) const;
   void judge_all();
   void hold_out();
   void locate_all();
@@ -249,6 +251,20 @@ void Engine::fit_leaders() {
   }
 }
 
+/// Followed until more runs would not change what it is worth, if it may lead.
+PosteriorFit Engine::followed(PosteriorInputs& in) const {
+  double last = -std::numeric_limits<double>::infinity();
+  int stayed = 0;
+  in.go_on = [&](const PosteriorFit& f) {
+    const double now = log_bayes_factor(f);
+    stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
+    last = now;
+    const auto rounds = int(f.rounds.size());
+    return rounds <= first_rounds || (rounds < most_rounds && now > best_so_far() - hopeless && stayed < 2);
+  };
+  return fit_posterior(in);
+}
+
 /// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is narrower than the box.
 void Engine::reach_back(PosteriorInputs& in) const {
   for (std::size_t k = 0; k < in.centre.size(); ++k) {
@@ -284,6 +300,11 @@ void Engine::fit(const std::vector<const Question*>& with) {
       sd.push_back(q->worth.sd[Eigen::Index(i)]);
       estimate.push_back(std::clamp(*a.parameter.nominal + q->worth.value[Eigen::Index(i)], a.parameter.min, a.parameter.max));
     }
+    for (std::size_t i = 0; i < group.shapes.size(); ++i) {
+      const AddedParameter& a = group.shapes[i];
+      added.push_back(a), parameters.push_back(a.parameter);
+      estimate.push_back(q->shapes[i]), sd.push_back(0);
+    }
     shift += q->worth.shift;
   }
   std::sort(names.begin(), names.end());
@@ -312,6 +333,10 @@ void Engine::fit(const std::vector<const Question*>& with) {
     const Parameter& p = added[i].parameter;
     const auto coordinate = [&](double x) { return p.min > 0 ? std::log(x) : x; };
     const double away = std::abs(coordinate(estimate[i]) - coordinate(*p.nominal)), deviation = p.min > 0 ? sd[i] / estimate[i] : sd[i];
+    if (p.prior == "lognormal") {  // a shape: about the value that did best
+      in.centre.push_back(estimate[i]), in.half_width.push_back(*p.sigma);
+      continue;
+    }
     const double least = p.prior == "half_cauchy" ? 0.5 * added[i].strengths[0] : least_width * (coordinate(p.max) - coordinate(p.min));
     in.centre.push_back(estimate[i]);
     in.half_width.push_back(std::max({reach * away, widths * deviation, least}));
@@ -327,15 +352,15 @@ void Engine::fit(const std::vector<const Question*>& with) {
   }
   const int before = runs_;
   try {
-    // What may lead is followed until more runs would not change what it is worth.
-    double last = -std::numeric_limits<double>::infinity();
-    in.go_on = [&](const PosteriorFit& f) {
-      const double now = log_bayes_factor(f), moved = std::abs(now - last);
-      last = now;
-      const auto rounds = int(f.rounds.size());
-      return rounds <= first_rounds || (rounds < most_rounds && now > best_so_far() - hopeless && moved > std::max(steady, steady_share * std::abs(now)));
-    };
-    PosteriorFit fitted = fit_posterior(in);
+    PosteriorFit fitted = followed(in);
+    const double worth = log_bayes_factor(fitted);
+    if (worth > worth_fitting && worth > best_so_far() - hopeless) {  // once more about the answer: over a wide box a quadratic is only so good
+      in.centre = fitted.modes[0].at.theta;
+      const Eigen::VectorXd sd = fitted.modes[0].covariance.diagonal().cwiseSqrt();
+      for (std::size_t k = 0; k < in.half_width.size(); ++k) in.half_width[k] *= std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+      in.known = std::move(fitted.runs);
+      fitted = followed(in);
+    }
     const LocalMode& full = fitted.modes[0];
     const LogPosterior& posterior = *fitted.posterior;
     c.explanation.fitted = true;

@@ -19,10 +19,25 @@ constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than
 struct Effect {
   std::size_t group, number;  ///< indices
   double strength;
+  std::vector<double> shapes;  ///< values of the group's
   Eigen::VectorXd change;     ///< (values) per unit; empty: nothing that shows
 };
 
 std::string label(const ParameterGroup& g) { return g.place.empty() ? g.name : g.name + " (" + g.place + ")"; }
+
+/// Values of the shapes that are tried: the defaults, and each at its first values while the others keep theirs.
+std::vector<std::vector<double>> shapes_of(const ParameterGroup& g) {
+  std::vector<double> middle;
+  for (const auto& s : g.shapes) middle.push_back(*s.parameter.nominal);
+  std::vector<std::vector<double>> all;
+  if (g.shapes.empty()) all.push_back(middle);
+  for (std::size_t k = 0; k < g.shapes.size(); ++k)
+    for (const double value : g.shapes[k].strengths) {
+      all.push_back(middle);
+      all.back()[k] = value;
+    }
+  return all;
+}
 
 class Asking {
  public:
@@ -40,6 +55,7 @@ class Asking {
  private:
   void measure();
   void ask_group(std::size_t g);
+  void ask_choice(std::size_t g, std::size_t choice, const std::vector<double>& shapes);
   void ask_linear();
   void keep_the_best();
   void test();
@@ -66,21 +82,28 @@ class Asking {
 
 void Asking::measure() {
   std::vector<AddedParameter> added;
-  for (const auto& g : in_.groups) added.insert(added.end(), g.added.begin(), g.added.end());
+  for (const auto& g : in_.groups) {
+    added.insert(added.end(), g.added.begin(), g.added.end());
+    added.insert(added.end(), g.shapes.begin(), g.shapes.end());
+  }
   const auto& theta = mode_.at.theta;
   Eigen::VectorXd off(Eigen::Index(theta.size() + added.size()));
   for (std::size_t k = 0; k < theta.size(); ++k) off[Eigen::Index(k)] = theta[k];
   for (std::size_t k = 0; k < added.size(); ++k) off[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
   std::vector<Eigen::VectorXd> columns{off};
   std::size_t at = theta.size();
-  for (std::size_t g = 0; g < in_.groups.size(); ++g)
-    for (std::size_t k = 0; k < in_.groups[g].added.size(); ++k, ++at)
-      for (const double strength : in_.groups[g].added[k].strengths) {
-        if (in_.groups[g].linear) continue;
-        columns.push_back(off);
-        columns.back()[Eigen::Index(at)] = strength;
-        effects_.push_back({g, k, strength, {}});
-      }
+  for (std::size_t g = 0; g < in_.groups.size(); ++g) {
+    const ParameterGroup& group = in_.groups[g];
+    for (std::size_t k = 0; k < group.added.size() && !group.linear; ++k)
+      for (const auto& shapes : shapes_of(group))
+        for (const double strength : group.added[k].strengths) {
+          columns.push_back(off);
+          columns.back()[Eigen::Index(at + k)] = strength;
+          for (std::size_t i = 0; i < shapes.size(); ++i) columns.back()[Eigen::Index(at + group.added.size() + i)] = shapes[i];
+          effects_.push_back({g, k, strength, shapes, {}});
+        }
+    at += group.added.size() + group.shapes.size();
+  }
   Eigen::MatrixXd thetas(off.size(), Eigen::Index(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) thetas.col(Eigen::Index(i)) = columns[i];
   const auto records = in_.run(thetas, std::vector<int>(columns.size(), in_.level), added);
@@ -104,31 +127,36 @@ void Asking::ask_group(std::size_t g) {
   const ParameterGroup& group = in_.groups[g];
   std::size_t choices = 0;
   for (const auto& a : group.added) choices = std::max(choices, a.strengths.size());
-  for (std::size_t choice = 0; choice < choices; ++choice) {
-    Question q{.group = g};
-    std::vector<const Effect*> taken;
-    for (const auto& e : effects_) {
-      if (e.group != g || e.change.size() == 0) continue;
-      const auto& strengths = group.added[e.number].strengths;
-      if (e.strength == strengths[std::min(choice, strengths.size() - 1)]) taken.push_back(&e), q.numbers.push_back(e.number);
-    }
-    if (taken.empty()) continue;
-    q.effects.resize(taken[0]->change.size(), Eigen::Index(taken.size()));
-    q.directions.prior_sd.resize(Eigen::Index(taken.size()));
-    for (std::size_t i = 0; i < taken.size(); ++i) {
-      q.effects.col(Eigen::Index(i)) = taken[i]->change;
-      q.directions.prior_sd[Eigen::Index(i)] = prior_sd(group.added[taken[i]->number], taken[i]->strength);
-    }
-    if (!group.by_sensor) {
-      add(std::move(q));
-      continue;
-    }
-    for (std::size_t s = 0; s < in_.problem.shape.sensors.size(); ++s) {
-      Question one = q;
-      one.sensor = s;
-      for (auto column : one.effects.colwise()) column = of_sensor(column, s);
-      add(std::move(one));
-    }
+  for (const auto& shapes : shapes_of(group))
+    for (std::size_t choice = 0; choice < choices; ++choice) ask_choice(g, choice, shapes);
+}
+
+void Asking::ask_choice(std::size_t g, std::size_t choice, const std::vector<double>& shapes) {
+  const ParameterGroup& group = in_.groups[g];
+  Question q{.group = g};
+  q.shapes = shapes;
+  std::vector<const Effect*> taken;
+  for (const auto& e : effects_) {
+    if (e.group != g || e.shapes != shapes || e.change.size() == 0) continue;
+    const auto& strengths = group.added[e.number].strengths;
+    if (e.strength == strengths[std::min(choice, strengths.size() - 1)]) taken.push_back(&e), q.numbers.push_back(e.number);
+  }
+  if (taken.empty()) return;
+  q.effects.resize(taken[0]->change.size(), Eigen::Index(taken.size()));
+  q.directions.prior_sd.resize(Eigen::Index(taken.size()));
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    q.effects.col(Eigen::Index(i)) = taken[i]->change;
+    q.directions.prior_sd[Eigen::Index(i)] = prior_sd(group.added[taken[i]->number], taken[i]->strength);
+  }
+  if (!group.by_sensor) {
+    add(std::move(q));
+    return;
+  }
+  for (std::size_t s = 0; s < in_.problem.shape.sensors.size(); ++s) {
+    Question one = q;
+    one.sensor = s;
+    for (auto column : one.effects.colwise()) column = of_sensor(column, s);
+    add(std::move(one));
   }
 }
 

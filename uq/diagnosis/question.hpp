@@ -22,7 +22,8 @@ using LinearDirections = std::function<std::vector<MechanismDirections>(std::spa
 struct Question {
   std::size_t group = 0;              ///< index into the groups
   std::optional<std::size_t> sensor;  ///< of a group that acts on each gauge alone
-  std::vector<std::size_t> numbers;   ///< indices into the group, of those whose effect shows
+  std::vector<std::size_t> numbers;   ///< indices into the group's `added`, of those whose effect shows
+  std::vector<double> shapes;         ///< values of the group's `shapes`
   Eigen::MatrixXd effects;            ///< changes of the model's values per unit of each number, (values of the model, n)
   AddedDirections directions;         ///< the same on the grid of the fit
   FirstOrder worth;
@@ -44,8 +45,8 @@ struct Answers {
   std::vector<std::string> skipped;  ///< what could not be run, and why
 };
 
-/// Runs every number of every group at its first strengths at the fit's mode (one run a strength, and one of the base model). Either way from off is one question,
-/// the strengths of a log-uniform number are three. Errors: NumericsError where the base model does not run at its own mode; those of `run`.
+/// Runs every number of every group at its first strengths at the fit's mode (one run a strength, and one of the base model), with each shape at its first values.
+/// Either way from off is one question, the strengths of a log-uniform number are three, and so are the values of a shape. Errors: NumericsError where the base model does not run at its own mode; those of `run`.
 [[nodiscard]] Answers ask(const QuestionInputs& in);
 
 /// "interface (top)", "sensor_response of S08".

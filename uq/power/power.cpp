@@ -53,7 +53,7 @@ std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, co
     for (std::size_t q = 0; q < questions.size(); ++q) {
       const Question& question = questions[q];
       const ParameterGroup& group = groups[question.group];
-      if (group.numerical) continue;
+      if (group.numerical || group.part) continue;
       for (std::size_t i = 0; i < question.numbers.size(); ++i) {
         const AddedParameter& a = group.added[question.numbers[i]];
         const double up = reach_of(a, 1), sign = up > 0 ? 1 : -1, range = up > 0 ? up : reach_of(a, -1);
