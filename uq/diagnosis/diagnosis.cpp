@@ -315,7 +315,7 @@ void Engine::fit_linear() {
 void Engine::fit_linear(const Asked& q) {
   const ParameterGroup& group = in_.groups[q.group];
   const LogPosterior& base = *out_.base.posterior;
-  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
   c.explanation.name = group.name;
   const Eigen::MatrixXd d = grid().apply(q.directions.by_number) * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
@@ -350,7 +350,7 @@ void Engine::fit_leaders() {
   for (const auto& q : asked_) {
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == q.name; });
     if (q.sensor || there) continue;  // a wall that says less, too
-    Alternative c{.groups = {q.name}, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+    Alternative c{.groups = {q.name}, .place = in_.groups[q.group].place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
     if (fitted < in_.options.leaders && (q.worth.log_bayes_factor > worth_fitting || fitted == 0)) {
       fit({&q});
       ++fitted;
@@ -377,6 +377,7 @@ void Engine::fit(const std::vector<const Asked*>& with) {
     const ParameterGroup& group = in_.groups[q->group];
     names.push_back(q->name), c.groups.push_back(q->name);
     c.explanation.numerical |= group.numerical;
+    if (!group.place.empty()) c.place = group.place;
     c.first_log_bayes_factor += q->worth.log_bayes_factor, c.p_value = std::min(c.p_value, q->p_value);
     for (std::size_t i = 0; i < q->numbers.size(); ++i) {
       const AddedParameter& a = group.added[q->numbers[i]];
@@ -500,7 +501,11 @@ void Engine::hold_out() {
   const auto folds = folds_by_face(in_.base.problem, in_.base.positions);
   const Eigen::VectorXd& data = out_.base.errors->data();
   std::vector<double> before;
-  for (const auto& f : folds) before.push_back(misfit_of(f, grid(), fit_without(out_.base, {}, f).prediction, data));
+  for (const auto& f : folds) {
+    const PartFit part = fit_without(out_.base, {}, f);
+    before.push_back(misfit_of(f, grid(), part.prediction, data));
+    keep_held_out(f, in_.base.problem, part.history, out_.held_out_history);
+  }
   const auto gauges = [&](const std::vector<double>& by_fold) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * double(folds[i].size()), count += double(folds[i].size());
@@ -515,6 +520,7 @@ void Engine::hold_out() {
     for (std::size_t i = 0; i < folds.size(); ++i) {
       const PartFit part = fit_without(fit->second, held_[c.explanation.name], folds[i]);
       with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
+      keep_held_out(folds[i], in_.base.problem, part.history, c.held_out_history);
       c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
       const double worth = part.log_evidence - part.nested_log_evidence;
       if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge

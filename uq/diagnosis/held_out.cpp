@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace calomel {
@@ -55,7 +56,7 @@ PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::
   PartFit out;
   const auto predicted = [&](const LocalMode& m) { return Eigen::VectorXd(fit.coefficients * all.emulator().features(m.at.u, m.at.beyond)); };
   const LocalMode full = mode_of(part, fit.modes);
-  out.log_evidence = log_evidence(part, full), out.prediction = predicted(full);
+  out.log_evidence = log_evidence(part, full), out.prediction = predicted(full), out.history = fit.history(full.at.u, full.at.beyond);
   if (held.empty()) return out;
   const LogPosterior nested = part.held(held);
   const LocalMode without = mode_of(nested, fit.nested_modes);
@@ -70,6 +71,15 @@ double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd
     sum += (prediction - data).segment(at, n).norm() / data.segment(at, n).norm();
   }
   return sum / double(fold.size());
+}
+
+void keep_held_out(const Fold& fold, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {
+  if (into.empty()) into.assign(std::size_t(history.size()), std::numeric_limits<double>::quiet_NaN());
+  for (const std::size_t i : fold) {
+    const auto& o = problem.observations[i];
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0);
+    std::copy_n(history.begin() + std::ptrdiff_t(at), problem.shape.times.size(), into.begin() + std::ptrdiff_t(at));
+  }
 }
 
 }  // namespace calomel
