@@ -19,7 +19,7 @@ const times_text = x => x === null ? '\u2013' : x < 9.95 ? x.toFixed(1) : x.toFi
 
 function mismatch_cell(root, box, part, most) {
   const c = part.mismatch === null ? [240, 240, 240] : mismatch_colour(part.mismatch, most), dark = c[0] + c[1] + c[2] < 420;
-  svg('rect', { x: box.x, y: box.y, width: box.width, height: box.height, fill: rgb(c), stroke: '#fff', 'stroke-width': 1 }, root);
+  svg('rect', { x: box.x, y: box.y, width: box.width, height: box.height, fill: rgb(c), stroke: '#d0d7de', 'stroke-width': 0.7 }, root);
   if (part.significant) svg('rect', { x: box.x + 1.5, y: box.y + 1.5, width: box.width - 3, height: box.height - 3, fill: 'none', stroke: '#1b1f24', 'stroke-width': 2 }, root);
   const style = { x: box.x + box.width / 2, y: box.y + box.height / 2 + 4.5, 'text-anchor': 'middle', 'font-weight': part.significant ? 700 : 400, style: `fill:${dark ? '#fff' : '#1b1f24'}` };
   svg('text', style, root, times_text(part.mismatch));
@@ -77,7 +77,7 @@ function draw_mismatch_target(view, scale_place, note, target, data) {
   const sensors = target.sensors.map(s => {
     const g = of.get(s.name);
     if (!g || g.mismatch === null) return Object.assign({}, s, { colour: surface_colours.outer, label: `${s.name} \u2013` });
-    return Object.assign({}, s, { colour: mismatch_colour(g.mismatch, most), label: `${s.name} ${times_text(g.mismatch)}${g.significant ? '' : ' (chance)'}` });
+    return Object.assign({}, s, { colour: mismatch_colour(g.mismatch, most), label: `${s.name} ${times_text(g.mismatch)}` });
   });
   const known = sensors.filter(s => of.has(s.name) && of.get(s.name).mismatch !== null).map(s => ({ at: s.position, mismatch: of.get(s.name).mismatch }));
   const radius = 0.16 * target_extent(target).radius;
@@ -95,7 +95,7 @@ function draw_mismatch_target(view, scale_place, note, target, data) {
   };
   draw_target(view, note, Object.assign({}, target, { sensors }), paint);
   if (!scale_place) return;
-  const root = svg('svg', { class: 'drawing', viewBox: '0 0 960 44', style: 'max-width:46rem' }, scale_place), left = 10, width = 420;
+  const root = svg('svg', { class: 'drawing', viewBox: '0 0 800 44', style: 'max-width:50rem' }, scale_place), left = 10, width = 330;
   for (let i = 0; i < 80; ++i) svg('rect', { x: left + width * i / 80, y: 4, width: width / 80 + 0.6, height: 14, fill: rgb(mismatch_colour(1 + (most - 1) * (i + 0.5) / 80, most)) }, root);
   svg('rect', { class: 'frame', x: left, y: 4, width, height: 14 }, root);
   const scale = ticks(1, most, 5);

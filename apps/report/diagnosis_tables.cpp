@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -53,6 +54,11 @@ std::string paragraph(const std::string& text, const char* kind = "") {
   return text.empty() ? "" : fmt::format("<p{}>{}</p>\n", *kind ? fmt::format(" class=\"{}\"", kind) : "", escape_html(text));
 }
 
+std::string lower_first(std::string text) {
+  if (!text.empty()) text[0] = char(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 std::string heading(const char* text) { return fmt::format("<h3>{}</h3>\n", text); }
 
 std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
@@ -92,8 +98,8 @@ std::string where_and_when(const Study& study) {
 Table mismatch_table(const Study& study) {
   Table t{.id = "diagnosis_gauges", .caption = "How far simulation and record are apart, by gauge."};
   t.columns = {{"gauge", "Gauge", 4, true}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true},
-               {"before", "Misfit as it is [%]", -1, false, percent}, {"after", "with what is named [%]", -1, false, percent},
-               {"heldout_before", "Left out of the fit: as it is [%]", -1, false, percent}, {"heldout_after", "with what is named [%]", -1, false, percent}};
+               {"before", "Misfit as it is [%]", -1, false, percent}, {"after", "Misfit with what is named [%]", -1, false, percent},
+               {"heldout_before", "Left out of the fit, as it is [%]", -1, false, percent}, {"heldout_after", "Left out of the fit, with what is named [%]", -1, false, percent}};
   const Json &sensors = list_at(location_of(study), "sensors"), &gauges = list_at(summary_of(study), "gauges");
   const bool named = !list_at(summary_of(study), "mechanisms").empty();
   for (const auto& s : sensors) {
@@ -104,7 +110,7 @@ Table mismatch_table(const Study& study) {
                       named ? Cell(number_at(g, "heldout_after")) : Cell()});
   }
   t.note = "Mismatch 1 is what errors alone make; 3 is three times as far apart. The q-value is the share of false alarms among parts as striking as this one; below 0.05 it is bold. Misfit is the distance from the record "
-           "over the record\u2019s own size, at the frequencies that are compared.";
+           "over the record\u2019s own size, at the frequencies that are compared; left out of the fit: as the fit to the other faces\u2019 gauges predicts it.";
   return t;
 }
 
@@ -203,13 +209,15 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   const Json& d = summary_of(study);
   const std::string verdict = text_at(d, "verdict");
   std::string s = fmt::format("<p>Verdict: <strong>{}</strong>. {}</p>\n", escape_html(verdict), escape_html(meaning(verdict)));
-  if (text_at(d, "status", "done") != "done") s += "<p class=\"missing\"><strong>Not to be trusted:</strong> the fit of the base model has not settled. " + escape_html(text_at(part_at(d, "base_fit"), "message")) + "</p>\n";
+  if (text_at(d, "status", "done") != "done") s += "<p class=\"missing\"><strong>Not to be trusted:</strong> the fit of the base model: " + escape_html(text_at(part_at(d, "base_fit"), "message", "not settled")) + ".</p>\n";
+  if (const Json& ranking = list_at(d, "ranking"); verdict == "unknown" && !ranking.empty() && text_at(ranking[0], "name") != "unknown" && !text_at(ranking[0], "why").empty())
+    s += fmt::format("<p>The most probable of what was tried, {}, is not named: {}</p>\n", escape_html(title_of(ranking[0])), escape_html(lower_first(text_at(ranking[0], "why"))));
 
   s += heading("Where");
   if (!input.sensors.empty())
     s += "<div class=\"target\"><div id=\"mismatch-view\" class=\"target-view\" role=\"img\" aria-label=\"The target, its gauges and the walls about them coloured by mismatch; the table below gives the numbers\"></div>"
          "<div id=\"mismatch-scale\"></div>"
-         "<p class=\"note\" id=\"mismatch-note\">Gauges and the wall about them are coloured by how far simulation and record are apart there; walls far from any gauge stay grey, for nothing is known of them. Drag to turn, scroll to "
+         "<p class=\"note\" id=\"mismatch-note\">Gauges and the wall about them are coloured by how far simulation and record are apart there; walls far from any gauge stay grey, for nothing is known of them. A label gives the mismatch in times the errors. Drag to turn, scroll to "
          "zoom.</p></div>\n";
   s += paragraph(where_and_when(study)) + mismatch_table(study).html();
 
@@ -219,7 +227,7 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   s += folded("The map as a table", mismatch_map_table(study)) + folded("The bands as a table", band_table(study));
 
   s += heading("What");
-  s += plot("probability-bars", "Probability of each explanation. Dark: the verdict.", "Bars of the probabilities");
+  s += plot("probability-bars", "Probability of each explanation among all that are listed. Dark: the verdict, which asks for more than to lead; the reasons are below.", "Bars of the probabilities");
   s += explanation_table(study).html() + reason_table(study).html();
   if (const Table t = effect_table(study); !t.empty()) s += t.rows.size() > 8 ? folded(fmt::format("All {} numbers that were found", t.rows.size()), t) : t.html();
 

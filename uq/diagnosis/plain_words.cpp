@@ -136,6 +136,9 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
   const std::string begin = fmt::format("The simulation leaves something out {}, and it is not known what: ", misfit) + name;
   const std::string finer = "Repeat the diagnosis on finer meshes (emulator.element_sizes) before any physics is blamed.";
   switch (gate_not_passed(d.evidence, all, 0, gates)) {
+    case Gate::evidence:
+      if (all[0].log_bayes_factor <= hardly) return nothing;
+      return {fmt::format("The simulation leaves something out {}, and nothing that was tried is sure enough to be named: {} comes nearest.", misfit, name), look};
     case Gate::numerical:
       return {differ + ", but the simulation's own discretisation accounts for it better than any physics that was tried.", finer};
     case Gate::numerical_rival:
@@ -266,7 +269,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
               a->first_log_bayes_factor > hardly ? "A fit of its own: raise diagnosis.leaders." : "Records in which its effect shows: other gauges, more pulses."};
     case Gate::evidence:
       if (b <= hardly) return {fmt::format("Nothing in these records speaks for it (evidence {:.2g}).", b), "Records in which its effect shows: other gauges, more pulses."};
-      return {fmt::format("The records speak for it, but too weakly: evidence {:.2g} where {:.0f} is asked.", b, g.log_bayes_factor),
+      return {fmt::format("The records speak for it, but too weakly: evidence {:.3g} where {:.0f} is asked.", b, g.log_bayes_factor),
               fmt::format("An effect about {:.1f} times as large, or errors as much smaller.", std::sqrt(g.log_bayes_factor / b))};
     case Gate::numerical:
       return {"It is no physics: a number of the simulation's discretisation explains the records.", "Finer meshes (emulator.element_sizes)."};

@@ -86,7 +86,7 @@ TEST(ReportDiagnosis, AVerdictThatDidNotSettleIsNotToBeTrusted) {
   d["status"] = "not_to_be_trusted", d["base_fit"] = {{"message", "moves by 2 deviations a round"}};
   write_json(dir / "diagnosis.json", d);
   const std::string text = markup(report_of(dir, input()));
-  EXPECT_THAT(text, HasSubstr("Not to be trusted:</strong> the fit of the base model has not settled. moves by 2"));
+  EXPECT_THAT(text, HasSubstr("Not to be trusted:</strong> the fit of the base model: moves by 2 deviations a round."));
   EXPECT_THAT(text, HasSubstr("<li>diagnosis: the fit of the base model has not settled"));
 }
 
@@ -132,6 +132,10 @@ TEST(ReportDiagnosis, ExplanationsHaveTheirPlainNamesAndTheVerdictIsBold) {
   EXPECT_THAT(bold("unknown"), ElementsAre("something that was not tried"));
   const Study study = read_study(dir);
   EXPECT_EQ(reason_table(study).rows.size(), 4u);
+  // The one that leads without being named is spoken of, once.
+  const char* leads = "The most probable of what was tried, the proton beam&#39;s profile (beam_profile), is not named: named: it accounts";
+  EXPECT_THAT(diagnosis_section(study, input()), HasSubstr(leads));
+  EXPECT_THAT(diagnosis_section(diagnosed(dir, "named"), input()), Not(HasSubstr("is not named")));
   const Table effects = effect_table(study);
   ASSERT_EQ(effects.rows.size(), 2u);
   EXPECT_EQ(text_of(effects.rows[0][2]), "2.31 \u00b1 0.16 mm");
