@@ -19,6 +19,7 @@ AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const 
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
+  a.unit = k.unit, a.doc = k.doc;
   const double off = c.off_value(k);
   if (!std::isfinite(off)) {
     a.inverse = true;
@@ -65,7 +66,8 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const MechanismEntry& entry = row.entry;
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built()) continue;
-    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
+    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
+                     .plain = entry.plain, .check = entry.check};
     for (const auto& k : entry.keys) {
       if (k.decides) g.added.push_back(key_of(c, row.name, k));
       if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
@@ -93,17 +95,20 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     }
   }
   // What a coarser or a looser discretisation would do in the place of physics.
-  const auto number = [&](const char* name, double now, double other) {
+  const auto number = [&](const char* name, const char* doc, double now, double other) {
     AddedParameter a;
+    a.doc = doc;
     a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
     a.parameter.nominal = now;
     a.strengths = {other};
     return a;
   };
   groups.push_back({.name = "numerics",
-                    .added = {number("hourglass", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
+                    .added = {number("hourglass", "stiffness of the springs that keep elements of the mercury in shape", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", "viscosity of voids that close", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
                     .numerical = true,
-                    .like_the_mesh = true});
+                    .like_the_mesh = true,
+                    .plain = "the simulation's own discretisation",
+                    .check = "repeat the diagnosis on finer meshes (emulator.element_sizes)"});
   return groups;
 }
 

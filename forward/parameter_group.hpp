@@ -15,6 +15,7 @@ struct AddedParameter {
   bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
   std::vector<double> strengths;  ///< values at which its effect is first looked at
   std::vector<std::pair<std::string, double>> with;  ///< dotted keys that are set while it is on: the wall that it is about
+  std::string unit, doc;  ///< of the case's number
 };
 
 struct ParameterGroup {
@@ -28,6 +29,7 @@ struct ParameterGroup {
   bool numerical = false;             ///< no physics: numbers of the solver
   bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh
   double cost = 1;                    ///< of a run with it over one of the base model
+  std::string plain, check;           ///< MechanismEntry's
 };
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.

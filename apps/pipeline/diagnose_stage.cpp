@@ -11,7 +11,7 @@
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
 
@@ -22,7 +22,7 @@ ExitStatus diagnose_stage(StageCall& call) {
   const auto& notes = inputs.notes();
   (void)inputs.problem();
   const auto provenance = diagnosis_provenance(inputs);
-  if (!call.finished.due(provenance, {"diagnosis.json"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {"diagnosis.json", "diagnosis.nc"}, Asked::by_user)) {
     notes.say(reused_line("diagnose"));
     return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
@@ -44,8 +44,10 @@ ExitStatus diagnose_stage(StageCall& call) {
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
     json["status"] = d.base.settled ? "done" : "not_to_be_trusted";
+    write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
     notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
+    notes.say(json["summary"].get<std::string>());
     return d.base.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });
 }

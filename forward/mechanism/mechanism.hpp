@@ -70,7 +70,9 @@ struct RingDown {
 
 /// What the registry knows of a mechanism. A function that is null changes nothing; all null: not built in this version.
 struct MechanismEntry {
-  std::string law;  ///< one line
+  std::string law;    ///< one line
+  std::string plain;  ///< what is left out without it, for a reader who knows no law: "the proton beam's profile"
+  std::string check;  ///< what to do where it is named: "compare ..."
   std::vector<MechanismKey> keys;
   bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
   bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot tell the two apart

@@ -197,7 +197,7 @@ void Engine::fit_linear() {
 void Engine::fit_linear(const Question& q) {
   const ParameterGroup& group = in_.groups[q.group];
   const LogPosterior& base = *out_.base.posterior;
-  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
   c.explanation.name = group.name;
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
@@ -240,7 +240,7 @@ void Engine::fit_leaders() {
       ++fitted;
       continue;
     }
-    Alternative c{.groups = {name}, .first_log_bayes_factor = worth, .p_value = q.p_value};
+    Alternative c{.groups = {name}, .place = in_.groups[q.group].place, .first_log_bayes_factor = worth, .p_value = q.p_value};
     c.explanation = {.name = name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = worth, .chi2 = out_.evidence.chi2, .base_pull = out_.evidence.base_pull};
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
@@ -293,6 +293,7 @@ void Engine::fit(const std::vector<const Question*>& with) {
     const ParameterGroup& group = in_.groups[q->group];
     names.push_back(group.name), c.groups.push_back(group.name);
     c.explanation.numerical |= group.numerical;
+    if (!group.place.empty()) c.place = group.place;
     c.first_log_bayes_factor += q->worth.log_bayes_factor, c.p_value = std::min(c.p_value, q->p_value);
     for (std::size_t i = 0; i < q->numbers.size(); ++i) {
       const AddedParameter& a = group.added[q->numbers[i]];
@@ -430,7 +431,11 @@ void Engine::hold_out() {
   const Eigen::VectorXd& data = out_.base.errors->data();
   const PosteriorFit& base = out_.base;
   std::vector<double> before;
-  for (const auto& f : folds) before.push_back(misfit_of(f, grid(), fit_without(base, base, f).prediction, data));
+  for (const auto& f : folds) {
+    const PartFit part = fit_without(base, base, f);
+    before.push_back(misfit_of(f, grid(), part.prediction, data));
+    keep_held_out(f, in_.base.problem, part.history, out_.held_out_history);
+  }
   const auto gauges = [&](const std::vector<double>& by_fold) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * double(folds[i].size()), count += double(folds[i].size());
@@ -445,6 +450,7 @@ void Engine::hold_out() {
     for (std::size_t i = 0; i < folds.size(); ++i) {
       const PartFit part = fit_without(fit->second, fit->second, folds[i]);
       with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
+      keep_held_out(folds[i], in_.base.problem, part.history, c.held_out_history);
       c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
       const double worth = part.log_evidence - fit_without(base, fit->second, folds[i]).log_evidence;
       if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge

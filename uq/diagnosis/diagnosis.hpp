@@ -57,6 +57,7 @@ struct Alternative {
   Explanation explanation;
   std::vector<std::string> groups;     ///< one, or two of a pair
   std::string sensor;                  ///< of a fault of one gauge
+  std::string place;                   ///< of the group: the wall that it acts on, or empty
   double first_log_bayes_factor = 0;   ///< to first order about the base fit
   double p_value = 1;                  ///< of its score test, not corrected for their number
   std::vector<Estimate> numbers;       ///< natural units
@@ -64,6 +65,7 @@ struct Alternative {
   std::vector<double> history;         ///< (values of the model) at its mode
   std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
   double held_out_gain = 0;            ///< 1 - after / before
+  std::vector<double> held_out_history;  ///< (values of the model): each gauge by the fit without it; empty where none was made
   int runs = 0;                        ///< made for it alone
   bool settled = false;                ///< its emulator
   std::string message;
@@ -80,6 +82,7 @@ struct Diagnosis {
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
   std::vector<double> base_history;          ///< (values of the model)
   double held_out_before = 0, held_out_after = 0;
+  std::vector<double> held_out_history;      ///< (values of the model): each gauge by the base fit without it
   int runs = 0;
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::string separating;                    ///< the measurement that would tell the first two apart

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace calomel {
@@ -60,7 +61,7 @@ PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const F
   const auto modes = find_modes(part, starts);
   if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
   const LocalMode& m = modes[0];
-  return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond)};
+  return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond), .history = fit.history(m.at.u, m.at.beyond)};
 }
 
 double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
@@ -70,6 +71,15 @@ double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd
     sum += (prediction - data).segment(at, n).norm() / data.segment(at, n).norm();
   }
   return sum / double(fold.size());
+}
+
+void keep_held_out(const Fold& fold, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {
+  if (into.empty()) into.assign(std::size_t(history.size()), std::numeric_limits<double>::quiet_NaN());
+  for (const std::size_t i : fold) {
+    const auto& o = problem.observations[i];
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0);
+    std::copy_n(history.begin() + std::ptrdiff_t(at), problem.shape.times.size(), into.begin() + std::ptrdiff_t(at));
+  }
 }
 
 }  // namespace calomel

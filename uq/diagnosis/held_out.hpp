@@ -23,6 +23,7 @@ using Fold = std::vector<std::size_t>;
 struct PartFit {
   double log_evidence = 0;
   Eigen::VectorXd prediction;  ///< of all values, (size): by the mode of the rest
+  Eigen::VectorXd history;     ///< of the model, (values of the model), by the mode of the rest
 };
 
 /// The mode and the evidence by the values of all but the fold, from the fit's own modes. Errors: NumericsError where no mode is found.
@@ -30,5 +31,8 @@ struct PartFit {
 
 /// Mean over the fold's observations of |prediction - record| / |record| on the grid.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
+
+/// Puts the fold's gauges of a history, (values of the model), in their places of another; one that is empty becomes NaN for all others first.
+void keep_held_out(const Fold& fold, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
 
 }  // namespace calomel

@@ -1,12 +1,16 @@
 // The diagnosis on models that are formulas: nothing missing, one effect concealed, one faulty gauge, an effect that nobody offers. And its parts alone.
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 #include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
 #include "base/linear_algebra.hpp"
+#include "base/netcdf_file.hpp"
+#include "tests/scratch.hpp"
 #include "tests/unit/uq/experiment.hpp"
 
 namespace calomel {
@@ -20,11 +24,14 @@ TEST(Diagnosis, NothingMissingIsNone) {
     const Diagnosis d = Experiment(0, 0, 0, 1, seed).diagnosed();
     EXPECT_EQ(d.verdict.kind, VerdictKind::none) << d.verdict.reason;
     EXPECT_DOUBLE_EQ(d.held_out_after, d.held_out_before);
+    EXPECT_EQ(shown_explanation(d), nullptr);
   }
 }
 
 TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
-  const Diagnosis d = Experiment(0.3, 0, 0, 1, 1).diagnosed();
+  const auto folder = scratch("diagnosis_artefacts");
+  const Experiment experiment(0.3, 0, 0, 1, 1);
+  const Diagnosis d = experiment.diagnosed(folder);
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo"));
   const Alternative& c = d.candidates[0];
@@ -35,6 +42,42 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const auto& w = d.location.windows;
   EXPECT_GT(std::max_element(w.begin(), w.end(), [](const auto& a, const auto& b) { return a.score < b.score; })->begin, 40e-6);  // the echo comes after 50 us
   EXPECT_LT(d.location.sensors[0].q_value, 0.05);
+  // The first place on the map where the mismatch is more than chance is the one that is told.
+  double first = 1;
+  for (Eigen::Index i = 0; i < d.location.map_q_values.rows(); ++i)
+    for (Eigen::Index k = 0; k < d.location.map_q_values.cols(); ++k)
+      if (d.location.map_q_values(i, k) < 0.05) first = std::min(first, w[std::size_t(k)].begin);
+  EXPECT_DOUBLE_EQ(first, d.location.first_time);
+
+  // Its artefacts: the sentences, the misfit of every gauge, the handbook, the histories.
+  const Json json = read_json(folder / "diagnosis.json");
+  EXPECT_THAT(json["finding"].get<std::string>(), ::testing::HasSubstr("leaves something out: echo; with it the misfit of the records falls from"));
+  EXPECT_EQ(json["summary"], json["finding"].get<std::string>() + ' ' + json["next_step"].get<std::string>());
+  double held_out = 0, before = 0;
+  ASSERT_EQ(json["gauges"].size(), sensors);
+  for (const auto& g : json["gauges"]) {
+    EXPECT_LT(g["after"].get<double>(), g["before"].get<double>()) << g["name"];
+    held_out += g["heldout_before"].get<double>() / double(sensors), before += g["before"].get<double>() / double(sensors);
+  }
+  EXPECT_NEAR(held_out, d.held_out_before, 1e-6);  // the mean over the gauges is the rule's own number
+  EXPECT_NEAR(before, json["fit"]["before"]["compared_nrmse"].get<double>(), 1e-12);
+  EXPECT_EQ(json["base_parameters"]["handbook"]["speed"], (Json{{"mean", 1.0}, {"sd", 0.03}}));
+  EXPECT_EQ(json["location"]["map_q_values"].size(), sensors);
+  for (const auto& r : json["ranking"]) EXPECT_FALSE(r["why"].get<std::string>().empty()) << r["name"];
+  EXPECT_GT(json["ranking"][0]["explained"].get<double>(), 0.5);
+
+  const NetcdfReader file(folder / "diagnosis.nc");
+  EXPECT_EQ(file.attribute("explanation"), "echo");
+  const auto base = file.doubles("base"), explained = file.doubles("explained"), out = file.doubles("held_out_explained"), out_base = file.doubles("held_out_base"), mean = file.doubles("record_mean");
+  ASSERT_EQ(mean.size(), sensors * times);
+  const auto distance = [&](const std::vector<double>& x) {
+    double sum = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) sum += (x[i] - mean[i]) * (x[i] - mean[i]);
+    return std::sqrt(sum);
+  };
+  EXPECT_LT(distance(explained), 0.5 * distance(base));
+  EXPECT_LT(distance(out), 0.5 * distance(out_base));
+  EXPECT_NE(out_base, base);
 }
 
 TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
@@ -49,6 +92,7 @@ TEST(Diagnosis, WhatNobodyOffersIsUnknown) {
   const Diagnosis d = Experiment(0, 0, 0.3, 1, 1).diagnosed();
   EXPECT_EQ(d.verdict.kind, VerdictKind::unknown) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, IsEmpty());
+  EXPECT_EQ(d.base_history.size(), d.held_out_history.size());
 }
 
 /// log density of a Gaussian of this covariance, up to the constant of its dimension.

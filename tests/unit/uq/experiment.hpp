@@ -1,11 +1,15 @@
 #pragma once
 /// An experiment whose model is a formula, with physics that may be missing: for the diagnosis and for the power of an experiment.
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "base/artefact.hpp"
+#include "base/json.hpp"
+#include "base/provenance.hpp"
 #include "tests/unit/inverse/lines.hpp"
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
 
@@ -87,9 +91,16 @@ struct Experiment {
             {.name = "echo", .added = {added("echo", "strength", -1, 1, {0.25, -0.25})}},
             {.name = "sensor_response", .added = {added("sensor_response", "gain", -0.15, 0.15, {0.05})}, .by_sensor = true}};
   }
-  [[nodiscard]] Diagnosis diagnosed() const {
+  /// Writes its artefacts to `folder`, where there is one.
+  [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}) const {
     const PosteriorInputs fitted = base();
-    return diagnose({.base = fitted, .groups = groups(), .run = run_all, .linear = {}, .options = {.leaders = 2, .candidate_coarse = 16, .candidate_fine = 6}, .say = {}, .round = {}});
+    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = run_all, .linear = {}, .options = {.leaders = 2, .candidate_coarse = 16, .candidate_fine = 6}, .say = {}, .round = {}};
+    Diagnosis d = diagnose(in);
+    if (folder.empty()) return d;
+    const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};
+    write_diagnosis_histories(d, problem, provenance, folder / "diagnosis.nc");
+    write_json(folder / "diagnosis.json", diagnosis_json(d, in, provenance));
+    return d;
   }
 };
 
