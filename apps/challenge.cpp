@@ -89,7 +89,7 @@ ExitStatus score(const CommandLine& command, const Notes& notes) {
   const auto& words = command.challenge;
   std::vector<std::string> waiting;
   const auto cases = read_judged(words.directory, waiting);
-  const Score result = score_of(cases);
+  const challenge::Score result = score_of(cases);  // there is a Score of a simulation, too
   Json json = score_json(result, cases);
   json["waiting"] = waiting;
   for (const char* about : {"suite", "rule"})
