@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,24 @@
 #include "base/errors.hpp"
 
 namespace calomel {
+
+/// The words after `calomel challenge`.
+struct ChallengeWords {
+  std::string action;               ///< make, run, score
+  std::filesystem::path directory;  ///< of the suite; make: --out
+  // make
+  std::string suite = "small";
+  std::optional<int> none, single, outside, sensor, pair;  ///< in place of the suite's own counts
+  std::vector<std::string> effects;                        ///< in place of the suite's own; empty: those
+  std::optional<double> grid;                              ///< [m]
+  std::filesystem::path generator;                         ///< empty: looked for
+  bool specs = false;                                      ///< SPEC files and no records
+  // run
+  bool discard_runs = false;
+  bool new_rule = false;
+  // score
+  std::filesystem::path json;  ///< empty: score.json of the suite
+};
 
 /// The words of one call, checked. Fields that a verb has no option for keep their defaults.
 struct CommandLine {
@@ -32,10 +51,11 @@ struct CommandLine {
   bool resolved = false;                     ///< check
   bool power = false;                        ///< diagnose
   std::filesystem::path write_mesh;          ///< check; empty: none
+  ChallengeWords challenge;                  ///< challenge
 };
 
 /// What a verb takes beside the options that all of them share.
-enum class Takes { nothing, case_file, files };
+enum class Takes { nothing, case_file, files, suite };
 
 /// One verb of the program: one file of this folder.
 struct Verb {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/posterior_inputs.hpp"
 #include "apps/inputs/provenances.hpp"
@@ -26,6 +28,7 @@ ExitStatus diagnose_stage(StageCall& call) {
     notes.say(reused_line("diagnose"));
     return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
+  const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
   return study.file.locating([&] {
     const auto base = posterior_inputs(inputs, {});
@@ -44,6 +47,7 @@ ExitStatus diagnose_stage(StageCall& call) {
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
     json["status"] = d.base.settled ? "done" : "not_to_be_trusted";
+    json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();  // of this call
     write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
     notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
