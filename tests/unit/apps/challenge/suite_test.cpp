@@ -180,10 +180,13 @@ TEST(Draw, EffectsStayOnTheirWallsAndOffTheGauges) {
       if (const auto place = number("place"))
         for (std::size_t g = 0; g < spec.count("gauge"); ++g) {
           const std::string gauge = "gauge[" + std::to_string(g) + "].", gauge_name = spec.text(gauge + "name").value();
-          if ((gauge_name[0] == 'T') == (spec.text(at + "wall") == "top") && gauge_name[0] != 'F')
+          if ((gauge_name[0] == 'T') == (spec.text(at + "wall") == "top") && gauge_name[0] != 'F') {
             EXPECT_GT(std::abs(*place - spec.number(gauge + "x").value()), 0.005 - 1e-9) << name;
+          }
         }
-      if (name == "beam") EXPECT_TRUE(number("offset_z") || number("width_ratio"));
+      if (name == "beam") {
+        EXPECT_TRUE(number("offset_z") || number("width_ratio"));
+      }
       if (name == "gauge_fault")
         for (const char* key : {"gain", "delay", "low_pass", "angle"})
           if (number(key)) faults.insert(key);
@@ -193,17 +196,16 @@ TEST(Draw, EffectsStayOnTheirWallsAndOffTheGauges) {
 
 TEST(Draw, TheGeneratorReadsEveryEffect) {
   std::set<std::string> seen;
-  for (const SuiteOptions& options : {SuiteOptions{.none = 1, .single = 2, .outside = 2, .sensor = 4, .pair = 10}}) {
-    const auto cases = cases_of(options, 5);
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      const auto path = scratch_file("drawn.toml");
-      std::ofstream(path) << draw_spec(k, cases[k], 5, 0.5e-3);
-      const auto x = proof::Experiment::read(path);
-      ASSERT_EQ(x.effects.size(), cases[k].size());
-      EXPECT_NO_THROW((void)x.slice(x.effects, x.grid)) << join(cases[k]);
-      for (const auto& e : x.effects)
-        seen.insert(e.name), EXPECT_EQ(proof::library_name(e.name).empty(), std::count(outside_effects().begin(), outside_effects().end(), e.name) == 1)
-                                 << e.name;
+  const auto cases = cases_of({.none = 1, .single = 2, .outside = 2, .sensor = 4, .pair = 10}, 5);
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const auto path = scratch_file("drawn.toml");
+    std::ofstream(path) << draw_spec(k, cases[k], 5, 0.5e-3);
+    const auto x = proof::Experiment::read(path);
+    ASSERT_EQ(x.effects.size(), cases[k].size());
+    EXPECT_NO_THROW((void)x.slice(x.effects, x.grid)) << join(cases[k]);
+    for (const auto& e : x.effects) {
+      seen.insert(e.name);
+      EXPECT_EQ(proof::library_name(e.name).empty(), std::count(outside_effects().begin(), outside_effects().end(), e.name) == 1) << e.name;
     }
   }
   EXPECT_EQ(seen.size(), library_effects().size() + outside_effects().size() + 1);
