@@ -58,7 +58,7 @@ std::string last_line(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string last;
   for (std::string line; std::getline(in, line);)
-    if (!line.empty() && line[0] != ' ') last = line;
+    if (!line.empty() && line[0] != ' ') last = line;  // what is indented shows where, below what
   return last;
 }
 

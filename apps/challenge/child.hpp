@@ -11,7 +11,7 @@ namespace calomel::challenge {
 /// InputError when `log` cannot be written.
 int run_child(const std::filesystem::path& program, std::span<const std::string> words, const std::filesystem::path& log);
 
-/// The last line of a file that is neither empty nor indented, as the quotation below an error is; empty when there is none.
+/// The last line of a file that is neither empty nor indented; empty when there is none.
 std::string last_line(const std::filesystem::path& file);
 
 /// This program's own file.

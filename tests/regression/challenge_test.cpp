@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string none_at_all = " --none 0 --single 0 --outside 0 --sensor 0 --pair 0 ";
+const std::string tiny = " --out suite --none 1 --single 0 --outside 0 --sensor 1 --pair 0 --grid 0.5e-3 --threads 2";
 
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
@@ -55,7 +55,7 @@ void put_diagnosis(const fs::path& suite, const std::string& name, const std::st
 
 TEST(ChallengeVerb, MakesCasesThatTheProgramReadsAndKeepsTheTruthApart) {
   const auto dir = scratch("challenge_make");
-  const std::string words = "challenge make --seed 3 --out suite" + none_at_all + "--none 1 --sensor 1 --grid 0.5e-3 --threads 2";
+  const std::string words = "challenge make --seed 3" + tiny;
   const auto made = run(dir, words);
   ASSERT_EQ(made.status, 0) << made.said;
   EXPECT_THAT(made.said, HasSubstr("2 cases in suite, 2 made now"));
@@ -78,7 +78,7 @@ TEST(ChallengeVerb, MakesCasesThatTheProgramReadsAndKeepsTheTruthApart) {
   EXPECT_EQ(again.status, 0);
   EXPECT_THAT(again.said, HasSubstr("0 made now"));
   EXPECT_EQ(fs::last_write_time(dir / "suite" / "cases" / "case_001" / "recordings.csv"), before);
-  const auto other = run(dir, "challenge make --seed 4 --out suite" + none_at_all + "--none 1 --sensor 1 --grid 0.5e-3");
+  const auto other = run(dir, "challenge make --seed 4" + tiny);
   EXPECT_EQ(other.status, 2);
   EXPECT_THAT(other.said, HasSubstr("the seed"));
 }

@@ -168,7 +168,7 @@ TEST(Run, DiagnosesWhatHasNoDiagnosisAndGoesOnAfterAFailure) {
     ++calls;
     EXPECT_TRUE(fs::exists(file));
     if (into.filename() != "case_002") return diagnosed(file, into);
-    std::ofstream(into / "diagnose.log") << "one\nthe computation failed: a step\n";
+    std::ofstream(into / "diagnose.log") << "one\nthe computation failed: a step\n  shown = here\n          ^\n";
     return false;
   };
   const auto first = run_suite(dir, failing, false, say);
