@@ -131,7 +131,7 @@ Recordings planned_records(const ModelShape& shape, const RunRecord& run, const 
 Json plan_json(const PlanPower& p) {
   Json numbers = Json::array();
   for (const auto& d : p.numbers)
-    numbers.push_back({{"mechanism", d.mechanism}, {"parameter", d.number}, {"off", number(d.off)}, {"named_from", d.from ? number(*d.from) : Json()}, {"end_of_range", number(d.farthest)}, {"limited_by", d.limited_by}});
+    numbers.push_back({{"mechanism", d.mechanism}, {"place", d.place}, {"parameter", d.number}, {"off", number(d.off)}, {"named_from", d.from ? number(*d.from) : Json()}, {"end_of_range", number(d.farthest)}, {"share_of_range", number(d.share)}, {"limited_by", d.limited_by}});
   return {{"name", p.plan.name}, {"gain", number(p.gain)}, {"numbers", numbers}};
 }
 

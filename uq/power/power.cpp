@@ -11,7 +11,6 @@ namespace {
 
 constexpr int trials = 48;              ///< of strengths, evenly in the logarithm
 constexpr double least_strength = 1e-3; ///< of a number's range
-constexpr double beyond = 2;            ///< of the range: what an unnameable number counts as
 
 /// One plan's records: the fit with the values of the others left out.
 class Part {
@@ -53,11 +52,17 @@ std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, co
     for (std::size_t q = 0; q < questions.size(); ++q) {
       const Question& question = questions[q];
       const ParameterGroup& group = groups[question.group];
-      if (group.numerical || group.part) continue;
+      const bool recorded = !question.sensor || std::any_of(plan.observations.begin(), plan.observations.end(), [&](auto i) { return problem.observations[i].sensor == *question.sensor; });
+      if (group.numerical || group.part || !recorded) continue;
       for (std::size_t i = 0; i < question.numbers.size(); ++i) {
         const AddedParameter& a = group.added[question.numbers[i]];
         const double up = reach_of(a, 1), sign = up > 0 ? 1 : -1, range = up > 0 ? up : reach_of(a, -1);
-        Detectable d{.mechanism = label(question, groups, problem.shape), .number = a.parameter.name, .off = *a.parameter.nominal, .farthest = *a.parameter.nominal + sign * range};
+        const auto value = [&](double from_off) {  // of the case's number
+          const double v = *a.parameter.nominal + sign * from_off;
+          return a.inverse ? 1 / v : v;
+        };
+        Detectable d{.mechanism = group.name, .place = question.sensor ? problem.shape.sensors[*question.sensor] : group.place, .of_gauge = question.sensor.has_value(), .number = a.parameter.name,
+                     .off = value(0), .from = {}, .farthest = value(range), .limited_by = {}};
         const auto own = part.expected(question, Eigen::Index(i), q);
         std::vector<std::pair<std::size_t, FirstOrderModel::Expected>> rivals;
         for (std::size_t r = 0; r < questions.size(); ++r)
@@ -68,14 +73,18 @@ std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, co
           d.limited_by.clear();
           for (const auto& [r, expected] : rivals)
             if (const double b = expected.log_bayes_factor(strength); b > next) next = b, d.limited_by = label(questions[r], groups, problem.shape);
-          if (log_b >= gates.log_bayes_factor && log_b - next >= gates.lead) d.from = d.off + sign * strength;
+          if (log_b >= gates.log_bayes_factor && log_b - next >= gates.lead) d.from = value(strength), d.share = strength / range;
           if (log_b < gates.log_bayes_factor) d.limited_by.clear();
         }
         p.numbers.push_back(std::move(d));
       }
     }
-    const auto needed = [](const Detectable& d) { return std::abs(d.from ? *d.from - d.off : beyond * (d.farthest - d.off)); };
-    for (std::size_t i = 0; i < p.numbers.size(); ++i) p.gain += std::log(needed(out.empty() ? p.numbers[i] : out[0].numbers[i]) / needed(p.numbers[i])) / double(p.numbers.size());
+    // Over the numbers of the first plan: a further gauge has faults of its own, which are no gain.
+    const auto& first = out.empty() ? p.numbers : out[0].numbers;
+    for (const auto& d : first) {
+      const auto here = std::find_if(p.numbers.begin(), p.numbers.end(), [&](const auto& n) { return n.number == d.number && n.place == d.place; });
+      if (here != p.numbers.end()) p.gain += std::log(d.share / here->share) / double(first.size());
+    }
     out.push_back(std::move(p));
   }
   return out;

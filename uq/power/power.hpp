@@ -38,18 +38,21 @@ struct Plan {
 
 /// What it takes to name one number of one mechanism.
 struct Detectable {
-  std::string mechanism;       ///< label of the question
+  std::string mechanism;       ///< its name
+  std::string place;           ///< wall or gauge that it is about, or empty
+  bool of_gauge = false;       ///< the place is a gauge
   std::string number;          ///< name of the parameter
-  double off = 0;              ///< where it is switched off
-  std::optional<double> from;  ///< least value, on the side that is asked, at which it would be named; none within its range
+  double off = 0;              ///< where it is switched off, of the case's number: infinite where that is none
+  std::optional<double> from;  ///< the value nearest to off, on the side that is asked, at which it would be named; none within its range
   double farthest = 0;         ///< end of its range on that side
+  double share = 2;            ///< of its range that is needed; 2 where the whole range is not enough
   std::string limited_by;      ///< what stands in the way just below: a rival's label, or empty: the evidence itself
 };
 
 struct PlanPower {
   Plan plan;
   std::vector<Detectable> numbers;
-  double gain = 0;  ///< over the first plan: mean over the numbers of log(strength needed there / here); what cannot be named counts as twice its range
+  double gain = 0;  ///< over the first plan: mean over its numbers of log(share needed there / here)
 };
 
 /// For each plan and each number alone, the least strength s at which records with it, noise as it is expected, would pass the gates of evidence and lead, to first order about
