@@ -126,3 +126,27 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
   for (const char* table : {"diagnosis_gauges", "diagnosis_map", "diagnosis_bands", "diagnosis_explanations", "diagnosis_reasons", "diagnosis_parameters", "diagnosis_histories"})
     EXPECT_TRUE(fs::exists(dir / "a" / "report_csv" / (std::string(table) + ".csv"))) << table;
 }
+
+// Before measuring: no recordings are needed, a stronger beam and another gauge are tried, and a kill costs nothing that was run.
+TEST(DiagnoseVerb, TellsWhatAPlannedExperimentCouldName) {
+  const auto dir = folder_with("diagnose_power", {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables + "[power]\npulses = 10\nnoise = 2e-6\ngauges = 1\nenergies = [2]\n"}});
+  const auto out = run(dir, "diagnose case.toml --power --out a");
+  ASSERT_TRUE(out.status == 0 || out.status == 4) << out.said;
+  EXPECT_THAT(out.said, HasSubstr("power: beam_profile.offset_z could be named from "));
+  EXPECT_THAT(out.said, HasSubstr("power: with records at 2 times the beam power as well: "));
+  const Json json = read_json(dir / "a" / "power.json");
+  ASSERT_EQ(json["plans"].size(), 3u);
+  EXPECT_EQ(json["plans"][0]["name"], "as planned");
+  EXPECT_EQ(json["plans"][0]["gain"], 0.0);
+  for (const auto& d : json["plans"][0]["numbers"]) {
+    if (d["parameter"] != "beam_profile.offset_z") continue;
+    EXPECT_GT(d["named_from"].get<double>(), 0);
+    EXPECT_LT(d["named_from"].get<double>(), 4e-3);  // the diagnosis of such records names 4 mm
+  }
+  const auto journal = fs::file_size(dir / "a" / "power_runs.journal");
+  fs::remove(dir / "a" / "power.json");
+  EXPECT_EQ(run(dir, "diagnose case.toml --power --out a").status, out.status);
+  EXPECT_EQ(fs::file_size(dir / "a" / "power_runs.journal"), journal);
+  EXPECT_EQ(read_json(dir / "a" / "power.json"), json);
+  EXPECT_EQ(run(dir, "diagnose case.toml --out b").status, 2);  // without records there is nothing to diagnose
+}
