@@ -23,7 +23,7 @@ constexpr double spare_fine = 1.5;     ///< of the finest mesh
 constexpr double zoom = 0.4, box_in_deviations = 4;        ///< the second box over the first, at least, and in deviations of the answer
 constexpr int first_rounds = 1, most_rounds = 6;           ///< of a candidate's emulator: before it is given up, and at all
 constexpr double steady = 3, steady_share = 0.1;            ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
-constexpr double hopeless = 60;        ///< log Bayes factors below the best so far
+constexpr double hopeless = 30;        ///< log Bayes factors below the best so far: the lead that a name needs
 constexpr double alike = 4;            ///< distance in standard deviations below which two explanations are one class
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
