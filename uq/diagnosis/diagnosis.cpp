@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "base/linear_algebra.hpp"
 
@@ -51,6 +52,12 @@ double plausibility(const AddedParameter& a, double value) {
   return far > 0 ? 2 * std::abs(value - nominal) / far : 0;  // the range is taken for two standard deviations
 }
 
+/// Of a number at a value that the fit has; in the case's unit where that is its inverse.
+Estimate estimate_of(const AddedParameter& a, double value, double sd, const std::string& sensor = "") {
+  const std::string name = (sensor.empty() ? "" : sensor + '.') + a.parameter.name;
+  return a.inverse ? Estimate{name, 1 / value, sd / (value * value)} : Estimate{name, value, sd};
+}
+
 class Engine {
  public:
   explicit Engine(const DiagnosisInputs& in) : in_(in), own_(in.base.problem.shape.parameters.size()) {}
@@ -62,6 +69,7 @@ class Engine {
     out_.base = fit_posterior(base);
     if (base.gauge_places) places_ = base.gauge_places(mode().at.theta);
     describe_base();
+    std::tie(out_.base_history, out_.base_true_model_shift) = at_mode(out_.base, base);
     say("score tests");
     ask();
     fit_linear();
@@ -127,6 +135,22 @@ class Engine {
     return all;
   }
 
+  /// The history at a fit's mode: the model's own where its runs cost little, with the log likelihood by it less that by the emulator; else the emulator's.
+  [[nodiscard]] static std::pair<std::vector<double>, double> at_mode(const PosteriorFit& fit, const PosteriorInputs& in) {
+    const LocalMode& m = fit.modes[0];
+    Eigen::VectorXd history = fit.history(m.at.u, m.at.beyond);
+    double shift = 0;
+    if (in.draw_in) {
+      const RunRecord run = in.run(Eigen::Map<const Eigen::MatrixXd>(m.at.theta.data(), Eigen::Index(m.at.theta.size()), 1), {0})[0];
+      if (!run.done) throw NumericsError("the model fails at the mode of its emulator: " + run.message);
+      const LogPosterior& p = *fit.posterior;
+      const double variance = p.emulator().variance(p.emulator().features(m.at.u, m.at.beyond));
+      history = run.history();
+      shift = p.log_likelihood_of(fit.errors->grid().apply(history), variance) - p.log_likelihood_of(fit.coefficients * p.emulator().features(m.at.u, m.at.beyond), variance);
+    }
+    return {{history.begin(), history.end()}, shift};
+  }
+
   [[nodiscard]] double best_so_far() const {
     double best = 0;
     for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
@@ -161,8 +185,6 @@ void Engine::describe_base() {
   const LogPosterior& posterior = *out_.base.posterior;
   out_.base_parameters = own_parameters(out_.base, posterior, m);
   out_.handbook_pulls = pulls(m.at.theta);
-  const Eigen::VectorXd history = out_.base.history(m.at.u, m.at.beyond);
-  out_.base_history.assign(history.begin(), history.end());
   BaseEvidence& e = out_.evidence;
   e.values = double(grid().size());
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
@@ -337,7 +359,7 @@ void Engine::fit_linear(const Asked& q) {
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
-    c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
+    c.numbers.push_back(estimate_of(a, value, worth.sd[Eigen::Index(i)], c.sensor));
     c.explanation.farthest = std::max(c.explanation.farthest, plausibility(a, value));
   }
   history += q.directions.by_number * worth.value;
@@ -351,7 +373,7 @@ void Engine::fit_leaders() {
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == q.name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     Alternative c{.groups = {q.name}, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
-    if (fitted < in_.options.leaders && (q.worth.log_bayes_factor > worth_fitting || fitted == 0)) {
+    if (fitted < in_.options.leaders && (q.worth.log_bayes_factor > worth_fitting || fitted == 0 || in_.base.draw_in)) {
       fit({&q});
       ++fitted;
       continue;
@@ -359,7 +381,7 @@ void Engine::fit_leaders() {
     c.explanation = {.name = q.name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = std::min(0.0, q.worth.log_bayes_factor), .chi2 = out_.evidence.chi2, .base_pull = out_.evidence.base_pull};
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
-      c.numbers.push_back({a.parameter.name, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)]});
+      c.numbers.push_back(estimate_of(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)]));
     }
     c.message = "to first order";
     out_.candidates.push_back(std::move(c));
@@ -402,32 +424,35 @@ void Engine::fit(const std::vector<const Asked*>& with) {
   Eigen::VectorXd u = mode().at.u;
   for (std::size_t i = 0; i < out_.base.posterior->free().size(); ++i) u[out_.base.posterior->free()[i]] += std::clamp(shift[Eigen::Index(i)], -0.7, 0.7);
   in.centre = out_.base.posterior->box().theta(u);
-  in.nested_centre = mode().at.theta;
+  // On one emulator with its off values, so that the numerical noise of its runs is common to both; where there is none each has its own, about its own mode.
+  const bool apart = in_.base.draw_in;
+  if (!apart) in.nested_centre = mode().at.theta;
   for (std::size_t i = 0; i < added.size(); ++i) {
     const Parameter& p = added[i].parameter;
     in.parameters.push_back(p);
-    in.held.emplace_back(Eigen::Index(n + i), *p.nominal);
-    in.nested_centre.push_back(*p.nominal);
+    if (!apart) in.held.emplace_back(Eigen::Index(n + i), *p.nominal), in.nested_centre.push_back(*p.nominal);
     // The logarithm where the lower bound is positive, as the box has it.
     const auto coordinate = [&](double x) { return p.min > 0 ? std::log(x) : x; };
     const double range = coordinate(p.max) - coordinate(p.min), away = coordinate(estimate[i]) - coordinate(*p.nominal);
     in.centre.push_back(estimate[i]);
-    in.half_width.push_back(p.prior == "half_cauchy" ? std::max(reach * std::abs(away), added[i].strengths[0]) : std::max(reach * std::abs(away), least_width * range));
+    in.half_width.push_back(p.prior == "half_cauchy" ? std::max(reach * std::abs(away), std::abs(added[i].strengths[0])) : std::max(reach * std::abs(away), least_width * range));
   }
   in.emulator.coarse_runs = std::max(in_.options.candidate_coarse, int(1.3 * double(MultilevelRegression::coefficients(Eigen::Index(n + added.size()), 1) - MultilevelRegression::coefficients(Eigen::Index(n), 1))));
   in.emulator.fine_runs = std::max<int>(in_.options.candidate_fine, int(added.size()) + 6);
-  for (const auto& r : out_.base.runs) {
+  for (const auto& r : apart ? std::vector<TaughtRun>{} : out_.base.runs) {
     TaughtRun known = r;
     for (const auto& a : added) known.theta.push_back(*a.parameter.nominal);
     in.known.push_back(std::move(known));
   }
   const int before = runs_;
   try {
-    const auto worth = [](const PosteriorFit& f) { return log_evidence(*f.posterior, f.modes[0]) - log_evidence(*f.nested, f.nested_modes[0]); };
-    in.emulator.rounds = std::min(in.emulator.rounds, first_rounds);
+    const auto worth = [&](const PosteriorFit& f) {
+      return log_evidence(*f.posterior, f.modes[0]) - (apart ? log_evidence(*out_.base.posterior, mode()) : log_evidence(*f.nested, f.nested_modes[0]));
+    };
+    if (!apart) in.emulator.rounds = std::min(in.emulator.rounds, first_rounds);
     PosteriorFit fitted = fit_posterior(in);
     // What may lead is followed until it settles; its runs are there.
-    if (!fitted.settled && worth(fitted) > best_so_far() - hopeless && in_.base.emulator.rounds > first_rounds) {
+    if (!apart && !fitted.settled && worth(fitted) > best_so_far() - hopeless && in_.base.emulator.rounds > first_rounds) {
       in.emulator.rounds = in_.base.emulator.rounds;
       fitted = fit_posterior(in);
     }
@@ -440,11 +465,10 @@ void Engine::fit(const std::vector<const Asked*>& with) {
     c.base_parameters = own_parameters(fitted, posterior, full);
     const Eigen::VectorXd sd = parameter_covariance(posterior, full).diagonal().cwiseSqrt();
     for (std::size_t i = 0; i < added.size(); ++i) {
-      c.numbers.push_back({added[i].parameter.name, full.at.theta[n + i], sd[Eigen::Index(n + i)]});
+      c.numbers.push_back(estimate_of(added[i], full.at.theta[n + i], sd[Eigen::Index(n + i)]));
       c.explanation.farthest = std::max(c.explanation.farthest, plausibility(added[i], full.at.theta[n + i]));
     }
-    const Eigen::VectorXd history = fitted.history(full.at.u, full.at.beyond);
-    c.history.assign(history.begin(), history.end());
+    std::tie(c.history, c.true_model_shift) = at_mode(fitted, in);
     c.message = fitted.message;
     held_[c.explanation.name] = in.held;
     fits_.insert_or_assign(c.explanation.name, std::move(fitted));
@@ -497,13 +521,16 @@ void Engine::fit_pair() {
 }
 
 void Engine::hold_out() {
-  const auto folds = folds_by_face(in_.base.problem, in_.base.positions);
+  const auto folds = folds_by_face(in_.base.problem, grid(), in_.base.positions);
   const Eigen::VectorXd& data = out_.base.errors->data();
-  std::vector<double> before;
-  for (const auto& f : folds) before.push_back(misfit_of(f, grid(), fit_without(out_.base, {}, f).prediction, data));
+  std::vector<double> before, base_evidence;
+  for (const auto& f : folds) {
+    const PartFit part = fit_without(out_.base, {}, f);
+    before.push_back(misfit_of(f, grid(), part.prediction, data)), base_evidence.push_back(part.log_evidence);
+  }
   const auto gauges = [&](const std::vector<double>& by_fold) {
     double sum = 0, count = 0;
-    for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * double(folds[i].size()), count += double(folds[i].size());
+    for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * folds[i].records, count += folds[i].records;
     return sum / count;
   };
   out_.held_out_before = out_.held_out_after = gauges(before);
@@ -516,7 +543,7 @@ void Engine::hold_out() {
       const PartFit part = fit_without(fit->second, held_[c.explanation.name], folds[i]);
       with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
       c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
-      const double worth = part.log_evidence - part.nested_log_evidence;
+      const double worth = part.log_evidence - (held_[c.explanation.name].empty() ? base_evidence[i] : part.nested_log_evidence);
       if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge
     }
     c.held_out_gain = 1 - gauges(with) / out_.held_out_before;
@@ -551,9 +578,9 @@ void Engine::separate() {
   std::size_t at = 0;
   while (at + 1 < grid().observations() && Eigen::Index(grid().offset(at + 1)) <= most) ++at;
   const double time = grid().times()[most];
-  out_.separating = fmt::format("{} and {} differ most at gauge {} about {:.0f} us, by {:.2g} microstrain ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
+  out_.separating = fmt::format("{} and {} differ most at gauge {} about {:.0f} us, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
                                 two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", in_.base.problem.label(in_.base.problem.observations[at]), 1e6 * time,
-                                1e6 * std::abs(difference[most]), std::abs(z[most]));
+                                in_.base.problem.mae_scale * std::abs(difference[most]), in_.base.problem.mae_unit, std::abs(z[most]));
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ struct Alternative {
   double p_value = 1;                  ///< of its score test, not corrected for their number
   std::vector<Estimate> numbers;       ///< natural units
   std::vector<Estimate> base_parameters;  ///< of the case's own, with it
-  std::vector<double> history;         ///< (values of the model) at its mode
+  std::vector<double> history;         ///< (values of the model) at its mode: of the model itself where its runs cost little, else by the emulator
+  double true_model_shift = 0;         ///< log likelihood by that run less that by the emulator, where there is one
   std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
   double held_out_gain = 0;            ///< 1 - after / before
   int runs = 0;                        ///< made for it alone
@@ -80,7 +81,8 @@ struct Diagnosis {
   std::vector<std::string> parameters;       ///< the case's own
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
-  std::vector<double> base_history;          ///< (values of the model)
+  std::vector<double> base_history;          ///< (values of the model), as Alternative::history
+  double base_true_model_shift = 0;
   double held_out_before = 0, held_out_after = 0;
   int runs = 0;
   std::vector<std::string> skipped;          ///< what was not done, and why

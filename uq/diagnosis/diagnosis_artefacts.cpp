@@ -24,9 +24,21 @@ Json by_name(const std::vector<Estimate>& all) {
   return object;
 }
 
+/// Root mean square over all samples compared of the mean records less the history, in the records' unit.
+double residual_rms(const Problem& problem, const std::vector<double>& history) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (const auto& o : problem.observations) {
+    const auto y = on_record_times(problem, std::span(history).subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size()));
+    for (std::size_t t = 0; t < y.size(); ++t)
+      if (o.compared[t]) sum += (y[t] - o.mean[t]) * (y[t] - o.mean[t]), ++n;
+  }
+  return problem.mae_scale * std::sqrt(sum / double(n));
+}
+
 Json fit_of(const Problem& problem, const std::vector<double>& history, double held_out) {
   const Score s = score(problem, history);
-  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"heldout_nrmse", number(held_out)}};
+  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"heldout_nrmse", number(held_out)}, {"residual_rms", number(residual_rms(problem, history))}, {"unit", problem.mae_unit}};
 }
 
 /// The explanation that the verdict is about, or null.
@@ -75,6 +87,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
+        if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
+        if (in.base.draw_in && c.explanation.fitted) entry["true_model_shift"] = number(c.true_model_shift);
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
       }
     ranking.push_back(std::move(entry));

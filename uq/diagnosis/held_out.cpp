@@ -9,12 +9,13 @@ namespace calomel {
 namespace {
 
 constexpr double on_face = 1e-4;  ///< [m]
+constexpr std::size_t parts = 4;   ///< of a record that is the only one
 
-}  // namespace
+using Gauges = std::vector<std::size_t>;  ///< observations
 
-std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& positions) {
-  std::vector<Fold> alone;
-  std::map<int, Fold> by_face;
+std::vector<Gauges> gauges_by_face(const Problem& problem, const Eigen::MatrixXd& positions) {
+  std::vector<Gauges> alone;
+  std::map<int, Gauges> by_face;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     alone.push_back({i});
     if (positions.rows() == 0) continue;
@@ -28,18 +29,38 @@ std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& p
     by_face[face].push_back(i);
   }
   if (by_face.size() < 3) return alone;
-  std::vector<Fold> folds;
+  std::vector<Gauges> folds;
   for (auto& [face, fold] : by_face) folds.push_back(std::move(fold));
+  return folds;
+}
+
+}  // namespace
+
+std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions) {
+  std::vector<Fold> folds;
+  if (grid.observations() == 1) {
+    const std::size_t n = grid.size();
+    for (std::size_t p = 0; p < parts && n >= 2 * parts; ++p) {
+      Fold& f = folds.emplace_back();
+      f.records = 1.0 / parts;
+      for (std::size_t k = n * p / parts; k < n * (p + 1) / parts; ++k) f.rows.push_back(Eigen::Index(k));
+    }
+    return folds;
+  }
+  for (const auto& gauges : gauges_by_face(problem, positions)) {
+    Fold& f = folds.emplace_back();
+    f.records = double(gauges.size());
+    for (const std::size_t i : gauges)
+      for (std::size_t k = 0; k < grid.windows(i).size(); ++k) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
+  }
   return folds;
 }
 
 PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::Index, double>>& held, const Fold& fold) {
   const Decimation& grid = fit.errors->grid();
   std::vector<Eigen::Index> rows;
-  for (std::size_t i = 0; i < grid.observations(); ++i) {
-    if (std::find(fold.begin(), fold.end(), i) != fold.end()) continue;
-    for (std::size_t k = 0; k < grid.windows(i).size(); ++k) rows.push_back(Eigen::Index(grid.offset(i) + k));
-  }
+  for (Eigen::Index k = 0; k < Eigen::Index(grid.size()); ++k)
+    if (!std::binary_search(fold.rows.begin(), fold.rows.end(), k)) rows.push_back(k);
   std::vector<RecordErrors> errors;
   for (const auto& h : fit.hypotheses)
     errors.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
@@ -64,12 +85,16 @@ PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::
 }
 
 double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
-  double sum = 0;
-  for (const std::size_t i : fold) {
+  double sum = 0, records = 0;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    sum += (prediction - data).segment(at, n).norm() / data.segment(at, n).norm();
+    std::vector<Eigen::Index> rows;
+    for (const auto k : fold.rows)
+      if (k >= at && k < at + n) rows.push_back(k);
+    if (rows.empty()) continue;
+    sum += (prediction - data)(rows).norm() / (data.segment(at, n).norm() * std::sqrt(double(rows.size()) / double(n))), ++records;
   }
-  return sum / double(fold.size());
+  return sum / records;
 }
 
 }  // namespace calomel
