@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "forward/forward_case.hpp"
 #include "forward/mechanism/mechanism.hpp"
@@ -13,11 +14,18 @@ namespace {
 constexpr double first_part = 0.25;      ///< of a key's range: where its effect is first looked at
 constexpr double least_infinite = 0.01;  ///< of the upper end of its range: the least value of a key that is infinite where it is off
 
-AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const MechanismKey& k) {
+}  // namespace
+
+AddedParameter added_number(const std::string& mechanism, const MechanismKey& k, double off) {
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
-  const double off = c.off_value(k);
+  if (off == -std::numeric_limits<double>::infinity()) {  // a pressure that nothing falls below: at the middle of its range it acts as it can
+    a.inverse = true;
+    p.nominal = 0, p.min = 1 / k.high, p.max = 0;
+    a.strengths = {2 / (k.low + k.high)};
+    return a;
+  }
   if (!std::isfinite(off)) {
     a.inverse = true;
     p.nominal = 0, p.min = 0, p.max = 1 / std::max(k.low, least_infinite * k.high);
@@ -36,7 +44,14 @@ AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const 
   return a;
 }
 
-}  // namespace
+void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added) {
+  expect(values.size() == added.size(), "one value for each number that is added");
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    if (values[k] == *added[k].parameter.nominal) continue;
+    numbers[added[k].parameter.key] = added[k].inverse ? 1 / values[k] : values[k];
+    for (const auto& [key, number] : added[k].with) numbers[key] = number;
+  }
+}
 
 std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
   std::vector<ParameterGroup> groups;
@@ -46,7 +61,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     if (!listed || c.enables(row.name) || !entry.built()) continue;
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
     for (const auto& k : entry.keys)
-      if (k.decides) g.added.push_back(key_of(c, row.name, k));
+      if (k.decides) g.added.push_back(added_number(row.name, k, c.off_value(k)));
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
     if (word == entry.keys.end()) {
       groups.push_back(std::move(g));

@@ -42,6 +42,7 @@ struct LineMechanism {
   const LineMechanismEntry* entry;
   MechanismValues values;
   bool enabled = false;
+  bool listed = false;  ///< has a table in the case
   /// Every deciding key has its off value.
   [[nodiscard]] bool off() const;
 };
