@@ -1,20 +1,55 @@
 #include "apps/inputs/posterior_inputs.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/interrupt.hpp"
+#include "inverse/data/decimation.hpp"
 
 namespace calomel {
+
+namespace {
+
+/// Defaults of [errors] are those of a target: a pipe's times are a thousand times longer. Errors: InputError for times below the distance of the values compared.
+void expect_times_of_the_records(const PosteriorInputs& in) {
+  const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
+  const auto windows = grid.windows(0);
+  const double apart = windows.size() > 1 ? windows[1].time - windows[0].time : 0;
+  const auto expect_above = [&](const char* key, double time) {
+    if (time < apart)
+      throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)), .key = key, .value = number_text(time),
+                        .suggestion = "give times of the line's own scale, some of them near the time that a wave takes through it, or a higher errors.band"});
+  };
+  expect_above("errors.discrepancy_times", *std::max_element(in.errors.discrepancy_times.begin(), in.errors.discrepancy_times.end()));
+  expect_above("errors.amplitude_time", in.errors.amplitude_time);
+}
+
+}  // namespace
 
 std::unique_ptr<PosteriorInputs> posterior_inputs(StudyInputs& inputs, const RunStore::Progress& told) {
   const auto& study = inputs.study();
   std::unique_ptr<PosteriorInputs> out(
       new PosteriorInputs{.problem = inputs.problem(), .recordings = inputs.recordings(), .recording_options = *study.recordings, .errors = study.errors, .emulator = study.emulator});
   PosteriorInputs& in = *out;
-  LevelRuns* runs = &inputs.levels();
   const int threads = inputs.command().threads;
   in.parameters = posterior_parameters(study);
-  in.levels = runs->levels(), in.seed = inputs.command().seed;
+  in.seed = inputs.command().seed;
   in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  if (study.line) {
+    if (in.parameters.empty())
+      throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
+                        .key = "parameter",
+                        .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
+    expect_times_of_the_records(in);
+    in.levels = 1, in.draw_in = true;
+    LineRuns* runs = &inputs.line_runs();
+    in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, told, &stop_requested()); };
+    return out;
+  }
+  LevelRuns* runs = &inputs.levels();
+  in.levels = runs->levels();
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
   if (const double sd = study.errors.gauge_place_sd; sd > 0)
     in.gauge_places = [=](std::span<const double> theta) { return runs->gauge_places(theta, sd, threads, told, &stop_requested()); };
@@ -25,6 +60,11 @@ std::vector<double> fine_run(const PosteriorInputs& in, std::vector<double> thet
   for (std::size_t k = theta.size(); k < in.parameters.size(); ++k) theta.push_back(*in.parameters[k].nominal);
   const auto record = in.run(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0})[0];
   return {record.mean.begin(), record.mean.end()};
+}
+
+void put_first_box_of_a_line(PosteriorInputs& in) {
+  in.centre.clear(), in.half_width.clear();
+  for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
 }
 
 void put_first_box(PosteriorInputs& in, std::span<const double> basin) {

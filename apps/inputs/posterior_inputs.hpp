@@ -18,5 +18,7 @@ std::vector<double> fine_run(const PosteriorInputs& in, std::vector<double> thet
 
 /// Puts the emulator's first box about `basin`, (n_parameters of the case).
 void put_first_box(PosteriorInputs& in, std::span<const double> basin);
+/// The same for a line: about its nominal values, as wide as its priors.
+void put_first_box_of_a_line(PosteriorInputs& in);
 
 }  // namespace calomel
