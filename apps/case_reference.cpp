@@ -150,6 +150,7 @@ std::string case_reference() {
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
   s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += table<DiagnosisOptions>("[diagnosis]", "diagnosis", "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
+  s += table<PowerOptions>("[power]", "power", "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
   s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");

@@ -17,7 +17,54 @@ std::vector<std::string> names_of(std::span<const Verb> verbs) {
   return names;
 }
 
+void add_threads(CLI::App& verb, CommandLine& command, const std::string& doc) {
+  verb.add_option("--threads", command.threads, doc)->check(CLI::Range(1, 4096))->type_name("N");
+}
+
+CLI::Option* add_seed(CLI::App& verb, CommandLine& command, const std::string& doc) {
+  return verb.add_option("--seed", command.seed, doc)->type_name("S")->check([](const std::string& text) {
+    return text.starts_with('-') ? "a seed is not negative: " + text : std::string();
+  });
+}
+
+void add_overrides(CLI::App& verb, CommandLine& command, const std::string& doc) {
+  verb.add_option("--set", command.overrides, doc)->type_name("TABLE.KEY=VALUE")->allow_extra_args(false);
+}
+
+void add_quiet(CLI::App& verb, CommandLine& command) { verb.add_flag("--quiet", command.quiet, "no progress and no notes"); }
+
+/// Words of their own after the verb: make, run, score.
+void add_challenge(CLI::App& verb, CommandLine& command) {
+  auto& words = command.challenge;
+  verb.require_subcommand(1);
+  auto& make = *verb.add_subcommand("make", "make cases with physics that is concealed in them, and the truth apart from them; goes on where it was cut off");
+  add_seed(make, command, "seed of the suite: the same seed gives the same cases")->required();
+  make.add_option("--out", words.directory, "directory of the suite")->required()->type_name("DIR");
+  make.add_option("--suite", words.suite, "how many cases of which kind (default: small): small, quick")->type_name("NAME");
+  const auto count = [&](const char* name, std::optional<int>& value, const char* doc) { make.add_option(name, value, doc)->check(CLI::Range(0, 100000))->type_name("N"); };
+  count("--none", words.none, "cases with nothing concealed, in place of the suite's number");
+  count("--single", words.single, "of each effect that the library has a mechanism for");
+  count("--outside", words.outside, "of each effect that it has none for");
+  count("--sensor", words.sensor, "with a fault of one gauge");
+  count("--pair", words.pair, "with two effects");
+  make.add_option("--effects", words.effects, "singles and outside keep to these")->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  make.add_option("--grid", words.grid, "spacing of the generator's grid [m] (default: 0.25e-3)")->type_name("H");
+  make.add_option("--generator", words.generator, "the program reference_generator (default: looked for beside this one, in its build tree and in libexec)")->type_name("PATH");
+  make.add_flag("--specs", words.specs, "only draw the cases: their SPEC files in truth/, no records");
+  add_threads(make, command, "threads of the generator (default: all)");
+  auto& run = *verb.add_subcommand("run", "diagnose every case that has no diagnosis yet, as calomel diagnose does; goes on where it was cut off");
+  auto& score = *verb.add_subcommand("score", "hold the diagnoses against the truth: confusion, gates with exact bounds, Brier score, coverage");
+  for (auto* one : {&run, &score}) one->add_option("DIR", words.directory, "directory of the suite")->required()->type_name("");
+  add_threads(run, command, "threads of a diagnosis (default: all)");
+  add_overrides(run, command, "override a value of every case; may be repeated");
+  run.add_flag("--discard-runs", words.discard_runs, "delete the journal of a case's runs once its diagnosis stands");
+  run.add_flag("--new-rule", words.new_rule, "where the rule of decision has changed, set the old results aside (results.old-N) and begin anew");
+  score.add_option("--json", words.json, "where all numbers go (default: DIR/score.json)")->type_name("FILE");
+  for (auto* one : {&make, &run, &score}) add_quiet(*one, command);
+}
+
 void add_shared(CLI::App& verb, CommandLine& command, Takes takes) {
+  if (takes == Takes::suite) return add_challenge(verb, command);
   if (takes == Takes::nothing) return;
   auto* out = verb.add_option("--out", command.out, "directory of the artefacts (default: CASE.out/ beside the case)")->type_name("DIR");
   if (takes == Takes::files) {
@@ -26,11 +73,9 @@ void add_shared(CLI::App& verb, CommandLine& command, Takes takes) {
     return;
   }
   verb.add_option("CASE", command.case_file, "case file (TOML)")->required()->type_name("");
-  verb.add_option("--set", command.overrides, "override a value of the case; may be repeated")->type_name("TABLE.KEY=VALUE")->allow_extra_args(false);
-  verb.add_option("--threads", command.threads, "threads at most (default: all); a run that would not gain by them takes fewer")->check(CLI::Range(1, 4096))->type_name("N");
-  verb.add_option("--seed", command.seed, "seed of all random streams (default: 1)")->type_name("S")->check([](const std::string& text) {
-    return text.starts_with('-') ? "a seed is not negative: " + text : std::string();
-  });
+  add_overrides(verb, command, "override a value of the case; may be repeated");
+  add_threads(verb, command, "threads at most (default: all); a run that would not gain by them takes fewer");
+  add_seed(verb, command, "seed of all random streams (default: 1)");
   verb.add_flag("--fresh", command.fresh, "set finished artefacts of other settings aside (NAME.old-N) and begin anew");
 }
 
@@ -57,6 +102,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::resolved:
       verb.add_flag("--resolved", command.resolved, "print the case with every default filled in, as JSON");
       return;
+    case Extra::power:
+      verb.add_flag("--power", command.power, "before measuring: what records of these gauges could tell, see [power]; needs no recordings");
+      return;
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
       return;
@@ -73,6 +121,7 @@ std::vector<Extra> extras_of(const std::string& verb) {
   if (verb == "calibrate") return {Extra::method};
   if (verb == "simulate") return {Extra::fields, Extra::mean};
   if (verb == "report") return {Extra::csv};
+  if (verb == "diagnose") return {Extra::power};
   if (verb == "import") return {Extra::unit};
   return {};
 }
@@ -96,24 +145,34 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
     auto* verb = app.add_subcommand(v.name, v.summary);
     add_shared(*verb, command, v.takes);
     for (const auto extra : extras_of(v.name)) add_extra(*verb, command, extra);
-    verb->add_flag("--quiet", command.quiet, "no progress and no notes");
+    if (v.takes != Takes::suite) add_quiet(*verb, command);
   }
 
+  // The innermost of the words that name a verb.
+  const auto innermost = [&] {
+    CLI::App* at = &app;
+    while (!at->get_subcommands().empty()) at = at->get_subcommands()[0];
+    return at;
+  };
+  const auto called = [&] {
+    std::string text;
+    for (CLI::App* at = innermost(); at != &app; at = at->get_parent()) text = at->get_name() + ' ' + text;
+    return text;
+  };
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 wants them
   try {
     app.parse(std::move(reversed));
   } catch (const CLI::CallForHelp&) {
-    const auto chosen = app.get_subcommands();
-    out << (chosen.empty() ? app.help() : chosen[0]->help("", CLI::AppFormatMode::Normal));
+    out << (innermost() == &app ? app.help() : innermost()->help("", CLI::AppFormatMode::Normal));
     return false;
   } catch (const CLI::CallForVersion&) {
     out << "calomel " << version << '\n';
     return false;
   } catch (const CLI::ParseError& e) {
-    const auto chosen = app.get_subcommands();
-    throw InputError({.problem = e.what(), .suggestion = "see calomel " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") + "--help"});
+    throw InputError({.problem = e.what(), .suggestion = "see calomel " + called() + "--help"});
   }
   command.verb = app.get_subcommands()[0]->get_name();
+  if (innermost()->get_name() != command.verb) command.challenge.action = innermost()->get_name();
   if (command.out.empty() && !command.case_file.empty()) command.out = std::filesystem::path(command.case_file).replace_extension(".out");
   if (command.verb == "calibrate" && command.methods.empty()) command.methods = {"enc"};
   return true;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,24 @@
 #include "base/errors.hpp"
 
 namespace calomel {
+
+/// The words after `calomel challenge`.
+struct ChallengeWords {
+  std::string action;               ///< make, run, score
+  std::filesystem::path directory;  ///< of the suite; make: --out
+  // make
+  std::string suite = "small";
+  std::optional<int> none, single, outside, sensor, pair;  ///< in place of the suite's own counts
+  std::vector<std::string> effects;                        ///< in place of the suite's own; empty: those
+  std::optional<double> grid;                              ///< [m]
+  std::filesystem::path generator;                         ///< empty: looked for
+  bool specs = false;                                      ///< SPEC files and no records
+  // run
+  bool discard_runs = false;
+  bool new_rule = false;
+  // score
+  std::filesystem::path json;  ///< empty: score.json of the suite
+};
 
 /// The words of one call, checked. Fields that a verb has no option for keep their defaults.
 struct CommandLine {
@@ -30,11 +49,13 @@ struct CommandLine {
   bool csv = false;                          ///< report
   bool floor = false;                        ///< check
   bool resolved = false;                     ///< check
+  bool power = false;                        ///< diagnose
   std::filesystem::path write_mesh;          ///< check; empty: none
+  ChallengeWords challenge;                  ///< challenge
 };
 
 /// What a verb takes beside the options that all of them share.
-enum class Takes { nothing, case_file, files };
+enum class Takes { nothing, case_file, files, suite };
 
 /// One verb of the program: one file of this folder.
 struct Verb {
@@ -45,7 +66,7 @@ struct Verb {
 };
 
 /// Options of `verb` beyond the shared ones.
-enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh };
+enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh, power };
 std::vector<Extra> extras_of(const std::string& verb);
 
 /// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed

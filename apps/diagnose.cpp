@@ -1,14 +1,31 @@
+#include <fmt/format.h>
+
+#include "apps/inputs/posterior_case.hpp"
 #include "apps/pipeline/call_stage.hpp"
 #include "apps/pipeline/diagnose_stage.hpp"
+#include "apps/pipeline/power_stage.hpp"
 #include "apps/verbs.hpp"
 
 namespace calomel {
 
-ExitStatus run_diagnose(const CommandLine& command) {
+namespace {
+
+/// What a diagnosis sets that the user has not.
+void set_defaults(CommandLine& command) {
   // Handbook priors and a discrepancy: what is asked is whether the model is right, not which numbers imitate the records.
+  command.overrides.emplace_back("map.product=\"physical\"");
+  const StudyCase study = StudyCase::read(command.case_file, command.overrides);
+  if (study.line) return;
+  const auto sizes = diagnosis_element_sizes(study);
+  if (sizes.size() == 2) command.overrides.push_back(fmt::format("emulator.element_sizes=[{},{}]", number_text(sizes[0]), number_text(sizes[1])));
+}
+
+}  // namespace
+
+ExitStatus run_diagnose(const CommandLine& command) {
   CommandLine physical = command;
-  physical.overrides.emplace_back("map.product=\"physical\"");
-  return call_stage(physical, [](StageCall& call) { return diagnose_stage(call); });
+  set_defaults(physical);
+  return call_stage(physical, [](StageCall& call) { return call.inputs.command().power ? power_stage(call) : diagnose_stage(call); });
 }
 
 }  // namespace calomel

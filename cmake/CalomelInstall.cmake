@@ -3,6 +3,7 @@ include(CMakePackageConfigHelpers)
 get_property(libraries GLOBAL PROPERTY CALOMEL_LIBRARIES)
 install(TARGETS ${libraries} EXPORT calomelTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS calomel RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS reference_generator RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/calomel)  # where `calomel challenge make` looks for it
 foreach(folder base forward inverse uq)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/calomel
     FILES_MATCHING PATTERN "*.hpp")

@@ -1,5 +1,7 @@
 #include "forward/parameter_group.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,6 +22,7 @@ AddedParameter added_number(const std::string& mechanism, const MechanismKey& k,
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
+  a.unit = k.unit, a.doc = k.doc;
   if (off == -std::numeric_limits<double>::infinity()) {  // a pressure that nothing falls below: at the middle of its range it acts as it can
     a.inverse = true;
     p.nominal = 0, p.min = 1 / k.high, p.max = 0;
@@ -53,39 +56,78 @@ void set_added(std::map<std::string, double>& numbers, std::span<const double> v
   }
 }
 
+namespace {
+
+/// A key that shapes what the mechanism looks like.
+AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
+  AddedParameter a;
+  Parameter& p = a.parameter;
+  p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name, p.min = k.low, p.max = k.high, p.nominal = k.off;
+  const double ratio = std::log(k.high / k.low);
+  p.prior = "lognormal", p.mu = 0.5 * std::log(k.high * k.low), p.sigma = ratio / 4;
+  for (const double part : {1.0 / 6, 0.5, 5.0 / 6}) a.strengths.push_back(k.low * std::exp(part * ratio));
+  return a;
+}
+
+/// Stretches of a wall of this length: the whole, and quarters half a quarter apart.
+std::vector<std::pair<double, double>> stretches(std::optional<double> length) {
+  std::vector<std::pair<double, double>> all{{0, 1}};
+  if (length)
+    for (int i = 0; i + 2 <= 8; ++i) all.emplace_back(i * *length / 8, (i + 2) * *length / 8);
+  return all;
+}
+
+}  // namespace
+
 std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
   std::vector<ParameterGroup> groups;
   for (const auto& row : mechanisms().rows()) {
     const MechanismEntry& entry = row.entry;
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built()) continue;
-    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost};
-    for (const auto& k : entry.keys)
+    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
+                     .plain = entry.plain, .check = entry.check};
+    for (const auto& k : entry.keys) {
       if (k.decides) g.added.push_back(added_number(row.name, k, c.off_value(k)));
+      if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
+    }
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
     if (word == entry.keys.end()) {
       groups.push_back(std::move(g));
       continue;
     }
+    const std::string prefix = "mechanism." + row.name + '.';
+    const bool has_stretch = std::any_of(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return k.name == "begin"; });
     for (std::size_t i = 0; i < word->choices.size(); ++i) {
-      ParameterGroup one = g;
-      one.place = word->choices[i];
-      for (auto& a : one.added) a.with = {{"mechanism." + row.name + '.' + word->name, double(i)}};
-      groups.push_back(std::move(one));
+      const bool upright = word->choices[i] == "front" || word->choices[i] == "rear";
+      const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
+      for (const auto& [begin, end] : stretches(length)) {
+        ParameterGroup one = g;
+        one.place = word->choices[i], one.part = end < 1;
+        for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
+        if (one.part) {
+          one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
+          for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
+        }
+        groups.push_back(std::move(one));
+      }
     }
   }
   // What a coarser or a looser discretisation would do in the place of physics.
-  const auto number = [&](const char* name, double now, double other) {
+  const auto number = [&](const char* name, const char* doc, double now, double other) {
     AddedParameter a;
+    a.doc = doc;
     a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
     a.parameter.nominal = now;
     a.strengths = {other};
     return a;
   };
   groups.push_back({.name = "numerics",
-                    .added = {number("hourglass", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
+                    .added = {number("hourglass", "stiffness of the springs that keep elements of the mercury in shape", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", "viscosity of voids that close", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
                     .numerical = true,
-                    .like_the_mesh = true});
+                    .like_the_mesh = true,
+                    .plain = "the simulation's own discretisation",
+                    .check = "repeat the diagnosis on finer meshes (emulator.element_sizes)"});
   return groups;
 }
 

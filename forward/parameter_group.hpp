@@ -18,17 +18,21 @@ struct AddedParameter {
   bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
   std::vector<double> strengths;  ///< values at which its effect is first looked at
   std::vector<std::pair<std::string, double>> with;  ///< dotted keys that are set while it is on: the wall that it is about
+  std::string unit, doc;  ///< of the case's number
 };
 
 struct ParameterGroup {
   std::string name;                   ///< of the mechanism
   std::string place;                  ///< word that tells it from others of the name, such as a wall; empty where there is one
   std::vector<AddedParameter> added;  ///< at least one
+  std::vector<AddedParameter> shapes;  ///< change what the others look like and do nothing without them; `nominal` is their default
+  bool part = false;                  ///< of a place that another group of the name is about as a whole
   bool by_sensor = false;             ///< acts on each gauge alone
   bool linear = false;                ///< adds to the histories in proportion to its numbers
   bool numerical = false;             ///< no physics: numbers of the solver
   bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh
   double cost = 1;                    ///< of a run with it over one of the base model
+  std::string plain, check;           ///< MechanismEntry's
 };
 
 /// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is the range of the registry, reaching to the off value: uniform, half-Cauchy
@@ -39,6 +43,8 @@ struct ParameterGroup {
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
+/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on.
+/// The prior of a shape is lognormal, its range two deviations either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 
 }  // namespace calomel

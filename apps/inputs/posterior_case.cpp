@@ -15,6 +15,7 @@ constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
 constexpr double box_of_young = 2.5, widest_young = 5;  ///< the same of the steel's modulus
 constexpr double mesh_error_by_size = 80;               ///< over the local amplitude, per metre of element size: of the first order
 constexpr double box_of_prior = 2;                      ///< half width of a line's first box, in prior sds
+constexpr double resolving = 1.25;                      ///< lengths of the pulse's front that an element may have which resolves it
 constexpr double same_size = 1e-9;                      ///< relative difference of two element sizes that are one
 
 }  // namespace
@@ -40,6 +41,14 @@ std::vector<double> element_sizes(const StudyCase& study) {
   const auto own = study.forward.geometry.resolved().element_size;
   if (!own) return {0};
   return {*own, 0.5 * *own};
+}
+
+std::vector<double> diagnosis_element_sizes(const StudyCase& study) {
+  const auto own = study.forward.geometry.resolved().element_size;
+  const auto& load = study.forward.load;
+  const double front = study.forward.mercury.sound_speed * load.pulse_length;
+  if (!study.emulator.element_sizes.empty() || !own || load.kind != "initial_pressure" || *own > resolving * front) return element_sizes(study);
+  return {2 * *own, *own};
 }
 
 EmulatorMeshes emulator_meshes(const StudyCase& study) {

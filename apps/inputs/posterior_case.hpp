@@ -14,6 +14,9 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study);
 
 /// Element sizes of the emulator's meshes, finest last [m]: those that are set, else the case's own and its half; {0} for a mesh from a file, which has no other.
 std::vector<double> element_sizes(const StudyCase& study);
+/// Those of a diagnosis, where the case gives none: the same, but twice the case's element size and that itself where it resolves the front of the pulse. Names need
+/// no finer mesh, and what a finer one asks of the records' own errors few records keep.
+std::vector<double> diagnosis_element_sizes(const StudyCase& study);
 
 /// What other meshes than the case's own the emulator has.
 enum class EmulatorMeshes {

@@ -26,45 +26,56 @@ void expect_times_of_the_records(const PosteriorInputs& in) {
   expect_above("errors.amplitude_time", in.errors.amplitude_time);
 }
 
+/// What does not depend on where the runs come from.
+std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const CommandLine& command) {
+  std::unique_ptr<PosteriorInputs> out(
+      new PosteriorInputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
+  PosteriorInputs& in = *out;
+  in.parameters = posterior_parameters(study), in.seed = command.seed;
+  in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  return out;
+}
+
 }  // namespace
+
+std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, const CommandLine& command, const RunStore::Progress& told) {
+  auto out = without_runs(parts.study, parts.problem, parts.recordings, parts.recording_options, command);
+  PosteriorInputs& in = *out;
+  LevelRuns* runs = &parts.runs;
+  const int threads = command.threads;
+  in.levels = runs->levels();
+  in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
+  if (const double sd = parts.study.errors.gauge_place_sd; sd > 0)
+    in.gauge_places = [=](std::span<const double> theta) { return runs->gauge_places(theta, sd, threads, told, &stop_requested()); };
+  return out;
+}
+
+std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_line(StudyInputs& inputs) {
+  const CommandLine& command = inputs.command();
+  auto out = without_runs(inputs.study(), inputs.problem(), inputs.recordings(), *inputs.study().recordings, command);
+  PosteriorInputs& in = *out;
+  if (in.parameters.empty())
+    throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
+                      .key = "parameter",
+                      .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
+  expect_times_of_the_records(in);
+  LineRuns* runs = &inputs.line_runs();
+  const int threads = command.threads;
+  in.levels = 1, in.draw_in = true;
+  in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, {}, &stop_requested()); };
+  for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
+  return out;
+}
 
 std::unique_ptr<PosteriorInputs> posterior_inputs(StudyInputs& inputs, const RunStore::Progress& told) {
   const auto& study = inputs.study();
-  std::unique_ptr<PosteriorInputs> out(
-      new PosteriorInputs{.problem = inputs.problem(), .recordings = inputs.recordings(), .recording_options = *study.recordings, .errors = study.errors, .emulator = study.emulator});
-  PosteriorInputs& in = *out;
-  const int threads = inputs.command().threads;
-  in.parameters = posterior_parameters(study);
-  in.seed = inputs.command().seed;
-  in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
-  if (study.line) {
-    if (in.parameters.empty())
-      throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
-                        .key = "parameter",
-                        .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
-    expect_times_of_the_records(in);
-    in.levels = 1, in.draw_in = true;
-    LineRuns* runs = &inputs.line_runs();
-    in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, told, &stop_requested()); };
-    return out;
-  }
-  LevelRuns* runs = &inputs.levels();
-  in.levels = runs->levels();
-  in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
-  if (const double sd = study.errors.gauge_place_sd; sd > 0)
-    in.gauge_places = [=](std::span<const double> theta) { return runs->gauge_places(theta, sd, threads, told, &stop_requested()); };
-  return out;
+  return posterior_inputs({.study = study, .runs = inputs.levels(), .problem = inputs.problem(), .recordings = inputs.recordings(), .recording_options = *study.recordings}, inputs.command(), told);
 }
 
 std::vector<double> fine_run(const PosteriorInputs& in, std::vector<double> theta) {
   for (std::size_t k = theta.size(); k < in.parameters.size(); ++k) theta.push_back(*in.parameters[k].nominal);
   const auto record = in.run(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0})[0];
   return {record.mean.begin(), record.mean.end()};
-}
-
-void put_first_box_of_a_line(PosteriorInputs& in) {
-  in.centre.clear(), in.half_width.clear();
-  for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
 }
 
 void put_first_box(PosteriorInputs& in, std::span<const double> basin) {

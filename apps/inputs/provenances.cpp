@@ -71,22 +71,37 @@ Provenance runs_provenance(const StudyCase& study) {
   return {.stage = "runs", .options = std::move(options), .seed = 0, .inputs = study.model_inputs()};
 }
 
-Provenance posterior_provenance(const StudyInputs& inputs) {
+namespace {
+
+/// Of what works on the posterior of the parameters.
+Provenance on_posterior(const StudyInputs& inputs, std::string stage) {
   const auto& study = inputs.study();
-  Provenance p{.stage = "posterior",
-               .options = posterior_options(study),
-               .seed = inputs.command().seed,
-               .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
+  return {.stage = std::move(stage),
+          .options = posterior_options(study),
+          .seed = inputs.command().seed,
+          .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
+}
+
+}  // namespace
+
+Provenance posterior_provenance(const StudyInputs& inputs) {
+  Provenance p = on_posterior(inputs, "posterior");
   add_basin(p, inputs);
   return p;
 }
 
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
-  const auto& study = inputs.study();
-  Provenance p{.stage = "diagnosis", .options = posterior_options(study), .seed = inputs.command().seed,
-               .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
+  Provenance p = on_posterior(inputs, "diagnosis");
   p.options.erase("sampler");
-  p.options["diagnosis"] = echo(study.diagnosis);
+  p.options["diagnosis"] = echo(inputs.study().diagnosis);
+  return p;
+}
+
+Provenance power_provenance(const StudyInputs& inputs) {
+  const auto& study = inputs.study();
+  Provenance p{.stage = "power", .options = posterior_options(study), .seed = inputs.command().seed, .inputs = {{"model", runs_provenance(study).identity()}}};
+  p.options.erase("sampler");
+  p.options["power"] = echo(study.power);
   return p;
 }
 

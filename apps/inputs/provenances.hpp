@@ -19,6 +19,8 @@ struct Provenance;  // base/provenance.hpp
 [[nodiscard]] Provenance posterior_provenance(const StudyInputs& inputs);
 /// Of diagnosis.json.
 [[nodiscard]] Provenance diagnosis_provenance(const StudyInputs& inputs);
+/// power.json: the same of what is planned; no recordings.
+[[nodiscard]] Provenance power_provenance(const StudyInputs& inputs);
 /// Of `method`, "enc", "spe" or "map". What it learns from stands: for ENC surrogate.nc, for SPE campaign.nc, and where it takes the posterior's emulator what
 /// posterior_provenance asks for.
 [[nodiscard]] Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method);

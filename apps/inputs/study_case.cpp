@@ -10,7 +10,7 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "line", "drive", "station"};
+                                               "sampler",   "sensitivity", "diagnosis", "power",    "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "line", "drive", "station"};
   return tables;
 }
 
@@ -41,6 +41,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("errors", study.errors);
   study.file.read("sampler", study.sampler);
   study.file.read("diagnosis", study.diagnosis);
+  study.file.read("power", study.power);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -60,6 +61,7 @@ Json StudyCase::echo() const {
   all["errors"] = calomel::echo(errors);
   all["sampler"] = calomel::echo(sampler);
   all["diagnosis"] = calomel::echo(diagnosis);
+  all["power"] = calomel::echo(power);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

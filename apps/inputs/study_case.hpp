@@ -17,6 +17,7 @@
 #include "inverse/data/recordings.hpp"
 #include "inverse/spe/options.hpp"
 #include "uq/diagnosis/diagnosis.hpp"
+#include "uq/power/power.hpp"
 #include "uq/sampler/sampler.hpp"
 
 namespace calomel {
@@ -57,6 +58,7 @@ struct StudyCase {
   ErrorOptions errors;
   SamplerOptions sampler;
   DiagnosisOptions diagnosis;
+  PowerOptions power;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

@@ -14,6 +14,7 @@ StudyInputs::StudyInputs(const CommandLine& command)
   if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose")
     throw study_.file.located(
         InputError({.problem = "a line is checked, simulated and diagnosed in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate or diagnose"}));
+  if (study_.line && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of a line", .key = "model.kind", .suggestion = "leave out --power"}));
   if (command.verb != "check" && command.verb != "report") make_directory(command.out);
 }
 

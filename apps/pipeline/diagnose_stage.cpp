@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/posterior_inputs.hpp"
 #include "apps/inputs/provenances.hpp"
@@ -11,7 +13,7 @@
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
 
@@ -22,17 +24,15 @@ ExitStatus diagnose_stage(StageCall& call) {
   const auto& notes = inputs.notes();
   (void)inputs.problem();
   const auto provenance = diagnosis_provenance(inputs);
-  if (!call.finished.due(provenance, {"diagnosis.json"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {"diagnosis.json", "diagnosis.nc"}, Asked::by_user)) {
     notes.say(reused_line("diagnose"));
     return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
+  const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
   return study.file.locating([&] {
-    const auto base = posterior_inputs(inputs, {});
-    if (study.line)
-      put_first_box_of_a_line(*base);
-    else
-      put_first_box(*base, nominal(inputs.model().shape()));
+    const auto base = study.line ? posterior_inputs_of_a_line(inputs) : posterior_inputs(inputs, {});
+    if (!study.line) put_first_box(*base, nominal(inputs.model().shape()));
     base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
     const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
       if (study.line) return inputs.line_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
@@ -46,12 +46,16 @@ ExitStatus diagnose_stage(StageCall& call) {
                              .run = run,
                              .linear = linear,
                              .options = study.diagnosis,
-                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); }};
+                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },
+                             .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
     json["status"] = d.base.settled ? "done" : "not_to_be_trusted";
+    json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();  // of this call
+    write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
     notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
+    notes.say(json["summary"].get<std::string>());
     return d.base.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });
 }

@@ -17,6 +17,7 @@
 #include "inverse/posterior/true_model_check.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
+#include "inverse/posterior/prior.hpp"
 #include "uq/posterior_file.hpp"
 #include "uq/sampler/sampler.hpp"
 
@@ -32,10 +33,8 @@ std::vector<std::string> absorption(const std::vector<Parameter>& parameters, co
   for (const auto& p : parameters)
     for (const auto& s : convergence.parameters) {
       if (s.name != p.name) continue;
-      const bool normal = p.prior == "normal" || p.prior == "truncated_normal", lognormal = p.prior == "lognormal";
-      if (!normal && !lognormal) continue;
-      const double z = normal ? (s.mean - *p.mean) / *p.sd : (std::log(s.q50) - *p.mu) / *p.sigma;
-      if (std::abs(z) > alarming) out.push_back(absorption_sentence(p.name, z));
+      const auto z = prior_deviation(p, p.prior == "lognormal" ? s.q50 : s.mean);
+      if (z && std::abs(*z) > alarming) out.push_back(absorption_sentence(p.name, *z));
     }
   return out;
 }

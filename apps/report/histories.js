@@ -1,5 +1,5 @@
 'use strict';
-// Measured band and mean, nominal and calibrated simulation of every sensor: one Dygraph each, zoomed together in time.
+// Measured band and mean and the simulations of every sensor: one Dygraph each, zoomed together in time.
 
 const series_style = {
   measured: { color: '#4d4d4d', strokeWidth: 1.2 },
@@ -7,6 +7,10 @@ const series_style = {
   enc: { color: '#0072b2', strokeWidth: 1.6 },
   spe: { color: '#008a63', strokeWidth: 1.6, strokePattern: [2, 2] },
   map: { color: '#b35a8c', strokeWidth: 1.6, strokePattern: [9, 3, 2, 3] },
+  base: { color: '#d55e00', strokeWidth: 1.4, strokePattern: [6, 3] },
+  explained: { color: '#0072b2', strokeWidth: 1.6 },
+  held_out_explained: { color: '#008a63', strokeWidth: 1.6, strokePattern: [2, 2] },
+  held_out_base: { color: '#7a5c00', strokeWidth: 1.4, strokePattern: [9, 3, 2, 3] },
 };
 
 function element(tag, attributes, parent, text) {
@@ -35,8 +39,7 @@ function key_image(series) {
   return root;
 }
 
-function draw_histories(data) {
-  const place = document.getElementById('histories-plots'), controls = document.getElementById('history-controls');
+function draw_histories(place, controls, data) {
   if (!place || !data) return [];
   const used = data.series.filter(s => data.conditions.some(c => c.sensors.some(x => x[s.key])));
   const graphs = [], first = data.time[0], last = data.time[data.time.length - 1];
@@ -55,7 +58,7 @@ function draw_histories(data) {
         labels: ['time'].concat(own.map(s => s.label)), customBars: true, fillAlpha: 0.22, series: {}, labelsDiv: element('div', { hidden: '' }),
         xlabel: 'time [\u00b5s]', ylabel: data.unit, xLabelHeight: 16, yLabelWidth: 16, axisLabelFontSize: 12, gridLineColor: '#e4e8ec', axisLineColor: '#8c959f',
         axes: { y: { axisLabelWidth: 52, pixelsPerLabel: 28 }, x: { pixelsPerLabel: 70 } },
-        connectSeparatedPoints: false, xRangePad: 0, yRangePad: 6, highlightCircleSize: 3, animatedZooms: false, legend: 'never',
+        visibility: own.map(s => !s.hidden), connectSeparatedPoints: false, xRangePad: 0, yRangePad: 6, highlightCircleSize: 3, animatedZooms: false, legend: 'never',
         highlightCallback: (event, x, points) => {
           readout.textContent = `${number(x)} \u00b5s:  ` + points.filter(p => isFinite(p.yval)).map(p => `${p.name} ${number(p.yval)}`).join(';  ') + ` [${data.unit}]`;
         },
@@ -71,7 +74,7 @@ function draw_histories(data) {
 
   for (const s of used) {
     const label = element('label', {}, controls);
-    const box = element('input', { type: 'checkbox', checked: '' }, label);
+    const box = element('input', Object.assign({ type: 'checkbox' }, s.hidden ? {} : { checked: '' }), label);
     label.appendChild(key_image(s));
     label.appendChild(document.createTextNode(s.label));
     box.addEventListener('change', () => graphs.forEach(g => {

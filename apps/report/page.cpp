@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/emulator_tables.hpp"
 #include "apps/report/floor_tables.hpp"
 #include "apps/report/posterior.hpp"
@@ -110,6 +111,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
   for (const auto& c : study.calibrations) add(c.summary, c.label);
   if (study.sample) add(*study.sample, "sampling");
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
+  if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: the fit of the base model has not settled, so the verdict is not to be trusted");
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");
@@ -138,6 +140,7 @@ std::string what_was_run(const Study& study) {
   }
   if (study.sample) done.push_back("sampling of the posterior" + (study.posterior ? fmt::format(" ({} chains of {} draws)", study.posterior->chains, study.posterior->draws) : std::string()));
   if (!methods.empty()) done.push_back("calibration by " + enumeration(methods));
+  if (study.diagnosis) done.push_back("a diagnosis of omitted physics (" + count(study.diagnosis->summary, "runs") + " runs of the model)");
   return done.empty() ? "" : "<p>What was run: " + enumeration(done) + ".</p>\n";
 }
 
@@ -157,7 +160,7 @@ std::string no_calibration(const ReportInput& input, const std::string& lead) {
 std::string target_section(const ReportInput& input) {
   std::string s;
   if (input.outer.empty() && input.sensors.empty()) return missing("The case gives neither a surface nor sensors, so there is nothing to draw.", "");
-  s += "<div class=\"target\"><div id=\"target-view\" role=\"img\" aria-label=\"The target with its sensors; the table below gives the positions\"></div>"
+  s += "<div class=\"target\"><div id=\"target-view\" class=\"target-view\" role=\"img\" aria-label=\"The target with its sensors; the table below gives the positions\"></div>"
        "<p class=\"note\" id=\"target-note\">Drag to turn, scroll to zoom. Arrows show the direction in which each sensor measures strain.</p></div>\n";
   if (input.outer.empty()) s += missing("The model gives no surface (an outside model has none), so only the sensors are drawn.", "");
   return s + sensor_table(input).html();
@@ -336,6 +339,7 @@ std::string provenance_section(const Study& study, const ReportInput& input) {
   add("train", study.train);
   for (const auto& c : study.calibrations) add(c.method, c.summary);
   add("sample", study.sample);
+  if (study.diagnosis) add("diagnosis", study.diagnosis->summary);
   return fmt::format("<p>Written by calomel {}; seed {}. Equal options, seed and inputs give equal artefacts.</p>\n", escape_html(version), input.seed) +
          (t.empty() ? missing("No stage has written an artefact yet.", "Run them all with " + command(input, "study") + ".") : t.html()) +
          "<details><summary>Resolved options of the case</summary><pre>" + escape_html(input.options.dump(2)) + "</pre></details>\n" + details;
@@ -343,10 +347,10 @@ std::string provenance_section(const Study& study, const ReportInput& input) {
 }  // namespace
 
 std::string header_html(const Study& study, const ReportInput& input) {
-  std::string s = "<h1>" + escape_html(input.case_name) + "</h1>\n";
+  std::string s = "<h1>" + escape_html(input.case_name) + "</h1>\n" + verdict_html(study);
   const auto warnings = all_warnings(study, input);
   s += what_was_run(study);
-  if (study.calibrations.empty())
+  if (study.calibrations.empty() && !study.diagnosis)
     s += "<p class=\"outcome\">No calibration has been run yet, so this page shows " +
          std::string(study.campaign || study.simulate ? "what has been simulated so far" : "only the case itself") + ". The next step is " +
          command(input, "study") + ", which runs every stage that is missing.</p>\n";
@@ -374,7 +378,8 @@ std::string sections_html(const Study& study, const ReportInput& input) {
   for (const Table& t : {agreement_table(study), place_table(study), hypothesis_table(study), effort_table(study)})
     if (!t.empty()) first += t.html();
   const std::string emulator = emulator_section(study);
-  return section("parameters", "Parameters", first) + (emulator.empty() ? "" : section("emulator", "What the answer stands on", emulator)) + section("target", "Target and sensors", target_section(input)) +
+  const std::string diagnosis = diagnosis_section(study, input);
+  return (diagnosis.empty() ? "" : section("diagnosis", "What the simulation leaves out", diagnosis)) + section("parameters", "Parameters", first) + (emulator.empty() ? "" : section("emulator", "What the answer stands on", emulator)) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
          section("scores", "Accuracy and error by sensor", score_section(study, input)) +
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +

@@ -11,7 +11,13 @@
       console.error(error);
     }
   };
-  attempt('histories-plots', () => draw_histories(data.histories));
+  const histories = (plots, controls, traces) => attempt(plots, () => draw_histories(document.getElementById(plots), document.getElementById(controls), traces));
+  histories('diagnosis-plots', 'diagnosis-controls', data.diagnosis_histories);
+  histories('histories-plots', 'history-controls', data.histories);
+  attempt('mismatch-map', () => draw_mismatch_map(document.getElementById('mismatch-map'), data.diagnosis));
+  attempt('mismatch-bands', () => draw_mismatch_bands(document.getElementById('mismatch-bands'), data.diagnosis));
+  attempt('probability-bars', () => draw_probabilities(document.getElementById('probability-bars'), data.diagnosis));
+  attempt('mismatch-view', () => draw_mismatch_target(document.getElementById('mismatch-view'), document.getElementById('mismatch-scale'), document.getElementById('mismatch-note'), data.target, data.diagnosis));
   attempt('convergence-plot', () => draw_lines(document.getElementById('convergence-plot'), data.convergence, false));
   attempt('loss-plot', () => draw_lines(document.getElementById('loss-plot'), data.loss, true));
   (data.decay || []).forEach((figure, i) => attempt(`decay-plot-${i}`, () => draw_lines(document.getElementById(`decay-plot-${i}`), figure, false)));

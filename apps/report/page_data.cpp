@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/report/comparison_tables.hpp"
+#include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/page.hpp"
 #include "apps/report/posterior.hpp"
 #include "apps/report/surface.hpp"
@@ -156,6 +157,8 @@ Json design_json(const Study& study, const ReportInput& input, std::size_t point
 Json page_data(const Study& study, const ReportInput& input, std::size_t samples, std::size_t quads, std::size_t points) {
   Json data{{"target", target_json(input, quads)},
             {"histories", histories_json(study, input, samples)},
+            {"diagnosis", diagnosis_drawings(study)},
+            {"diagnosis_histories", diagnosis_histories_json(study, input, samples)},
             {"convergence", nullptr},
             {"ridge", ridge_json(study, input, points)},
             {"loss", nullptr},

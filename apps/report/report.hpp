@@ -54,7 +54,7 @@ struct ReportInput {
 /// Errors: InputError that names the folder and what is to be run first, where no artefact of any stage stands in it.
 void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file);
 
-/// Writes out_dir/report.html from the artefacts that stand in `out_dir` (campaign, train, simulate, enc, spe, map, posterior);
+/// Writes out_dir/report.html from the artefacts that stand in `out_dir` (campaign, train, simulate, enc, spe, map, posterior, diagnosis);
 /// a section whose artefact is missing says so and names the command that makes it. The page loads nothing from
 /// outside and stays below 10 MB: traces and surface are thinned as far as that needs.
 /// Errors: InputError when there is no artefact at all, when one cannot be read, or when the page cannot be written.

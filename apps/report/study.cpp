@@ -65,17 +65,42 @@ Histories axes(const NetcdfReader& file) {
   return h;
 }
 
-std::optional<Histories> calibration_histories(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return std::nullopt;
-  const NetcdfReader file(path);
+/// Axes and records.
+Histories records_of(const NetcdfReader& file, const std::filesystem::path& path) {
   Histories h = axes(file);
   if (file.has("record_time")) h.record_time = file.doubles("record_time");
-  h.calibrated = values(file, "calibrated", h, h.time.size(), path);
-  h.nominal = values(file, "nominal", h, h.time.size(), path);
   h.record_mean = values(file, "record_mean", h, h.record_time.size(), path);
   h.band_low = values(file, "band_low", h, h.record_time.size(), path);
   h.band_high = values(file, "band_high", h, h.record_time.size(), path);
   return h;
+}
+
+std::optional<Histories> calibration_histories(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const NetcdfReader file(path);
+  Histories h = records_of(file, path);
+  h.calibrated = values(file, "calibrated", h, h.time.size(), path);
+  h.nominal = values(file, "nominal", h, h.time.size(), path);
+  return h;
+}
+
+std::optional<DiagnosisArtefacts> diagnosis_artefacts(const std::filesystem::path& dir) {
+  auto summary = json_if_there(dir / "diagnosis.json");
+  if (!summary) return std::nullopt;
+  DiagnosisArtefacts d{.summary = std::move(*summary), .histories = {}, .explanation = ""};
+  const auto path = dir / "diagnosis.nc";
+  if (!std::filesystem::exists(path)) return d;
+  const NetcdfReader file(path);
+  const Json provenance = Json::parse(file.attribute("provenance"), nullptr, false);
+  if (text_at(provenance, "identity") != text_at(part_at(d.summary, "provenance"), "identity")) return d;
+  d.explanation = file.attribute("explanation");
+  Histories h = records_of(file, path);
+  h.base = values(file, "base", h, h.time.size(), path);
+  h.explained = values(file, "explained", h, h.time.size(), path);
+  h.held_out_base = values(file, "held_out_base", h, h.time.size(), path);
+  h.held_out_explained = values(file, "held_out_explained", h, h.time.size(), path);
+  d.histories = std::move(h);
+  return d;
 }
 
 std::optional<Histories> simulation_histories(const std::filesystem::path& path) {
@@ -135,6 +160,7 @@ Study read_study(const std::filesystem::path& out_dir) {
   study.sample = json_if_there(out_dir / "posterior.json");
   if (const auto path = out_dir / "posterior.nc"; std::filesystem::exists(path)) study.posterior = draws_of(read_posterior(path, {"posterior"}).at(0));
   study.simulation = simulation_histories(out_dir / "simulate.nc");
+  study.diagnosis = diagnosis_artefacts(out_dir);
   return study;
 }
 

@@ -17,6 +17,7 @@ struct Histories {
   std::vector<double> time, record_time;                 ///< [s]
   std::vector<double> calibrated, nominal;               ///< over `time`
   std::vector<double> record_mean, band_low, band_high;  ///< over `record_time`
+  std::vector<double> base, explained, held_out_base, held_out_explained;  ///< over `time`, of diagnosis.nc
 };
 
 struct CalibrationArtefacts {
@@ -37,6 +38,12 @@ struct CampaignRuns {
   [[nodiscard]] std::size_t runs() const { return status.size(); }
 };
 
+struct DiagnosisArtefacts {
+  Json summary;                        ///< diagnosis.json
+  std::optional<Histories> histories;  ///< diagnosis.nc, where it is of the same identity
+  std::string explanation;             ///< whose histories `explained` are; empty where there are none
+};
+
 struct Study {
   std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
@@ -46,11 +53,12 @@ struct Study {
   std::optional<Json> sample;       ///< posterior.json
   std::optional<Draws> posterior;   ///< posterior.nc, its group of that name
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
+  std::optional<DiagnosisArtefacts> diagnosis;
 
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
   /// No artefact of any stage was there.
   [[nodiscard]] bool empty() const {
-    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior;
+    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior && !diagnosis;
   }
 };
 

@@ -1,7 +1,10 @@
 'use strict';
 // The target in three dimensions: three.js where the browser has WebGL, else the same picture painted on a flat canvas.
 
-const surface_colours = { outer: [168, 180, 192], wetted: [120, 160, 190] };
+const surface_colours = { outer: [168, 180, 192], wetted: [120, 160, 190] }, sensor_colour = [179, 60, 0];
+
+/// "rgb(r,g,b)" of a colour [r, g, b].
+const rgb = c => `rgb(${c.map(Math.round).join(',')})`;
 
 function has_webgl() {
   try {
@@ -69,22 +72,24 @@ function target_labels(view, names) {
   };
 }
 
-function draw_target(view, note, data) {
+/// Draws {outer, wetted, sensors: [{name, position, direction, label, colour}]}; a label and a colour may be left out. `paint(position)`, where there is one, gives the colour of the outer
+/// surface at a place.
+function draw_target(view, note, data, paint) {
   if (!view || !data) return;
   const extent = target_extent(data);
   if (has_webgl()) {
     try {
-      draw_target_webgl(view, data, extent);
+      draw_target_webgl(view, data, extent, paint);
       return;
     } catch (error) {
       view.textContent = '';
     }
   }
-  draw_target_flat(view, data, extent);
-  if (note) note.textContent = 'This browser has no WebGL, so the picture is painted flat. Drag to turn, scroll to zoom. Arrows show the direction in which each sensor measures strain.';
+  draw_target_flat(view, data, extent, paint);
+  if (note) note.textContent = `This browser has no WebGL, so the picture is painted flat. ${note.textContent}`;
 }
 
-function draw_target_webgl(view, data, extent) {
+function draw_target_webgl(view, data, extent, paint) {
   const renderer = new THREE.WebGLRenderer({ antialias: true });
   renderer.setClearColor(0xffffff);
   renderer.setPixelRatio(window.devicePixelRatio || 1);
@@ -110,13 +115,18 @@ function draw_target_webgl(view, data, extent) {
     }
     geometry.setAttribute('position', new THREE.Float32BufferAttribute(surface.vertices, 3));
     geometry.setIndex(index);
-    const see_through = name === 'outer' && data.wetted;
+    const painted = name === 'outer' && paint, see_through = name === 'outer' && data.wetted && !painted;
     const material = new THREE.MeshLambertMaterial({
-      color: new THREE.Color(...surface_colours[name].map(x => x / 255)), side: THREE.DoubleSide, flatShading: true, transparent: Boolean(see_through),
+      color: painted ? 0xffffff : new THREE.Color(...surface_colours[name].map(x => x / 255)), vertexColors: painted ? THREE.VertexColors : THREE.NoColors, side: THREE.DoubleSide, flatShading: true, transparent: Boolean(see_through),
       opacity: see_through ? 0.45 : 1, depthWrite: !see_through, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });
     const flat = geometry.toNonIndexed();
     flat.computeVertexNormals();
+    if (painted) {
+      const places = flat.getAttribute('position'), colours = [];
+      for (let i = 0; i < places.count; ++i) colours.push(...paint([places.getX(i), places.getY(i), places.getZ(i)]).map(x => x / 255));
+      flat.setAttribute('color', new THREE.Float32BufferAttribute(colours, 3));
+    }
     scene.add(new THREE.Mesh(flat, material));
     const lines = new THREE.BufferGeometry();
     lines.setAttribute('position', new THREE.Float32BufferAttribute(feature_edges(surface).flat(), 3));
@@ -124,15 +134,22 @@ function draw_target_webgl(view, data, extent) {
   }
   const size = extent.radius * 0.02;
   for (const s of data.sensors) {
-    const at = new THREE.Vector3(...s.position), direction = new THREE.Vector3(...s.direction);
+    const at = new THREE.Vector3(...s.position), direction = new THREE.Vector3(...s.direction), colour = new THREE.Color(rgb(s.colour || sensor_colour));
+    const line_colour = s.colour ? 0x333333 : colour.getHex();
     for (const hidden of [true, false]) {  // a sensor behind the target shows through it, paler
       const look = { depthTest: !hidden, transparent: true, opacity: hidden ? 0.35 : 1 };
-      const ball = new THREE.Mesh(new THREE.SphereGeometry(size, 16, 12), new THREE.MeshBasicMaterial(Object.assign({ color: 0xb33c00 }, look)));
+      const ball = new THREE.Mesh(new THREE.SphereGeometry(size, 16, 12), new THREE.MeshBasicMaterial(Object.assign({ color: colour }, look)));
       ball.position.copy(at);
-      ball.renderOrder = 2;
+      ball.renderOrder = 3;
       scene.add(ball);
+      if (s.colour) {  // a dark rim, so that a pale ball is seen on a pale wall
+        const rim = new THREE.Mesh(new THREE.SphereGeometry(1.25 * size, 16, 12), new THREE.MeshBasicMaterial(Object.assign({}, look, { color: 0x333333, side: THREE.BackSide })));
+        rim.position.copy(at);
+        rim.renderOrder = 2;
+        scene.add(rim);
+      }
       if (direction.length() === 0) continue;
-      const arrow = new THREE.ArrowHelper(direction.clone().normalize(), at, size * 8, 0xb33c00, size * 2.6, size * 1.8);
+      const arrow = new THREE.ArrowHelper(direction.clone().normalize(), at, size * 8, line_colour, size * 2.6, size * 1.8);
       for (const part of [arrow.line, arrow.cone]) {
         Object.assign(part.material, look);
         part.renderOrder = 2;
@@ -140,10 +157,10 @@ function draw_target_webgl(view, data, extent) {
       scene.add(arrow);
     }
   }
-  const labels = target_labels(view, data.sensors.map(s => s.name));
+  const labels = target_labels(view, data.sensors.map(s => s.label || s.name));
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
   controls.target.copy(centre);
-  const paint = () => {
+  const render = () => {
     renderer.render(scene, camera);
     labels(data.sensors.map(s => {
       const p = new THREE.Vector3(...s.position).project(camera);
@@ -154,23 +171,23 @@ function draw_target_webgl(view, data, extent) {
     renderer.setSize(view.clientWidth, view.clientHeight, false);
     camera.aspect = view.clientWidth / view.clientHeight;
     camera.updateProjectionMatrix();
-    paint();
+    render();
   };
-  controls.addEventListener('change', paint);
+  controls.addEventListener('change', render);
   window.addEventListener('resize', resize);
-  window.addEventListener('beforeprint', paint);
+  window.addEventListener('beforeprint', render);
   controls.update();
   resize();
 }
 
 /// Painter's algorithm on a flat canvas: faces sorted by depth, shaded by their angle to the eye, in parallel projection.
-function draw_target_flat(view, data, extent) {
+function draw_target_flat(view, data, extent, paint) {
   const canvas = element('canvas', {}, view), context = canvas.getContext('2d');
-  const labels = target_labels(view, data.sensors.map(s => s.name));
+  const labels = target_labels(view, data.sensors.map(s => s.label || s.name));
   let turn = -2.2, tilt = 0.5, zoom = 1;
   const lines = { outer: data.outer ? feature_edges(data.outer) : [], wetted: data.wetted ? feature_edges(data.wetted) : [] };
 
-  const paint = () => {
+  const render = () => {
     const ratio = window.devicePixelRatio || 1, width = view.clientWidth, height = view.clientHeight;
     canvas.width = width * ratio;
     canvas.height = height * ratio;
@@ -194,18 +211,19 @@ function draw_target_flat(view, data, extent) {
     for (const name of ['wetted', 'outer']) {
       const surface = data[name];
       if (!surface) continue;
-      const see_through = name === 'outer' && data.wetted, faces = [], points = [];
+      const painted = name === 'outer' && paint, see_through = name === 'outer' && data.wetted && !painted, faces = [], points = [];
       for (let i = 0; i < surface.vertices.length; i += 3) points.push(project(surface.vertices.slice(i, i + 3)));
       for (let f = 0; f < surface.quads.length; f += 4) {
         const q = [0, 1, 2, 3].map(k => points[surface.quads[f + k]]);
         const e1 = [0, 1, 2].map(k => (q[2][k] - q[0][k]) / (k < 2 ? scale : 1)), e2 = [0, 1, 2].map(k => (q[3][k] - q[1][k]) / (k < 2 ? scale : 1));
         const n = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
-        faces.push({ q, depth: q.reduce((s, p) => s + p[2], 0), light: 0.62 + 0.38 * Math.abs(n[2]) / (Math.hypot(...n) || 1) });
+        const middle = painted ? [0, 1, 2].map(i => [0, 1, 2, 3].reduce((s, k) => s + surface.vertices[3 * surface.quads[f + k] + i] / 4, 0)) : null;
+        faces.push({ q, colour: painted ? paint(middle) : surface_colours[name], depth: q.reduce((s, p) => s + p[2], 0), light: 0.62 + 0.38 * Math.abs(n[2]) / (Math.hypot(...n) || 1) });
       }
       faces.sort((a, b) => a.depth - b.depth);
       context.globalAlpha = see_through ? 0.35 : 1;
       for (const face of faces) {
-        context.fillStyle = context.strokeStyle = `rgb(${surface_colours[name].map(x => Math.round(255 - (255 - x) / face.light * 0.8)).join(',')})`;
+        context.fillStyle = context.strokeStyle = rgb(face.colour.map(x => painted ? x * (0.6 + 0.4 * face.light) : 255 - (255 - x) / face.light * 0.8));
         context.lineWidth = 0.7;
         context.beginPath();
         face.q.forEach((p, k) => (k ? context.lineTo(p[0], p[1]) : context.moveTo(p[0], p[1])));
@@ -225,14 +243,17 @@ function draw_target_flat(view, data, extent) {
       context.stroke();
       context.globalAlpha = 1;
     }
-    context.strokeStyle = context.fillStyle = '#b33c00';
     context.lineWidth = 2;
     const places = data.sensors.map(s => {
+      context.strokeStyle = s.colour ? '#333' : rgb(sensor_colour);
+      context.fillStyle = rgb(s.colour || sensor_colour);
       const a = project(s.position), b = project(s.position.map((x, k) => x + s.direction[k] * extent.radius * 0.16));
       const length = Math.hypot(b[0] - a[0], b[1] - a[1]);
       context.beginPath();
-      context.arc(a[0], a[1], 4, 0, 2 * Math.PI);
+      context.arc(a[0], a[1], s.colour ? 6 : 4, 0, 2 * Math.PI);
       context.fill();
+      if (s.colour) context.stroke();
+      context.fillStyle = context.strokeStyle;
       if (length > 6) {
         const u = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
         context.beginPath();
@@ -257,9 +278,9 @@ function draw_target_flat(view, data, extent) {
     turn -= 0.008 * (e.clientX - held[0]);
     tilt = Math.min(Math.max(tilt + 0.008 * (e.clientY - held[1]), -1.55), 1.55);
     held = [e.clientX, e.clientY];
-    paint();
+    render();
   });
-  canvas.addEventListener('wheel', e => { e.preventDefault(); zoom *= Math.exp(-0.001 * e.deltaY); paint(); }, { passive: false });
-  window.addEventListener('resize', paint);
-  paint();
+  canvas.addEventListener('wheel', e => { e.preventDefault(); zoom *= Math.exp(-0.001 * e.deltaY); render(); }, { passive: false });
+  window.addEventListener('resize', render);
+  render();
 }

@@ -82,6 +82,7 @@ struct Series {
   const Histories* histories;
   const std::vector<double>* values;
   bool on_records;  ///< over record_time, else over time
+  bool hidden = false;
   [[nodiscard]] const std::vector<double>& times() const { return on_records ? histories->record_time : histories->time; }
   /// Empty when these histories lack the sensor or the condition.
   [[nodiscard]] std::span<const double> at(const std::string& condition, const std::string& sensor) const {
@@ -99,6 +100,43 @@ struct Traces {
   std::vector<std::string> conditions, sensors;
 };
 
+void add_records(Traces& t, const Histories& records) {
+  t.series.push_back({"measured", "measured mean and band", &records, &records.record_mean, true});
+  t.series.push_back({"low", "band low", &records, &records.band_low, true});
+  t.series.push_back({"high", "band high", &records, &records.band_high, true});
+}
+
+/// Conditions and sensors of the case, then others that the series have.
+void add_names(Traces& t, const ReportInput& input) {
+  const auto add = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  };
+  for (const auto& s : input.sensors) add(t.sensors, s.name);
+  for (const auto& s : t.series) {
+    for (const auto& c : s.histories->conditions) add(t.conditions, c);
+    for (const auto& name : s.histories->sensors) add(t.sensors, name);
+  }
+}
+
+Traces collect_diagnosis(const Study& study, const ReportInput& input) {
+  Traces t;
+  if (!study.diagnosis || !study.diagnosis->histories) return t;
+  const Histories& h = *study.diagnosis->histories;
+  const Json& mechanisms = list_at(study.diagnosis->summary, "mechanisms");
+  const bool named = std::find(mechanisms.begin(), mechanisms.end(), study.diagnosis->explanation) != mechanisms.end();
+  const std::string with = "with " + study.diagnosis->explanation + (named ? "" : " (nearest, not named)");
+  if (!h.record_mean.empty()) add_records(t, h);
+  const auto add = [&](const char* key, const std::string& label, const std::vector<double>& values, bool hidden) {
+    if (!values.empty()) t.series.push_back({key, label, &h, &values, false, hidden});
+  };
+  add("base", "simulation as it is", h.base, false);
+  add("explained", "simulation " + with, h.explained, false);
+  add("held_out_explained", "the same, fitted without this gauge", h.held_out_explained, false);
+  add("held_out_base", "simulation as it is, fitted without this gauge", h.held_out_base, !h.held_out_explained.empty());
+  add_names(t, input);
+  return t;
+}
+
 Traces collect(const Study& study, const ReportInput& input) {
   Traces t;
   const Histories* records = nullptr;
@@ -108,11 +146,7 @@ Traces collect(const Study& study, const ReportInput& input) {
     if (!records && !c.histories->record_mean.empty()) records = &*c.histories;
     if (!nominal && !c.histories->nominal.empty()) nominal = &*c.histories;
   }
-  if (records) {
-    t.series.push_back({"measured", "measured mean and band", records, &records->record_mean, true});
-    t.series.push_back({"low", "band low", records, &records->band_low, true});
-    t.series.push_back({"high", "band high", records, &records->band_high, true});
-  }
+  if (records) add_records(t, *records);
   if (nominal)
     t.series.push_back({"nominal", "nominal simulation", nominal, &nominal->nominal, false});
   else if (study.simulation)
@@ -120,15 +154,7 @@ Traces collect(const Study& study, const ReportInput& input) {
   for (const auto& c : study.calibrations)
     if (c.histories && !c.histories->calibrated.empty())
       t.series.push_back({c.method, "calibrated simulation, " + c.label, &*c.histories, &c.histories->calibrated, false});
-
-  const auto add = [](std::vector<std::string>& list, const std::string& name) {
-    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
-  };
-  for (const auto& s : input.sensors) add(t.sensors, s.name);
-  for (const auto& s : t.series) {
-    for (const auto& c : s.histories->conditions) add(t.conditions, c);
-    for (const auto& name : s.histories->sensors) add(t.sensors, name);
-  }
+  add_names(t, input);
   return t;
 }
 
@@ -160,10 +186,8 @@ std::vector<double> plot_times(const std::vector<Series>& series) {
     if (t > grid.back() + tolerance) times.push_back(t);
   return times;
 }
-}  // namespace
 
-Json histories_json(const Study& study, const ReportInput& input, std::size_t most) {
-  const Traces traces = collect(study, input);
+Json traces_json(const Traces& traces, const ReportInput& input, std::size_t most) {
   if (traces.series.empty()) return nullptr;
   const auto unit = display_unit(input);
   const auto grid = plot_times(traces.series);
@@ -174,7 +198,7 @@ Json histories_json(const Study& study, const ReportInput& input, std::size_t mo
   for (const double t : thinning.times(grid)) json["time"].push_back(rounded(t * 1e6, 7));
   json["series"] = Json::array();
   for (const auto& s : traces.series)
-    if (s.key != "low" && s.key != "high") json["series"].push_back({{"key", s.key}, {"label", s.label}});
+    if (s.key != "low" && s.key != "high") json["series"].push_back({{"key", s.key}, {"label", s.label}, {"hidden", s.hidden}});
   json["conditions"] = Json::array();
   for (const auto& condition : traces.conditions) {
     Json sensors = Json::array();
@@ -194,8 +218,7 @@ Json histories_json(const Study& study, const ReportInput& input, std::size_t mo
   return json;
 }
 
-std::string histories_csv(const Study& study, const ReportInput& input) {
-  const Traces traces = collect(study, input);
+std::string traces_csv(const Traces& traces, const ReportInput& input) {
   if (traces.series.empty()) return {};
   const double factor = display_unit(input).factor;
   const auto grid = union_times(traces.series);
@@ -225,5 +248,31 @@ std::string histories_csv(const Study& study, const ReportInput& input) {
     }
   return csv;
 }
+
+/// What stands beside a gauge's plot: how far the diagnosis' fits are from its record.
+Json misfit_lines(const Json& diagnosis) {
+  Json lines = Json::object();
+  const auto percent = [](const std::optional<double>& x) { return x ? fmt::format("{:.1f}\u00a0%", 100 * *x) : std::string("\u2013"); };
+  for (const auto& g : list_at(diagnosis, "gauges")) {
+    const auto before = number_at(g, "before"), after = number_at(g, "after"), out_before = number_at(g, "heldout_before"), out_after = number_at(g, "heldout_after");
+    const auto pair = [&](const auto& a, const auto& b) { return !b || a == b ? percent(a) : percent(a) + " \u2192 " + percent(b); };
+    const std::string told = text_at(lines, text_at(g, "sensor"));
+    lines[text_at(g, "sensor")] = told + (told.empty() ? "" : "; ") + "misfit " + pair(before, after) + (out_before ? ", left out " + pair(out_before, out_after) : "");
+  }
+  return lines;
+}
+}  // namespace
+
+Json histories_json(const Study& study, const ReportInput& input, std::size_t most) { return traces_json(collect(study, input), input, most); }
+
+std::string histories_csv(const Study& study, const ReportInput& input) { return traces_csv(collect(study, input), input); }
+
+Json diagnosis_histories_json(const Study& study, const ReportInput& input, std::size_t most) {
+  Json json = traces_json(collect_diagnosis(study, input), input, most);
+  if (!json.is_null()) json["scores"] = misfit_lines(study.diagnosis->summary);
+  return json;
+}
+
+std::string diagnosis_histories_csv(const Study& study, const ReportInput& input) { return traces_csv(collect_diagnosis(study, input), input); }
 
 }  // namespace calomel

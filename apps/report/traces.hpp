@@ -31,8 +31,14 @@ class Thinning {
 /// `most`: samples a trace at most.
 Json histories_json(const Study& study, const ReportInput& input, std::size_t most);
 
+/// The same of diagnosis.nc; series are "measured", "base", "explained" and each of the latter as it predicts gauges that were left out, "held_out_base" and "held_out_explained";
+/// a series that is `hidden` is switched off at first. `scores`: a line by gauge.
+Json diagnosis_histories_json(const Study& study, const ReportInput& input, std::size_t most);
+
 /// Every history at every one of its own times: condition, sensor, time_s, measured_mean, band_low, band_high, nominal,
 /// METHOD... in the display unit; a column that has no sample at a time is empty there. Empty text when there are none.
 std::string histories_csv(const Study& study, const ReportInput& input);
+/// The same of diagnosis.nc.
+std::string diagnosis_histories_csv(const Study& study, const ReportInput& input);
 
 }  // namespace calomel

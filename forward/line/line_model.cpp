@@ -136,7 +136,7 @@ Prediction LineModel::evaluate(std::span<const double> theta, const std::map<std
 std::vector<OfferedMechanism> LineModel::offered() const {
   std::vector<OfferedMechanism> all;
   for (const auto& m : case_.mechanisms)
-    if (is_offered(case_, m)) all.push_back({m.name, m.entry->law, m.entry->keys, m.entry->per_station});
+    if (is_offered(case_, m)) all.push_back({m.name, m.entry->law, m.entry->keys, m.entry->per_station, m.entry->plain, m.entry->check});
   return all;
 }
 

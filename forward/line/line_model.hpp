@@ -14,6 +14,7 @@ struct OfferedMechanism {
   std::string law;
   std::vector<MechanismKey> keys;  ///< name, unit, off value, default prior range, whether it decides
   bool per_station = false;        ///< "mechanism.NAME.STATION.KEY" is of one station alone
+  std::string plain, check;        ///< LineMechanismEntry's
 };
 
 /// What `check` prints.

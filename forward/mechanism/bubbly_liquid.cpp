@@ -51,11 +51,13 @@ std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup
 
 MechanismEntry bubbly_liquid() {
   return {.law = "p = max(p0 - K (e_v - alpha + alpha0) - eta de_v/dt, -sigma_c), alpha = alpha0 (R/R0)^3 by Keller and Miksis",
+          .plain = "gas bubbles in the mercury",
+          .check = "ask whether gas was in the mercury during these pulses, injected or carried over, and how much",
           .keys = {{.name = "alpha0", .unit = "", .off = 0, .low = 1e-5, .high = 1e-2, .log_uniform = true, .least = 0, .greatest = 0.1, .doc = "share of the volume that is gas at rest"},
-                   {.name = "radius", .unit = "m", .off = 1e-4, .low = 1e-5, .high = 5e-4, .log_uniform = true, .decides = false, .least = 1e-6, .greatest = 1e-2, .doc = "of the bubbles at rest, R0"},
+                   {.name = "radius", .unit = "m", .off = 1e-4, .low = 1e-5, .high = 5e-4, .log_uniform = true, .decides = false, .shapes = true, .least = 1e-6, .greatest = 1e-2, .doc = "of the bubbles at rest, R0"},
                    {.name = "ambient_pressure", .unit = "Pa", .off = 1e5, .low = 1e5, .high = 4e5, .decides = false, .least = 1e3, .greatest = 1e7, .doc = "absolute pressure at rest, p_a"},
                    {.name = "polytropic", .unit = "", .off = 1.16, .low = 1, .high = 1.67, .decides = false, .least = 1, .greatest = 1.67, .doc = "exponent kappa of the gas"},
-                   {.name = "thermal_viscosity", .unit = "Pa s", .off = 0.5, .low = 0, .high = 10, .decides = false, .least = 0, .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
+                   {.name = "thermal_viscosity", .unit = "Pa s", .off = 0.5, .low = 0.05, .high = 5, .log_uniform = true, .decides = false, .shapes = true, .least = 0, .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
           .cost = 2.5,
           .liquid = liquid};
 }

@@ -30,6 +30,8 @@ MechanismKey time_constant(const char* name, const char* doc) { return {.name = 
 
 MechanismEntry cavitation_kinetics() {
   return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant",
+          .plain = "voids in the mercury that take time to open and close",
+          .check = "see whether other records of the same mercury ask for the same time constants",
           .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes")},
           .like_the_mesh = true,
           .cost = 1.2,

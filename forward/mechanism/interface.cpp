@@ -39,7 +39,10 @@ MechanismEntry interface() {
   std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinite, .low = 0, .high = 1.5e5, .least = 0,
                                   .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds"}};
   for (auto& k : stretch_keys(faces())) keys.push_back(std::move(k));
-  return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound", .keys = std::move(keys), .fields = weaken};
+  return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound",
+          .plain = "a wetted wall that the mercury leaves early",
+          .check = "look at how well the mercury wets that wall: its surface, oxide, gas at it",
+          .keys = std::move(keys), .fields = weaken};
 }
 
 }  // namespace calomel

@@ -28,6 +28,7 @@ struct MechanismKey {
   double low, high;         ///< default prior range
   bool log_uniform = false;
   bool decides = true;      ///< the mechanism is off when every deciding key has its off value
+  bool shapes = false;      ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
   std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
@@ -69,7 +70,9 @@ struct RingDown {
 
 /// What the registry knows of a mechanism. A function that is null changes nothing; all null: not built in this version.
 struct MechanismEntry {
-  std::string law;  ///< one line
+  std::string law;    ///< one line
+  std::string plain;  ///< what is left out without it, for a reader who knows no law: "the proton beam's profile"
+  std::string check;  ///< what to do where it is named: "compare ..."
   std::vector<MechanismKey> keys;
   bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
   bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot tell the two apart

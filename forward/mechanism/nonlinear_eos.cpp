@@ -41,6 +41,8 @@ std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup
 
 MechanismEntry nonlinear_eos() {
   return {.law = "p = max((K/m) ((1 - e)^m - 1) - eta de_v/dt, -sigma_c), e = e_v - p0/K",
+          .plain = "mercury that stiffens under pressure",
+          .check = "check the peak pressure of the case, for stiffening shows at high pressure only",
           .keys = {{.name = "exponent", .unit = "", .off = 1, .low = 1, .high = 14, .least = 1, .greatest = 30, .doc = "m; 10.8 for mercury, whose B/A is 7.8"}},
           .cost = 1.9,
           .liquid = liquid};

@@ -162,7 +162,10 @@ MechanismEntry previous_pulses() {
     for (const char* of : {"cos", "sin"})
       keys.push_back({.name = key(of, j), .unit = "", .off = 0, .low = -1, .high = 1,
                       .doc = std::string(*of == 'c' ? "A" : "B") + " of wet mode " + std::to_string(j + 1) + " at the start of the record, in what one pulse leaves when its own ends"});
-  return {.law = "s(t) = r(t) - r(0), r = sum_j phi_sj (A_j cos w_j t + B_j sin w_j t) exp(-zeta_j w_j t)", .keys = std::move(keys), .cost = 3, .superpose = add_ringing};
+  return {.law = "s(t) = r(t) - r(0), r = sum_j phi_sj (A_j cos w_j t + B_j sin w_j t) exp(-zeta_j w_j t)",
+          .plain = "what earlier pulses left ringing",
+          .check = "see how long before each record the last pulse came, and take records of single pulses",
+          .keys = std::move(keys), .cost = 3, .superpose = add_ringing};
 }
 
 }  // namespace calomel

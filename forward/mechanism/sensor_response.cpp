@@ -40,6 +40,8 @@ void respond(const MechanismValues& v, const std::string& sensor, double interva
 
 MechanismEntry sensor_response() {
   return {.law = "gain, low pass, delay, angle, transverse part and offset of each gauge",
+          .plain = "the response of the gauges",
+          .check = "check calibration, amplifier, clock and orientation of the gauges",
           .keys = {{.name = "gain", .unit = "", .off = 1, .low = 0.85, .high = 1.15, .doc = "reading per true strain, on top of the sensor's own"},
                    {.name = "low_pass", .unit = "Hz", .off = std::numeric_limits<double>::infinity(), .low = 20e3, .high = 500e3, .log_uniform = true, .least = 1, .doc = "-3 dB frequency of a second-order Butterworth; inf = none"},
                    {.name = "delay", .unit = "s", .off = 0, .low = -2e-6, .high = 2e-6, .doc = "by which the reading lags"},

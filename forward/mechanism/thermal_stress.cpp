@@ -23,9 +23,11 @@ void heat_steel(const MechanismValues& v, const Mesh& mesh, const LoadOptions& l
 
 MechanismEntry thermal_stress() {
   return {.law = "sigma = C : (e - a dT) in the steel, dT = delta_t S(y, z) exp(-x / decay), rising with the pulse",
+          .plain = "heat that the pulse leaves in the steel",
+          .check = "compare the rise of temperature with the heat that was calculated for the wall, or with thermocouples on it",
           .keys = {{.name = "delta_t", .unit = "K", .off = 0, .low = 0, .high = 2, .least = 0, .greatest = 1000,
                     .doc = "rise of temperature that a pulse of [load] brings on the axis of the beam at the outer front face"},
-                   {.name = "decay", .unit = "m", .off = 0.05, .low = 0.02, .high = 0.1, .decides = false, .least = 1e-3,
+                   {.name = "decay", .unit = "m", .off = 0.05, .low = 0.02, .high = 0.1, .decides = false, .shapes = true, .least = 1e-3,
                     .doc = "length along the beam over which the heat of the steel falls to 1/e"}},
           .fields = heat_steel};
 }

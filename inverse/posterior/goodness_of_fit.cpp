@@ -38,7 +38,7 @@ GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mo
   const Eigen::MatrixXd covariance = errors.covariance() + density.variance * noise;
   const Eigen::VectorXd variance = covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd residual = errors.data() - coefficients * posterior.emulator().features(mode.at.u, mode.at.beyond);
-  const double p = double(residual.size()), parameters = double(posterior.dimension()), of_scale = posterior.freedom(mode.at);
+  const double p = double(residual.size()), parameters = double(posterior.dimension()), of_scale = posterior.freedom(posterior.likeliest(mode.at));
   out.values = std::size_t(residual.size());
   out.chi2 = density.chi2;
   out.effective_data = p * p / (unit.asDiagonal() * covariance * unit.asDiagonal()).squaredNorm();

@@ -127,7 +127,7 @@ LogPosterior::Density LogPosterior::density(const Point& at) const {
   out.variance = x.dot(hx);
 
   std::vector<Eigen::VectorXd> gradients;
-  std::vector<double> logs;
+  std::vector<double>& logs = out.log_terms;
   std::size_t best = 0;
   double chi2 = 0;
   for (const auto& h : hypotheses_) {
@@ -210,14 +210,14 @@ std::size_t LogPosterior::likeliest(const Point& at) const {
   return std::size_t(std::max_element(weights.begin(), weights.end()) - weights.begin());
 }
 
-Eigen::VectorXd LogPosterior::whitened_residual(const Point& at) const {
-  const Hypothesis& h = hypotheses_[likeliest(at)];
+Eigen::VectorXd LogPosterior::whitened_residual(const Point& at, std::size_t hypothesis) const {
+  const Hypothesis& h = hypotheses_.at(hypothesis);
   const Eigen::VectorXd x = emulator_.features(at.u, at.beyond);
   return (h.data - h.coefficients * x).array() / (1 + emulator_.variance(x) * h.ratio.array()).sqrt();
 }
 
-Eigen::MatrixXd LogPosterior::whiten(const Eigen::MatrixXd& directions, const Point& at) const {
-  const Hypothesis& h = hypotheses_[likeliest(at)];
+Eigen::MatrixXd LogPosterior::whiten(const Eigen::MatrixXd& directions, const Point& at, std::size_t hypothesis) const {
+  const Hypothesis& h = hypotheses_.at(hypothesis);
   const double variance = emulator_.variance(emulator_.features(at.u, at.beyond));
   return (1 + variance * h.ratio.array()).rsqrt().matrix().asDiagonal() * (h.whitener * directions);
 }

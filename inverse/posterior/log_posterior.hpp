@@ -74,7 +74,8 @@ class LogPosterior {
     double log_prior = 0;        ///< of theta in natural units, and of k
     double chi2 = 0;             ///< sum r_i^2 / (1 + v l_i), of the likeliest hypothesis
     double variance = 0;         ///< v
-    std::vector<double> weights;  ///< of the hypotheses about the errors at this point; they sum to 1
+    std::vector<double> log_terms;  ///< log w_j L_j of the hypotheses about the errors
+    std::vector<double> weights;    ///< of those at this point; they sum to 1
     Eigen::VectorXd likelihood_gradient, prior_gradient;
     [[nodiscard]] double log_posterior() const { return log_likelihood + log_prior; }
   };
@@ -87,15 +88,17 @@ class LogPosterior {
   /// Density whose top is the mode that is reported, as a function of q: log L + log prior, of the logarithm of a parameter with a lognormal prior.
   double mode_density(const Eigen::VectorXd& q, Eigen::VectorXd* gradient = nullptr) const;
 
-  /// records - emulator at a point, whitened by the errors' covariance and the emulator's variance there, of the likeliest hypothesis, (size).
-  [[nodiscard]] Eigen::VectorXd whitened_residual(const Point& point) const;
+  /// records - emulator at a point, whitened by the errors' covariance and the emulator's variance there, of one hypothesis, (size).
+  [[nodiscard]] Eigen::VectorXd whitened_residual(const Point& point, std::size_t hypothesis) const;
   /// Directions on the grid in the same coordinates, (size, n).
-  [[nodiscard]] Eigen::MatrixXd whiten(const Eigen::MatrixXd& directions, const Point& point) const;
+  [[nodiscard]] Eigen::MatrixXd whiten(const Eigen::MatrixXd& directions, const Point& point, std::size_t hypothesis) const;
   /// Change of the prediction by (u of the free parameters, k), on the grid, (size, dimension).
   [[nodiscard]] Eigen::MatrixXd jacobian(const Point& point) const;
   [[nodiscard]] Eigen::Index values() const { return coefficients_.rows(); }
-  /// Degrees of freedom of the errors' scale, of the likeliest hypothesis; infinity for a Gaussian.
-  [[nodiscard]] double freedom(const Point& point) const { return hypotheses_[likeliest(point)].freedom; }
+  /// How many hypotheses there are about the errors.
+  [[nodiscard]] std::size_t hypotheses() const { return hypotheses_.size(); }
+  /// Degrees of freedom of the errors' scale; infinity for a Gaussian.
+  [[nodiscard]] double freedom(std::size_t hypothesis) const { return hypotheses_[hypothesis].freedom; }
   /// Index of the hypothesis about the errors with the greatest weight at a point.
   [[nodiscard]] std::size_t likeliest(const Point& point) const;
 

@@ -34,6 +34,7 @@ class Fit {
     fill_box(0);
     fit();
     for (int round = 1; round <= in_.emulator.rounds && !settled(); ++round) {
+      if (in_.go_on && !in_.go_on(out_)) break;
       if (near_edge()) {
         move_box();
         fill_box(std::uint64_t(round));

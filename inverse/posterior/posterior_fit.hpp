@@ -83,6 +83,7 @@ struct PosteriorInputs {
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
+  std::function<bool(const struct PosteriorFit&)> go_on;         ///< asked before every further round whether the fit is still wanted; may be empty
 };
 
 /// One round: what was run and where the answer stood after it.

@@ -115,6 +115,12 @@ double log_prior(std::span<const Prior> priors, std::span<const double> theta) {
   return sum;
 }
 
+std::optional<double> prior_deviation(const Parameter& p, double value) {
+  if (p.prior == "normal" || p.prior == "truncated_normal") return (value - *p.mean) / *p.sd;
+  if (p.prior == "lognormal") return (std::log(value) - *p.mu) / *p.sigma;
+  return {};
+}
+
 std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters) {
   for (auto& p : parameters) {
     const auto known = std::find_if(handbook.begin(), handbook.end(), [&](const Handbook& h) { return p.key == h.key; });

@@ -1,5 +1,6 @@
 #pragma once
 /// Prior densities of the parameters, and the coordinates in which they are searched.
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ class Prior {
 std::vector<Prior> priors_of(std::span<const Parameter> parameters);
 /// Sum of the log densities.
 double log_prior(std::span<const Prior> priors, std::span<const double> theta);
+
+/// Distance of a value from the middle of a normal, truncated normal or lognormal prior, in its standard deviations (of the logarithm); none of another prior.
+std::optional<double> prior_deviation(const Parameter& parameter, double value);
 
 /// The parameters with handbook priors where these are known: density normal about nominal with 1.5 %, sound speed normal with 3 %, tensile cutoff
 /// lognormal with ln nominal and 0.7 (of material.mercury). Others keep the case's prior; one that is uniform is refused, because a free

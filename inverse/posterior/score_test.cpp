@@ -35,17 +35,17 @@ Eigen::MatrixXd span_of(const Eigen::MatrixXd& m) {
 class Tests {
  public:
   Tests(const LogPosterior& posterior, const LogPosterior::Point& at, const Decimation& grid, const Eigen::MatrixXd& nothing_missing)
-      : posterior_(posterior), at_(at), grid_(grid), fitted_(span_of(posterior.whiten(posterior.jacobian(at), at))) {
-    residual_ = beside(posterior.whitened_residual(at));
+      : posterior_(posterior), at_(at), grid_(grid), errors_(posterior.likeliest(at)), fitted_(span_of(posterior.whiten(posterior.jacobian(at), at, errors_))) {
+    residual_ = beside(posterior.whitened_residual(at, errors_));
     freedom_ = double(residual_.size() - fitted_.cols());
-    if (nothing_missing.cols() > 0) others_ = beside(posterior.whiten(nothing_missing, at));
+    if (nothing_missing.cols() > 0) others_ = beside(posterior.whiten(nothing_missing, at, errors_));
   }
   [[nodiscard]] double scale() const { return residual_.squaredNorm() / freedom_; }
 
   [[nodiscard]] ScoreTest of(const MechanismDirections& l) const {
     ScoreTest out{.name = l.name, .counts = !l.like_the_mesh};
     expect(std::size_t(l.directions.cols()) == l.keys.size() && l.off.size() == l.keys.size(), "every direction has a key");
-    const Eigen::MatrixXd whitened = posterior_.whiten(grid_.apply(l.directions), at_), free = beside(whitened);
+    const Eigen::MatrixXd whitened = posterior_.whiten(grid_.apply(l.directions), at_, errors_), free = beside(whitened);
     std::vector<Eigen::Index> seen;
     for (Eigen::Index k = 0; k < free.cols(); ++k)
       if (free.col(k).norm() > nothing * whitened.col(k).norm() && whitened.col(k).norm() > 0) seen.push_back(k);
@@ -85,6 +85,7 @@ class Tests {
   const LogPosterior& posterior_;
   const LogPosterior::Point& at_;
   const Decimation& grid_;
+  const std::size_t errors_;  ///< the likeliest hypothesis about them
   Eigen::MatrixXd fitted_;
   Eigen::VectorXd residual_;
   Eigen::MatrixXd others_;  ///< whitened residuals at which nothing was missing, (values, k)

@@ -102,7 +102,7 @@ std::string case_file_in(const std::string& text) {
 /// Layers from the lowest up; a file may include what stands in its own layer and below.
 const std::vector<std::string> house{"base", "forward", "inverse", "uq", "apps"};
 /// Those of apps/.
-const std::vector<std::string> rooms{"apps/report", "apps/inputs", "apps/presentation", "apps/pipeline"};
+const std::vector<std::string> rooms{"apps/report", "apps/inputs", "apps/presentation", "apps/pipeline", "apps/challenge"};
 
 /// "FILE includes INCLUDED" for every include of a file at `path` that leads up.
 std::vector<std::string> upward_includes(const std::string& path, const std::string& text, const std::vector<std::string>& layers) {

@@ -14,3 +14,5 @@ step(${CMAKE_COMMAND} --build ${WORK}/build)
 step(${WORK}/build/consumer ${CASE})
 message("${said}")
 step(${WORK}/prefix/bin/calomel --version)
+# The generator of records stands where the installed program looks for it.
+step(${WORK}/prefix/bin/calomel challenge make --seed 1 --out ${WORK}/suite --none 1 --single 0 --outside 0 --sensor 0 --pair 0 --grid 0.5e-3)

@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
-"""What the generator's own grid costs, and how far it agrees with the library. Needs Debian's python3-numpy, and python3-netcdf4 for --calomel.
+"""What the generator's own grid costs, and how far it agrees with the library. Needs Debian's python3-numpy, and python3-netcdf4 for --library.
 
-  verify.py GENERATOR WORK_DIR [--seed 1] [--slices 3] [--grids 0.5,0.25,0.125] [--calomel PROGRAM --elements 0.5,0.25]
+  verify.py GENERATOR CALOMEL WORK_DIR [--seed 1] [--slices 3] [--grids 0.5,0.25,0.125] [--library --elements 0.5,0.25]
 
-Slices of draw_suite.py with nothing concealed, no noise, gauges in their places and gains of 1: ensemble means of eight energies. Relative L2, mean over the gauges (worst), of all samples and after a
+Slices of `calomel challenge make` with nothing concealed, no noise, gauges in their places and gains of 1: ensemble means of eight energies. Relative L2, mean over the gauges (worst), of all samples and after a
 Hann window to 20 kHz, as the posterior compares; of every grid against the next finer one, and of the library's `simulate --mean` at the true parameters against the grids. A call that is cut off
 goes on where it stopped.
 """
 import argparse
 import os
-import random
 import re
 import subprocess
 import sys
@@ -18,14 +17,26 @@ import tomllib
 
 import numpy as np
 
-from draw_suite import spec
-
 ENERGIES = [0.97699, 0.98669, 0.99267, 0.99764, 1.00236, 1.00733, 1.01331, 1.02301]  # quantiles of 1.5 %, those of the library
 FACTOR = 25  # samples of 1 us in a decimated value
 
 
-def slice_spec(path, seed, index, grid, cutoff=None):
-    text = spec(f"verification {index}", [], random.Random(f"verification {seed} {index}"), grid)
+def drawn_specs(program, folder, seed, slices):
+    """SPEC files of cases with nothing concealed."""
+    out = os.path.join(folder, f"drawn_{seed}_{slices}")
+    kinds = [x for kind in ("single", "outside", "sensor", "pair") for x in (f"--{kind}", "0")]
+    done = subprocess.run([program, "challenge", "make", "--seed", str(seed), "--out", out, "--none", str(slices), *kinds, "--specs", "--quiet"], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(done.stderr)
+    texts = []
+    for index in range(slices):
+        with open(os.path.join(out, "truth", f"case_{index + 1:03d}.spec.toml")) as f:
+            texts.append(f.read())
+    return texts
+
+
+def slice_spec(path, drawn, grid, cutoff=None):
+    text = re.sub(r"(?m)^grid = .*$", f"grid = {grid!r}", drawn)
     text = re.sub(r"(?m)^(place_sd|gain_sd|noise) = .*$", r"\1 = 0.0", text)
     text = re.sub(r"\[pulses\]\n(.+\n)+", f"[pulses]\nenergies = {ENERGIES}\n", text)
     if cutoff:
@@ -89,26 +100,28 @@ def differences(a, b):
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("generator")
+    p.add_argument("calomel")
     p.add_argument("work")
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--slices", type=int, default=3)
     numbers = lambda s: [float(x) for x in s.split(",")]
     p.add_argument("--grids", type=numbers, default=[0.5, 0.25, 0.125])
-    p.add_argument("--calomel")
+    p.add_argument("--library", action="store_true")
     p.add_argument("--elements", type=numbers, default=[0.5, 0.25])
     args = p.parse_args()
     results = {}
-    for index in range(args.slices):
+    os.makedirs(args.work, exist_ok=True)
+    for index, drawn in enumerate(drawn_specs(os.path.abspath(args.calomel), os.path.abspath(args.work), args.seed, args.slices)):
         folder = os.path.join(os.path.abspath(args.work), f"slice_{args.seed}_{index}")
         os.makedirs(folder, exist_ok=True)
         means = {}
         for grid in args.grids:
             path = os.path.join(folder, f"grid_{grid:g}.toml")
-            slice_spec(path, args.seed, index, 1e-3 * grid)
+            slice_spec(path, drawn, 1e-3 * grid)
             means[f"grid {grid:g}"] = own(os.path.abspath(args.generator), folder, path, grid)
         path = os.path.join(folder, f"grid_{args.grids[0]:g}.toml")  # any grid will do to write the case
-        truth = slice_spec(path, args.seed, index, 1e-3 * args.grids[0])
-        for size in args.elements if args.calomel else []:
+        truth = slice_spec(path, drawn, 1e-3 * args.grids[0])
+        for size in args.elements if args.library else []:
             means[f"library {size:g}"] = library(os.path.abspath(args.calomel), os.path.abspath(args.generator), folder, path, truth, size)
         grids = [f"grid {g:g}" for g in args.grids]
         pairs = list(zip(grids, grids[1:])) + [(a, b) for a in means if a.startswith("library") for b in grids[-2:]]

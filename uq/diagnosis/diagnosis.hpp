@@ -10,10 +10,9 @@
 #include "base/options.hpp"
 #include "forward/parameter_group.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
-#include "inverse/posterior/score_test.hpp"
-#include "uq/diagnosis/first_order.hpp"
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/locate.hpp"
+#include "uq/diagnosis/question.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
@@ -31,23 +30,21 @@ struct DiagnosisOptions {
   template <class V>
   void visit(V& v) {
     v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told"});
-    v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model: those that lead to first order"});
+    v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("candidate_coarse", candidate_coarse, {.range = between(1, 10000), .doc = "runs of the coarser mesh with a mechanism to begin with, beside the base model's"});
     v("candidate_fine", candidate_fine, {.range = between(1, 10000), .doc = "those of the finest mesh"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
   }
 };
 
-/// Runs the columns of thetas (n_parameters + added, n), each on its level's mesh.
-using RunAdded = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added)>;
-
 struct DiagnosisInputs {
   const PosteriorInputs& base;          ///< of the physical product; its box stands
   std::vector<ParameterGroup> groups;   ///< offered
   RunAdded run;
-  std::function<std::vector<MechanismDirections>(std::span<const double> theta)> linear;  ///< directions of the linear groups; may be empty
+  LinearDirections linear;
   DiagnosisOptions options;
   std::function<void(const std::string&)> say;  ///< what is being done; may be empty
+  std::function<void(const PosteriorRound&, const std::vector<Parameter>&)> round;  ///< told after every fit of a candidate's emulator; may be empty
 };
 
 struct Estimate {
@@ -60,15 +57,17 @@ struct Alternative {
   Explanation explanation;
   std::vector<std::string> groups;     ///< one, or two of a pair
   std::string sensor;                  ///< of a fault of one gauge
+  std::string place;                   ///< of the group: the wall that it acts on, or empty
   double first_log_bayes_factor = 0;   ///< to first order about the base fit
   double p_value = 1;                  ///< of its score test, not corrected for their number
   std::vector<Estimate> numbers;       ///< natural units
   std::vector<Estimate> base_parameters;  ///< of the case's own, with it
-  std::vector<double> history;         ///< (values of the model) at its mode: of the model itself where its runs cost little, else by the emulator
-  double true_model_shift = 0;         ///< log likelihood by that run less that by the emulator, where there is one
+  std::vector<double> history;         ///< (values of the model) at its mode
   std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
   double held_out_gain = 0;            ///< 1 - after / before
+  std::vector<double> held_out_history;  ///< (values of the model): each gauge by the fit without it; empty where none was made
   int runs = 0;                        ///< made for it alone
+  bool settled = false;                ///< its emulator
   std::string message;
 };
 
@@ -81,9 +80,9 @@ struct Diagnosis {
   std::vector<std::string> parameters;       ///< the case's own
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
-  std::vector<double> base_history;          ///< (values of the model), as Alternative::history
-  double base_true_model_shift = 0;
+  std::vector<double> base_history;          ///< (values of the model)
   double held_out_before = 0, held_out_after = 0;
+  std::vector<double> held_out_history;      ///< (values of the model): each gauge by the base fit without it
   int runs = 0;
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::string separating;                    ///< the measurement that would tell the first two apart

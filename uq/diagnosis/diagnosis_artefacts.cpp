@@ -1,10 +1,13 @@
 #include <cmath>
+#include <limits>
 
 #include "base/json.hpp"
 #include "base/nan.hpp"
+#include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
+#include "uq/diagnosis/plain_words.hpp"
 
 namespace calomel {
 
@@ -36,12 +39,60 @@ double residual_rms(const Problem& problem, const std::vector<double>& history) 
   return problem.mae_scale * std::sqrt(sum / double(n));
 }
 
-Json fit_of(const Problem& problem, const std::vector<double>& history, double held_out) {
+Json fit_of(const Problem& problem, const std::vector<double>& history, double compared, double held_out) {
   const Score s = score(problem, history);
-  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"heldout_nrmse", number(held_out)}, {"residual_rms", number(residual_rms(problem, history))}, {"unit", problem.mae_unit}};
+  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"compared_nrmse", number(compared)}, {"heldout_nrmse", number(held_out)},
+          {"residual_rms", number(residual_rms(problem, history))}, {"unit", problem.mae_unit}};
 }
 
-/// The explanation that the verdict is about, or null.
+/// |history - record| / |record| of each observation on the grid that is compared; NaN where there is no history.
+std::vector<double> misfits_of(const PosteriorFit& base, const std::vector<double>& history) {
+  const Decimation& grid = base.errors->grid();
+  std::vector<double> all(grid.observations(), std::numeric_limits<double>::quiet_NaN());
+  if (history.empty()) return all;
+  const Eigen::VectorXd values = grid.apply(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = misfit_of(fold_of(grid, {i}), grid, values, base.errors->data());
+  return all;
+}
+
+double mean_of(const std::vector<double>& x) {
+  double sum = 0;
+  for (const double v : x) sum += v;
+  return sum / double(x.size());
+}
+
+/// Middle and deviation of what was known of the parameters beforehand; those without such a prior are left out.
+Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters) {
+  Json object = Json::object();
+  for (const auto& e : d.base_parameters)
+    for (const auto& p : parameters) {
+      if (p.name != e.name) continue;
+      if (p.mean && p.sd) object[p.name] = {{"mean", number(*p.mean)}, {"sd", number(*p.sd)}};
+      if (p.mu && p.sigma) object[p.name] = {{"mean", number(std::exp(*p.mu))}, {"sd", number(std::exp(*p.mu) * *p.sigma)}};
+    }
+  return object;
+}
+
+/// In the case's unit: a number that the fit counts by its inverse is told as itself; null where it is none.
+Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& groups) {
+  for (const auto& g : groups)
+    for (const auto& a : g.added)
+      if (a.inverse && e.name.ends_with(a.parameter.name)) return {e.name, 1 / e.mean, e.sd / (e.mean * e.mean)};
+  return e;
+}
+
+Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& groups) {
+  std::vector<Estimate> told;
+  for (const auto& e : c.numbers) told.push_back(in_case_unit(e, groups));
+  Json list = estimates_json(told);
+  for (std::size_t i = 0; i < c.numbers.size(); ++i) {
+    const PlainNumber plain = plain_number(c, c.numbers[i], groups);
+    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations);
+  }
+  return list;
+}
+
+/// The explanation that the verdict names, the first of them, or null.
 const Alternative* named_of(const Diagnosis& d) {
   if (d.verdict.mechanisms.empty()) return nullptr;
   for (const auto& c : d.candidates)
@@ -51,15 +102,10 @@ const Alternative* named_of(const Diagnosis& d) {
 
 Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
   const LocatedMismatch& l = d.location;
-  Json sensors = Json::array(), windows = Json::array(), bands = Json::array(), map = Json::array();
+  Json sensors = Json::array(), windows = Json::array(), bands = Json::array();
   for (const auto& s : l.sensors) sensors.push_back({{"name", s.name}, {"score", number(s.score)}, {"q_value", number(s.q_value)}});
   for (const auto& w : l.windows) windows.push_back({{"begin_s", w.begin}, {"end_s", w.end}, {"score", number(w.score)}, {"q_value", number(w.q_value)}});
   for (const auto& b : l.bands) bands.push_back({{"low_hz", b.low}, {"high_hz", b.high}, {"score", number(b.score)}, {"q_value", number(b.q_value)}});
-  for (Eigen::Index i = 0; i < l.map.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index w = 0; w < l.map.cols(); ++w) row.push_back(number(l.map(i, w)));
-    map.push_back(std::move(row));
-  }
   Json region = Json::object();
   if (!l.first_sensor.empty()) {
     region = {{"first_sensor", l.first_sensor}, {"first_time_s", l.first_time}};
@@ -70,7 +116,7 @@ Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
         region["position"] = {at[0], at[1], at[2]};
       }
   }
-  return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", map}, {"region", region}};
+  return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", matrix_json(l.map)}, {"map_q_values", matrix_json(l.map_q_values)}, {"region", region}};
 }
 
 }  // namespace
@@ -81,29 +127,48 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
     Json entry{{"name", r.name}, {"probability", number(r.probability)}, {"log_evidence", number(r.log_evidence)}, {"parameters", Json::array()}, {"heldout_gain", 0.0}};
     for (const auto& c : d.candidates)
       if (c.explanation.name == r.name) {
-        entry["parameters"] = estimates_json(c.numbers);
+        entry["parameters"] = numbers_json(c, in.groups);
+        entry["plain_name"] = plain_name(c, in.groups), entry["size"] = plain_size(c, in.groups);
+        const auto share = share_explained(d.evidence, c.explanation);
+        entry["explained"] = share ? Json(*share) : Json(), entry["numerical"] = c.explanation.numerical;
+        entry["heldout_tried"] = !c.held_out.empty();
         entry["heldout_gain"] = number(c.held_out_gain);
         entry["log_bayes_factor"] = number(c.explanation.log_bayes_factor), entry["first_order_log_bayes_factor"] = number(c.first_log_bayes_factor);
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
-        if (in.base.draw_in && c.explanation.fitted) entry["true_model_shift"] = number(c.true_model_shift);
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
       }
+    const Why because = why(d, r.name, in.groups);
+    entry["why"] = because.why, entry["would_change"] = because.would_change;
     ranking.push_back(std::move(entry));
   }
   const Alternative* named = named_of(d);
+  const std::vector<double>& after_history = named ? named->history : d.base_history;
+  const auto before = misfits_of(d.base, d.base_history), after = misfits_of(d.base, after_history);
+  const auto out_before = misfits_of(d.base, d.held_out_history), out_after = misfits_of(d.base, named ? named->held_out_history : d.held_out_history);
+  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after});
+  Json gauges = Json::array();
+  for (std::size_t i = 0; i < before.size(); ++i)
+    gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])}, {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},
+                      {"condition", in.base.problem.shape.conditions[in.base.problem.observations[i].condition]}, {"before", number(before[i])}, {"after", number(after[i])}, {"heldout_before", number(out_before[i])},
+                      {"heldout_after", number(out_after[i])}});
   Json absorbed = Json::array();
   for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
     if (std::abs(d.handbook_pulls[k]) > absorbing) absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
   return {{"verdict", text(d.verdict.kind)},
           {"mechanisms", d.verdict.mechanisms},
           {"reason", d.verdict.reason},
+          {"summary", summary.text()},
+          {"finding", summary.finding},
+          {"next_step", summary.next_step},
           {"ranking", ranking},
           {"location", location_json(d, in)},
-          {"fit", {{"before", fit_of(in.base.problem, d.base_history, d.held_out_before)}, {"after", fit_of(in.base.problem, named ? named->history : d.base_history, d.held_out_after)}}},
-          {"base_parameters", {{"before", by_name(d.base_parameters)}, {"after", by_name(named ? named->base_parameters : d.base_parameters)}}},
+          {"fit", {{"before", fit_of(in.base.problem, d.base_history, mean_of(before), d.held_out_before)}, {"after", fit_of(in.base.problem, after_history, mean_of(after), d.held_out_after)}}},
+          {"gauges", gauges},
+          {"base_parameters", {{"before", by_name(d.base_parameters)}, {"after", by_name(named ? named->base_parameters : d.base_parameters)},
+                               {"handbook", handbook_json(d, in.base.parameters)}}},
           {"absorbed", absorbed},
           {"separating_measurement", d.separating},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"log_without_discrepancy", number(d.evidence.log_plain)},
@@ -112,6 +177,48 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},
           {"provenance", provenance.json()}};
+}
+
+const Alternative* shown_explanation(const Diagnosis& d) {
+  if (const Alternative* named = named_of(d)) return named;
+  if (d.verdict.kind != VerdictKind::unknown) return nullptr;
+  for (const auto& c : d.candidates)
+    if (!c.history.empty() && c.explanation.log_bayes_factor > 0) return &c;
+  return nullptr;
+}
+
+void write_diagnosis_histories(const Diagnosis& d, const Problem& problem, const Provenance& provenance, const std::filesystem::path& path) {
+  const auto& shape = problem.shape;
+  const BandArrays bands = band_arrays(problem);
+  const Alternative* shown = shown_explanation(d);
+  NetcdfWriter file(path);
+  file.attribute("title", "calomel diagnosis");
+  file.attribute("verdict", text(d.verdict.kind));
+  file.attribute("explanation", shown ? shown->explanation.name : "");
+  file.attribute("provenance", provenance.json().dump());
+  file.dimension("condition", shape.conditions.size());
+  file.dimension("sensor", shape.sensors.size());
+  file.dimension("time", shape.times.size());
+  file.dimension("record_time", problem.time.size());
+  file.variable("condition", {"condition"}, shape.conditions);
+  file.variable("sensor", {"sensor"}, shape.sensors);
+  file.variable("time", {"time"}, shape.times, {{"units", "s"}});
+  file.variable("record_time", {"record_time"}, problem.time, {{"units", "s"}});
+  const std::string units = problem.unit == "strain" ? "1" : problem.unit;
+  const std::vector<std::string> model{"condition", "sensor", "time"}, record{"condition", "sensor", "record_time"};
+  const auto history = [&](const std::string& name, const std::vector<double>& values, const std::string& what) {
+    if (!values.empty()) file.variable(name, model, values, {{"units", units}, {"long_name", what}});
+  };
+  history("base", d.base_history, "base model at its best fit, by the emulator");
+  history("held_out_base", d.held_out_history, "each gauge by the base model fitted without it");
+  if (shown) {
+    history("explained", shown->history, "model with " + shown->explanation.name + " at its best fit");
+    history("held_out_explained", shown->held_out_history, "each gauge by the model with " + shown->explanation.name + " fitted without it");
+  }
+  file.variable("record_mean", record, bands.mean, {{"units", units}, {"long_name", "mean of the recorded pulses"}});
+  file.variable("band_low", record, bands.low, {{"units", units}, {"long_name", "lower end of the 95 % band"}});
+  file.variable("band_high", record, bands.high, {{"units", units}, {"long_name", "upper end of the 95 % band"}});
+  file.commit();
 }
 
 }  // namespace calomel

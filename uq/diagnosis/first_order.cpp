@@ -1,31 +1,125 @@
 #include "uq/diagnosis/first_order.hpp"
 
-#include "base/linear_algebra.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace calomel {
 
-FirstOrder first_order(const LogPosterior& posterior, const LocalMode& mode, const Decimation& grid, const AddedDirections& directions) {
-  const Eigen::Index n = directions.by_number.cols();
-  expect(directions.prior_sd.size() == n && (directions.prior_sd.array() > 0).all(), "every number has a prior");
-  const Eigen::VectorXd r = posterior.whitened_residual(mode.at);
-  const Eigen::MatrixXd j = posterior.whiten(posterior.jacobian(mode.at), mode.at);
-  // In units of the priors, so that P is 1.
-  const Eigen::MatrixXd d = posterior.whiten(grid.apply(directions.by_number), mode.at) * directions.prior_sd.asDiagonal();
-  const Eigen::MatrixXd jd = j.transpose() * d;
-  Eigen::MatrixXd a = d.transpose() * d - jd.transpose() * mode.covariance * jd;
-  a = 0.5 * (a + a.transpose()).eval();
-  // What the fit's coordinates do as well is left with nothing, never with less.
-  SymmetricEigen eigen = symmetric_eigen(a);
-  const Eigen::VectorXd values = eigen.values.cwiseMax(0.0).array() + 1;
-  const Eigen::VectorXd b = eigen.vectors.transpose() * (d.transpose() * r);
-  FirstOrder out;
-  out.log_bayes_factor = 0.5 * (b.array().square() / values.array() - values.array().log()).sum();
-  const Eigen::VectorXd mu = eigen.vectors * (b.array() / values.array()).matrix();
-  const Eigen::MatrixXd covariance = eigen.vectors * values.cwiseInverse().asDiagonal() * eigen.vectors.transpose();
-  out.value = directions.prior_sd.asDiagonal() * mu;
-  out.sd = directions.prior_sd.cwiseProduct(covariance.diagonal().cwiseSqrt());
-  out.shift = -mode.covariance * (jd * mu);
+namespace {
+
+constexpr double of_the_box = 3;  ///< inverse variance of a coordinate that is uniform on [-1, 1]
+
+/// -log density of a residual over that of 0.
+double penalty(double chi2, double freedom, double values) {
+  chi2 = std::max(0.0, chi2);
+  return std::isinf(freedom) ? 0.5 * chi2 : 0.5 * (freedom + values) * std::log1p(chi2 / freedom);
+}
+
+double log_sum(const std::vector<double>& terms) {
+  const double most = *std::max_element(terms.begin(), terms.end());
+  double sum = 0;
+  for (const double t : terms) sum += std::exp(t - most);
+  return most + std::log(sum);
+}
+
+Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  Eigen::VectorXd out(a.size() + b.size());
+  out << a, b;
   return out;
+}
+
+/// b^T A^-1 b.
+double quadratic(const Cholesky& a, const Eigen::VectorXd& b) { return a.solve_lower(b).squaredNorm(); }
+
+}  // namespace
+
+FirstOrderModel::FirstOrderModel(const LogPosterior& posterior, const LocalMode& mode) : posterior_(posterior), mode_(mode) {
+  const Eigen::MatrixXd jacobian = posterior.jacobian(mode.at);
+  const auto log_terms = posterior.density(mode.at).log_terms;
+  const auto values = double(posterior.values());
+  for (std::size_t i = 0; i < posterior.hypotheses(); ++i) {
+    Errors e{.log_norm = log_terms[i], .freedom = posterior.freedom(i), .jacobian = posterior.whiten(jacobian, mode.at, i), .residual = posterior.whitened_residual(mode.at, i), .factor = {}};
+    e.log_norm += penalty(e.residual.squaredNorm(), e.freedom, values);
+    errors_.push_back(std::move(e));
+  }
+  const Errors& likeliest = errors_[posterior.likeliest(mode.at)];
+  const Eigen::MatrixXd left = inverse_symmetric(mode.covariance) - likeliest.jacobian.transpose() * likeliest.jacobian;
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (left + left.transpose()));
+  curvature_ = eigen.vectors * eigen.values.cwiseMax(of_the_box).asDiagonal() * eigen.vectors.transpose();
+  slope_ = -likeliest.jacobian.transpose() * likeliest.residual;
+  // Noise of the first hypothesis under another: the trace of its covariance in the other's units.
+  const Eigen::Index size = posterior.values();
+  const Eigen::MatrixXd root = inverse(posterior.whiten(Eigen::MatrixXd::Identity(size, size), mode.at, 0));
+  for (std::size_t i = 0; i < errors_.size(); ++i) {
+    Errors& e = errors_[i];
+    e.noise = posterior.whiten(root, mode.at, i).squaredNorm();
+    e.factor = Cholesky(curvature_ + e.jacobian.transpose() * e.jacobian);
+  }
+}
+
+FirstOrderModel::Block FirstOrderModel::block(const AddedDirections& directions) const {
+  const Eigen::Index n = directions.by_number.cols(), k = posterior_.dimension();
+  expect(directions.prior_sd.size() == n && (directions.prior_sd.array() > 0).all(), "every number has a prior");
+  const Eigen::MatrixXd by_prior = directions.by_number * directions.prior_sd.asDiagonal();
+  Block out;
+  for (std::size_t i = 0; i < errors_.size(); ++i) {
+    const Eigen::MatrixXd& j = errors_[i].jacobian;
+    Eigen::MatrixXd d = posterior_.whiten(by_prior, mode_.at, i), a = Eigen::MatrixXd::Identity(k + n, k + n);
+    a.topLeftCorner(k, k) = curvature_ + j.transpose() * j;
+    a.bottomRightCorner(n, n) += d.transpose() * d;
+    a.bottomLeftCorner(n, k) = d.transpose() * j;
+    out.errors.push_back({std::move(d), Cholesky(a)});
+    expect(out.errors.back().factor.positive_definite(), "a curvature is positive");
+  }
+  return out;
+}
+
+FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
+  const Block with_block = block(directions);
+  const Eigen::Index n = directions.by_number.cols(), k = posterior_.dimension();
+  const auto values = double(posterior_.values());
+  std::vector<double> with, without;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < errors_.size(); ++i) {
+    const Errors& e = errors_[i];
+    const auto& [d, factor] = with_block.errors[i];
+    const double chi2 = e.residual.squaredNorm();
+    const Eigen::VectorXd b = e.jacobian.transpose() * e.residual + slope_;
+    without.push_back(e.log_norm - penalty(chi2 - quadratic(e.factor, b), e.freedom, values) - e.factor.half_log_determinant());
+    with.push_back(e.log_norm - penalty(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) - factor.half_log_determinant());
+    if (with[i] > with[best]) best = i;
+  }
+  const Errors& e = errors_[best];
+  const auto& [d, factor] = with_block.errors[best];
+  const Eigen::VectorXd at = factor.solve(joined(e.jacobian.transpose() * e.residual + slope_, d.transpose() * e.residual));
+  const Eigen::VectorXd variance = factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(k + n, k + n))).diagonal();
+  return {.log_bayes_factor = log_sum(with) - log_sum(without),
+          .value = directions.prior_sd.cwiseProduct(at.tail(n)),
+          .sd = directions.prior_sd.cwiseProduct(variance.tail(n).cwiseSqrt()),
+          .shift = at.head(k)};
+}
+
+FirstOrderModel::Expected FirstOrderModel::expected(const Eigen::VectorXd& change, const Block& block) const {
+  Expected out;
+  for (std::size_t i = 0; i < errors_.size(); ++i) {
+    const Errors& e = errors_[i];
+    const auto& [d, factor] = block.errors[i];
+    const Eigen::VectorXd r = posterior_.whiten(change, mode_.at, i), b = e.jacobian.transpose() * r;
+    out.errors_.push_back({.log_norm = e.log_norm, .freedom = e.freedom, .values = double(posterior_.values()), .noise = e.noise, .chi2 = r.squaredNorm(), .with = quadratic(factor, joined(b, d.transpose() * r)),
+                           .without = quadratic(e.factor, b), .half_log_det_with = factor.half_log_determinant(), .half_log_det_without = e.factor.half_log_determinant()});
+  }
+  return out;
+}
+
+double FirstOrderModel::Expected::log_bayes_factor(double strength) const {
+  std::vector<double> with, without;
+  const double square = strength * strength;
+  for (const auto& e : errors_) {
+    with.push_back(e.log_norm - penalty(e.noise + square * (e.chi2 - e.with), e.freedom, e.values) - e.half_log_det_with);
+    without.push_back(e.log_norm - penalty(e.noise + square * (e.chi2 - e.without), e.freedom, e.values) - e.half_log_det_without);
+  }
+  return log_sum(with) - log_sum(without);
 }
 
 }  // namespace calomel

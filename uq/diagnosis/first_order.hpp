@@ -1,14 +1,16 @@
 #pragma once
 /// What adding a block of numbers to a model would be worth, to first order about a fit.
 #include <Eigen/Core>
+#include <vector>
 
-#include "inverse/posterior/posterior_fit.hpp"
+#include "base/linear_algebra.hpp"
+#include "inverse/posterior/mode.hpp"
 
 namespace calomel {
 
-/// Changes of the model's values per unit of each number, and the priors' standard deviations.
+/// Changes of the compared values per unit of each number, and the priors' standard deviations.
 struct AddedDirections {
-  Eigen::MatrixXd by_number;  ///< (values of the model, n)
+  Eigen::MatrixXd by_number;  ///< (size, n) on the grid of the fit
   Eigen::VectorXd prior_sd;   ///< (n)
 };
 
@@ -18,12 +20,65 @@ struct FirstOrder {
   Eigen::VectorXd shift;        ///< of the fit's coordinates (u of the free parameters, k) that goes with it, (dimension)
 };
 
-/// Gaussian evidence of d numbers mu with prior covariance P beside a fit at its mode: with the whitened residual r, whitened directions D and Jacobian J of the fit's
-/// own coordinates, whose posterior covariance is C,
+/// A fit about its mode: linear in its coordinates delta, under every hypothesis j about the errors, of weight w_j. Of n numbers mu with prior N(0, P) and
+/// directions D beside it, with the residual r, in units in which the hypothesis' covariance and P are 1, and the prior's curvature H and slope g in delta,
 ///
-///   A = D^T (1 - J C J^T) D + P^-1,  b = D^T r,  log B = (b^T A^-1 b - log det(P A)) / 2,  mu = A^-1 b.
+///   log Z_j(D) = log w_j L_j(r) + b^T A^-1 b / 2 - log det A / 2,  A = [H + J^T J, J^T D; D^T J, 1 + D^T D],  b = [J^T r + g; D^T r],
 ///
-/// Exact where the model is linear in mu and in the parameters over their posterior. The errors are those of the likeliest hypothesis at the mode.
-[[nodiscard]] FirstOrder first_order(const LogPosterior& posterior, const LocalMode& mode, const Decimation& grid, const AddedDirections& directions);
+/// and log B = log sum_j Z_j(D) - log sum_j Z_j(no columns): numbers that explain the residual also bring back the hypotheses without a discrepancy. (Student's t
+/// where the errors' scale was learnt from few squares: b^T A^-1 b / 2 is then what the lesser chi-squared gains.) value, sd and shift are those of the likeliest
+/// hypothesis with D. H and g are those that make the mode a mode with the covariance that it has; H is at least the inverse variance of the emulator's box,
+/// beyond which nothing is linear.
+class FirstOrderModel {
+ public:
+  /// Both outlive the object.
+  FirstOrderModel(const LogPosterior& posterior, const LocalMode& mode);
+
+  /// Of the records.
+  [[nodiscard]] FirstOrder worth(const AddedDirections& directions) const;
+
+  /// Directions in the units of every hypothesis, made once for many questions.
+  struct Block {
+    struct One {
+      Eigen::MatrixXd d;          ///< whitened, in units of the priors, (size, n)
+      Cholesky factor;            ///< of A
+    };
+    std::vector<One> errors;
+  };
+  [[nodiscard]] Block block(const AddedDirections& directions) const;
+
+  /// log B of a block for records that differ from the mode by `strength` times one change, and by noise of the first hypothesis as it is expected.
+  class Expected {
+   public:
+    [[nodiscard]] double log_bayes_factor(double strength) const;
+
+   private:
+    friend class FirstOrderModel;
+    struct One {
+      double log_norm, freedom, values, noise;         ///< as Errors
+      double chi2, with, without;                      ///< at strength 1: of the change, and b^T A^-1 b with the block and without it
+      double half_log_det_with, half_log_det_without;  ///< of A
+    };
+    std::vector<One> errors_;
+  };
+  /// change: (size).
+  [[nodiscard]] Expected expected(const Eigen::VectorXd& change, const Block& block) const;
+
+ private:
+  /// One hypothesis about the errors.
+  struct Errors {
+    double log_norm, freedom;   ///< log w_j and the density at residual 0
+    Eigen::MatrixXd jacobian;   ///< whitened, (size, dimension)
+    Eigen::VectorXd residual;   ///< whitened, of the records
+    double noise = 0;           ///< chi-squared of noise of the first hypothesis, as expected
+    Cholesky factor;            ///< of H + J^T J
+  };
+
+  const LogPosterior& posterior_;
+  const LocalMode& mode_;
+  std::vector<Errors> errors_;
+  Eigen::MatrixXd curvature_;  ///< H
+  Eigen::VectorXd slope_;      ///< g
+};
 
 }  // namespace calomel

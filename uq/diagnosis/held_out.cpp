@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace calomel {
@@ -9,7 +10,7 @@ namespace calomel {
 namespace {
 
 constexpr double on_face = 1e-4;  ///< [m]
-constexpr std::size_t parts = 4;   ///< of a record that is the only one
+constexpr std::size_t parts = 4;  ///< of a record that is the only one
 
 using Gauges = std::vector<std::size_t>;  ///< observations
 
@@ -29,9 +30,9 @@ std::vector<Gauges> gauges_by_face(const Problem& problem, const Eigen::MatrixXd
     by_face[face].push_back(i);
   }
   if (by_face.size() < 3) return alone;
-  std::vector<Gauges> folds;
-  for (auto& [face, fold] : by_face) folds.push_back(std::move(fold));
-  return folds;
+  std::vector<Gauges> all;
+  for (auto& [face, gauges] : by_face) all.push_back(std::move(gauges));
+  return all;
 }
 
 }  // namespace
@@ -47,54 +48,77 @@ std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, 
     }
     return folds;
   }
-  for (const auto& gauges : gauges_by_face(problem, positions)) {
-    Fold& f = folds.emplace_back();
-    f.records = double(gauges.size());
-    for (const std::size_t i : gauges)
-      for (std::size_t k = 0; k < grid.windows(i).size(); ++k) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
-  }
+  for (const auto& gauges : gauges_by_face(problem, positions)) folds.push_back(fold_of(grid, gauges));
   return folds;
 }
 
-PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::Index, double>>& held, const Fold& fold) {
-  const Decimation& grid = fit.errors->grid();
+Fold fold_of(const Decimation& grid, const std::vector<std::size_t>& observations) { return {rows_of(grid, observations), double(observations.size())}; }
+
+std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations) {
   std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = 0; k < Eigen::Index(grid.size()); ++k)
-    if (!std::binary_search(fold.rows.begin(), fold.rows.end(), k)) rows.push_back(k);
-  std::vector<RecordErrors> errors;
-  for (const auto& h : fit.hypotheses)
-    errors.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
-  const LogPosterior& all = *fit.posterior;
-  const LogPosterior part(all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), errors, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior());
-  const auto mode_of = [](const LogPosterior& posterior, const std::vector<LocalMode>& known) {
-    std::vector<Eigen::VectorXd> starts;
-    for (const auto& m : known) starts.push_back(posterior.q(m.at.theta, m.at.beyond));
-    auto modes = find_modes(posterior, starts);
-    if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
-    return modes[0];
-  };
-  PartFit out;
-  const auto predicted = [&](const LocalMode& m) { return Eigen::VectorXd(fit.coefficients * all.emulator().features(m.at.u, m.at.beyond)); };
-  const LocalMode full = mode_of(part, fit.modes);
-  out.log_evidence = log_evidence(part, full), out.prediction = predicted(full);
-  if (held.empty()) return out;
-  const LogPosterior nested = part.held(held);
-  const LocalMode without = mode_of(nested, fit.nested_modes);
-  out.nested_log_evidence = log_evidence(nested, without), out.nested_prediction = predicted(without);
-  return out;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    if (std::find(observations.begin(), observations.end(), i) == observations.end()) continue;
+    for (std::size_t k = 0; k < grid.windows(i).size(); ++k) rows.push_back(Eigen::Index(grid.offset(i) + k));
+  }
+  return rows;
 }
+
+LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows) {
+  std::vector<RecordErrors> parts;
+  for (const auto& h : errors.hypotheses)
+    parts.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
+  const LogPosterior& all = *fit.posterior;
+  return {all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), parts, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior()};
+}
+
+PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index k = 0; k < Eigen::Index(fit.errors->grid().size()); ++k)
+    if (!std::binary_search(fold.rows.begin(), fold.rows.end(), k)) rest.push_back(k);
+  const LogPosterior part = part_of(fit, errors, rest);
+  std::vector<Eigen::VectorXd> starts;
+  for (const auto& m : fit.modes) starts.push_back(m.q);
+  const auto modes = find_modes(part, starts);
+  if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
+  const LocalMode& m = modes[0];
+  return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond), .history = fit.history(m.at.u, m.at.beyond)};
+}
+
+namespace {
+
+/// The fold's rows that are of one observation.
+std::vector<Eigen::Index> rows_in(const Fold& fold, const Decimation& grid, std::size_t observation) {
+  const auto at = Eigen::Index(grid.offset(observation)), end = at + Eigen::Index(grid.windows(observation).size());
+  return {std::lower_bound(fold.rows.begin(), fold.rows.end(), at), std::lower_bound(fold.rows.begin(), fold.rows.end(), end)};
+}
+
+}  // namespace
 
 double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
   double sum = 0, records = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i) {
-    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    std::vector<Eigen::Index> rows;
-    for (const auto k : fold.rows)
-      if (k >= at && k < at + n) rows.push_back(k);
+    const auto rows = rows_in(fold, grid, i);
     if (rows.empty()) continue;
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     sum += (prediction - data)(rows).norm() / (data.segment(at, n).norm() * std::sqrt(double(rows.size()) / double(n))), ++records;
   }
   return sum / records;
+}
+
+void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {
+  if (into.empty()) into.assign(std::size_t(history.size()), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto rows = rows_in(fold, grid, i);
+    if (rows.empty()) continue;
+    const auto& o = problem.observations[i];
+    const auto& windows = grid.windows(i);
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0), first = std::size_t(rows.front()) - grid.offset(i), last = std::size_t(rows.back()) - grid.offset(i);
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double begin = first == 0 ? -infinity : 0.5 * (windows[first - 1].time + windows[first].time);
+    const double end = last + 1 == windows.size() ? infinity : 0.5 * (windows[last].time + windows[last + 1].time);
+    for (std::size_t t = 0; t < problem.shape.times.size(); ++t)
+      if (problem.shape.times[t] >= begin && problem.shape.times[t] < end) into[at + t] = history[Eigen::Index(at + t)];
+  }
 }
 
 }  // namespace calomel

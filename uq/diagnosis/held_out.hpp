@@ -7,9 +7,9 @@
 
 namespace calomel {
 
-/// Values of the grid that are held out together, ascending.
+/// Values of the grid that are held out together: whole records, or a stretch of one.
 struct Fold {
-  std::vector<Eigen::Index> rows;
+  std::vector<Eigen::Index> rows;  ///< ascending
   double records = 0;  ///< how many, parts counted as such
 };
 
@@ -17,16 +17,29 @@ struct Fold {
 /// positions: (sensors, 3).
 [[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions);
 
+/// Those of whole observations.
+[[nodiscard]] Fold fold_of(const Decimation& grid, const std::vector<std::size_t>& observations);
+
+/// Rows of the grid that belong to some observations, in their order on it.
+[[nodiscard]] std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations);
+
+/// The posterior of a fit by some of the values, on its own emulator, under the errors of another fit (or its own).
+[[nodiscard]] LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows);
+
 /// A fit without some of its values.
 struct PartFit {
-  double log_evidence = 0, nested_log_evidence = 0;  ///< the latter with the parameters that the fit holds nested
-  Eigen::VectorXd prediction, nested_prediction;     ///< of all values, (size): by the modes of the rest
+  double log_evidence = 0;
+  Eigen::VectorXd prediction;  ///< of all values, (size): by the mode of the rest
+  Eigen::VectorXd history;     ///< of the model, (values of the model), by the mode of the rest
 };
 
-/// The mode and the evidence by the values of all but the fold, on the same emulator, from the same places.
-[[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const std::vector<std::pair<Eigen::Index, double>>& held, const Fold& fold);
+/// The mode and the evidence by the values of all but the fold, from the fit's own modes. Errors: NumericsError where no mode is found.
+[[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold);
 
 /// Mean over the fold's observations of |prediction - record| / |record| on the grid; of a part of a record, over its share of the whole record's mean square.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
+
+/// Puts what the fold holds of a history, (values of the model), in its place of another; one that is empty becomes NaN for all others first.
+void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
 
 }  // namespace calomel

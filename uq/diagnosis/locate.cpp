@@ -115,10 +115,12 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
   for (auto& s : out.sensors) fill(s);
   for (auto& w : out.windows) fill(w);
   for (auto& b : out.bands) fill(b);
+  out.map_q_values.resize(out.map.rows(), windows);
   double first = end, strongest = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
     for (int w = 0; w < windows; ++w) {
       const std::size_t k = map_begin + i * windows + std::size_t(w);
+      out.map_q_values(Eigen::Index(i), w) = q[k];
       const double begin = end * w / windows;
       if (q[k] >= seen || begin > first || (begin == first && all[k].score <= strongest)) continue;
       first = begin, strongest = all[k].score, out.first_sensor = out.sensors[i].name, out.first_time = begin;

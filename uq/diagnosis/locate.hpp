@@ -22,7 +22,8 @@ struct LocatedMismatch {
   std::vector<Sensor> sensors;
   std::vector<Window> windows;
   std::vector<Band> bands;
-  Eigen::MatrixXd map;  ///< (observations, windows): score of each gauge in each window
+  Eigen::MatrixXd map;           ///< (observations, windows): score of each gauge in each window
+  Eigen::MatrixXd map_q_values;  ///< of those
   std::string first_sensor;  ///< where the residual is first seen (q below 0.05); empty: nowhere
   double first_time = 0;     ///< [s]
 };

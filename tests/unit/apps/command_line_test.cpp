@@ -17,7 +17,8 @@ const std::vector<Verb> verbs{{"list", "names", Takes::nothing, nothing},
                               {"campaign", "runs", Takes::case_file, nothing},
                               {"calibrate", "fits", Takes::case_file, nothing},
                               {"simulate", "one run", Takes::case_file, nothing},
-                              {"import", "recordings", Takes::files, nothing}};
+                              {"import", "recordings", Takes::files, nothing},
+                              {"challenge", "suites", Takes::suite, nothing}};
 
 CommandLine parsed(std::vector<std::string> words) {
   CommandLine command;
@@ -98,6 +99,31 @@ TEST(CommandLine, VerbsHaveTheirOwnOptions) {
   EXPECT_THAT(parsed({"calibrate", "case.toml", "--method", "all"}).methods, testing::ElementsAre("all"));
   EXPECT_TRUE(parsed({"simulate", "case.toml", "--fields"}).fields);
   EXPECT_THAT(parsed({"import", "a.csv", "b.csv", "--out", "x"}).files, testing::ElementsAre("a.csv", "b.csv"));
+}
+
+TEST(CommandLine, ChallengeHasWordsOfItsOwn) {
+  const auto make = parsed({"challenge", "make", "--out", "dir", "--seed", "7", "--suite", "quick", "--none", "3", "--effects", "beam,slot", "--grid", "5e-4", "--threads", "2"});
+  EXPECT_EQ(make.verb, "challenge");
+  EXPECT_EQ(make.challenge.action, "make");
+  EXPECT_EQ(make.challenge.directory, "dir");
+  EXPECT_EQ(make.seed, 7u);
+  EXPECT_EQ(make.challenge.suite, "quick");
+  EXPECT_EQ(make.challenge.none, 3);
+  EXPECT_FALSE(make.challenge.single.has_value());
+  EXPECT_THAT(make.challenge.effects, testing::ElementsAre("beam", "slot"));
+  EXPECT_EQ(make.challenge.grid, 5e-4);
+  const auto run = parsed({"challenge", "run", "dir", "--set", "a.b=[1, 2]", "--set", "c=3", "--discard-runs", "--quiet"});
+  EXPECT_EQ(run.challenge.action, "run");
+  EXPECT_THAT(run.overrides, testing::ElementsAre("a.b=[1, 2]", "c=3"));
+  EXPECT_TRUE(run.challenge.discard_runs && run.quiet);
+  EXPECT_FALSE(run.challenge.new_rule);
+  EXPECT_EQ(parsed({"challenge", "score", "dir", "--json", "x.json"}).challenge.json, "x.json");
+  EXPECT_THAT(refused({"challenge"}), HasSubstr("calomel challenge --help"));
+  EXPECT_THAT(refused({"challenge", "make", "--out", "dir"}), testing::AllOf(HasSubstr("--seed"), HasSubstr("calomel challenge make --help")));
+  EXPECT_THAT(refused({"challenge", "score", "dir", "--seed", "1"}), HasSubstr("--seed"));
+  EXPECT_THAT(refused({"challenge", "run"}), HasSubstr("DIR"));
+  EXPECT_THAT(printed({"challenge", "--help"}), testing::AllOf(HasSubstr("make"), HasSubstr("run"), HasSubstr("score")));
+  EXPECT_THAT(printed({"challenge", "make", "--help"}), testing::AllOf(HasSubstr("--suite"), HasSubstr("--generator")));
 }
 
 TEST(CommandLine, HelpNamesEveryVerbAndVersionItself) {

@@ -96,6 +96,17 @@ TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
   EXPECT_TRUE(walls.contains("top") && walls.contains("bottom"));
 }
 
+TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
+  for (const auto& g : offered_groups(testing::small_case())) {
+    EXPECT_FALSE(g.plain.empty() || g.check.empty()) << g.name;
+    if (g.name == "beam_profile") EXPECT_EQ(g.plain, mechanisms().get("beam_profile", "").plain);
+    for (const auto& a : g.added) {
+      EXPECT_FALSE(a.doc.empty()) << a.parameter.name;
+      if (a.parameter.name == "beam_profile.offset_z") EXPECT_EQ(a.unit, "m");
+    }
+  }
+}
+
 TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   const auto all = of_case("[mechanism.beam_profile]\nenabled = true\noffset_z = 0.001\n");
   EXPECT_EQ(find(all, "beam_profile"), nullptr);

@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cctype>
+#include <set>
+#include <tuple>
+
 #include "forward/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
@@ -96,6 +100,21 @@ TEST_P(EveryMechanism, AMisspeltKeyIsAnErrorWithASuggestion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Built, EveryMechanism, ::testing::ValuesIn(built()), [](const auto& info) { return info.param; });
+
+// A verdict names it to people who know no law.
+TEST(Mechanisms, EachHasAPlainNameOfItsOwnAndSomethingToCheck) {
+  std::set<std::string> names;
+  for (const auto& row : mechanisms().rows()) {
+    const auto& [plain, check] = std::tie(row.entry.plain, row.entry.check);
+    ASSERT_FALSE(plain.empty() || check.empty()) << row.name;
+    for (const std::string& words : {plain, check}) {
+      EXPECT_TRUE(std::islower(static_cast<unsigned char>(words.front()))) << words;
+      EXPECT_NE(words.back(), '.') << words;
+      EXPECT_EQ(words.find_first_of("_=*"), std::string::npos) << words;
+    }
+    EXPECT_TRUE(names.insert(plain).second) << plain;
+  }
+}
 
 TEST(Mechanisms, ListedWithoutBeingEnabledChangeNothing) {
   const auto c = small_case("[mechanism.liquid_viscosity]\nzeta = 5000.0\n");

@@ -81,7 +81,7 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   const double f = model.freedom(), t = std::lgamma((f + p) / 2) - std::lgamma(f / 2) - 0.5 * p * std::log(f * M_PI) - 0.5 * log_det - 0.5 * (f + p) * std::log1p(chi2 / f);
   EXPECT_NEAR(density.log_likelihood, t, 1e-6 * std::abs(t));
   EXPECT_NEAR(density.log_prior, Prior(lines.parameters[0]).log_density(2.4) - std::log(8.0), 1e-9);
-  EXPECT_NEAR(posterior.whitened_residual(at).squaredNorm(), chi2, 1e-6 * chi2);
+  EXPECT_NEAR(posterior.whitened_residual(at, 0).squaredNorm(), chi2, 1e-6 * chi2);
 }
 
 TEST(LogPosterior, GradientsAreThoseOfDifferences) {

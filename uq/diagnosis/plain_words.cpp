@@ -1,0 +1,323 @@
+#include "uq/diagnosis/plain_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t numbers_told = 2;
+constexpr double hardly = 3;  ///< log Bayes factor up to which nothing speaks for an explanation
+
+double greatest_plausible(const BaseEvidence& base, const Gates& gates) {
+  return boost::math::quantile(boost::math::complement(boost::math::chi_squared(base.values), gates.adequate));
+}
+
+bool one_class(const Explanation& a, const Explanation& b) {
+  return std::find(a.same_as.begin(), a.same_as.end(), b.name) != a.same_as.end() || std::find(b.same_as.begin(), b.same_as.end(), a.name) != b.same_as.end();
+}
+
+std::vector<Explanation> by_evidence(const Diagnosis& d) {
+  std::vector<Explanation> all;
+  for (const auto& c : d.candidates) all.push_back(c.explanation);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
+  return all;
+}
+
+const Alternative* alternative(const Diagnosis& d, const std::string& name) {
+  const auto at = std::find_if(d.candidates.begin(), d.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
+  return at == d.candidates.end() ? nullptr : &*at;
+}
+
+const ParameterGroup* group_of(std::span<const ParameterGroup> groups, const std::string& name) {
+  const auto at = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.name == name; });
+  return at == groups.end() ? nullptr : &*at;
+}
+
+std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, 100 * share < 9.95 ? 1 : 0); }
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& words, const char* last = "and") {
+  std::string s;
+  for (std::size_t i = 0; i < words.size(); ++i) s += (i == 0 ? "" : i + 1 == words.size() ? fmt::format(" {} ", last) : ", ") + words[i];
+  return s;
+}
+
+std::string capital(std::string text) {
+  if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string sentence(const std::string& text) { return capital(text) + (text.ends_with('.') ? "" : "."); }
+
+/// "the proton beam's profile (beam_profile)"
+std::string with_key(const Alternative& a, std::span<const ParameterGroup> groups) {
+  const std::string plain = plain_name(a, groups), &name = a.explanation.name;
+  return plain == name ? name : plain + " (" + name + ')';
+}
+
+struct ShownUnit {
+  double factor;
+  std::string name;
+};
+ShownUnit shown_unit(const std::string& unit, double greatest) {
+  if (unit == "m" && greatest < 0.1) return {1e3, "mm"};
+  if (unit == "s" && greatest < 1e-3) return {1e6, "µs"};
+  if (unit == "s" && greatest < 1) return {1e3, "ms"};
+  if (unit == "Pa" && greatest >= 1e5) return {1e-6, "MPa"};
+  if (unit == "Pa" && greatest >= 1e3) return {1e-3, "kPa"};
+  if (unit == "Hz" && greatest >= 1e3) return {1e-3, "kHz"};
+  return {1, unit};
+}
+
+/// The sd with two significant digits and the value with as many decimals.
+std::string with_sd(double value, double sd, const std::string& unit) {
+  const std::string tail = unit.empty() ? "" : ' ' + unit;
+  if (!std::isfinite(sd) || sd <= 0) return fmt::format("{:.3g}{}", value, tail);
+  const int decimals = int(std::ceil(1 - std::log10(sd) - 1e-9));
+  if (decimals > 5 || sd >= 1e5) return fmt::format("{:.2e} ± {:.1e}{}", value, sd, tail);
+  return fmt::format("{:.{}f} ± {:.{}f}{}", value, std::max(0, decimals), sd, std::max(0, decimals), tail);
+}
+
+/// Where the mismatch is first seen, else where it is greatest.
+std::string where(const LocatedMismatch& l) {
+  if (!l.first_sensor.empty())
+    return l.first_time > 0 ? fmt::format("at gauge {} from {:.0f} µs on, where the mismatch is first seen", l.first_sensor, 1e6 * l.first_time)
+                            : fmt::format("at gauge {}, which shows the mismatch from the start", l.first_sensor);
+  const auto most = std::max_element(l.sensors.begin(), l.sensors.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  return most == l.sensors.end() ? "at the gauges with the greatest mismatch" : "at gauge " + most->name + ", where the mismatch is greatest";
+}
+
+/// ", and on gauges that were left out of the fit from 12 % to 6.0 %"; says so where it does not fall. Empty where no gauge was left out.
+std::string held_out_part(const Alternative& a, const Misfits& m) {
+  if (a.held_out.empty() || !(m.held_out_before > 0)) return "";
+  const std::string from_to = fmt::format("{} to {}", percent(m.held_out_before), percent(m.held_out_after));
+  return m.held_out_after < m.held_out_before ? ", and on gauges that were left out of the fit from " + from_to : ", but on gauges that were left out of the fit it does not fall (" + from_to + ")";
+}
+
+std::string what_to_check(const Alternative& a, std::span<const ParameterGroup> groups) {
+  std::vector<std::string> all;
+  for (const auto& name : a.groups)
+    if (const auto* g = group_of(groups, name); g && !g->check.empty()) all.push_back(g->check);
+  return listed(all);
+}
+
+std::string tables_of(const Alternative& a) {
+  std::vector<std::string> all;
+  for (const auto& name : a.groups) all.push_back("[mechanism." + name + "]");
+  return listed(all);
+}
+
+/// Both sentences of a verdict that names one thing.
+PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const Misfits& m) {
+  const std::string falls = fmt::format("the misfit of the records falls from {} to {}{}", percent(m.before), percent(m.after), held_out_part(a, m));
+  if (!a.sensor.empty())
+    return {fmt::format("Gauge {} does not read true ({}: {}), and the simulation explains the records once that is allowed for: {}.", a.sensor, a.explanation.name, plain_size(a, groups), falls),
+            fmt::format("Check gauge {}, its calibration, amplifier, clock and orientation, or leave it out (recordings.exclude), and run the diagnosis again.", a.sensor)};
+  const std::string check = what_to_check(a, groups);
+  return {fmt::format("The simulation leaves something out: {}; with it {}.", with_key(a, groups), falls),
+          sentence((check.empty() ? "make it" : check + "; if that agrees, make it") + " part of the model (" + tables_of(a) + ", enabled = true, with the numbers found) and calibrate again")};
+}
+
+PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
+  const std::string misfit = fmt::format("(misfit {})", percent(m.before));
+  const std::string look = fmt::format("Look first {}: something that is not in the catalogue may be missing, such as a part of the geometry, or several effects at once, so do not take calibrated values for properties of the "
+                                       "material until it is found.",
+                                       where(d.location));
+  const PlainSummary nothing{fmt::format("The simulation leaves something out {}, and none of the effects that were tried is it.", misfit), look};
+  const auto all = by_evidence(d);
+  if (all.empty()) return nothing;
+  const Alternative& best = *alternative(d, all[0].name);
+  const std::string name = plain_name(best, groups), differ = fmt::format("The simulation and the records differ {}", misfit);
+  const std::string begin = fmt::format("The simulation leaves something out {}, and it is not known what: ", misfit) + name;
+  const std::string finer = "Repeat the diagnosis on finer meshes (emulator.element_sizes) before any physics is blamed.";
+  switch (gate_not_passed(d.evidence, all, 0, gates)) {
+    case Gate::evidence:
+      if (all[0].log_bayes_factor <= hardly) return nothing;
+      return {fmt::format("The simulation leaves something out {}, and nothing that was tried is sure enough to be named: {} comes nearest.", misfit, name), look};
+    case Gate::numerical:
+      return {differ + ", but the simulation's own discretisation accounts for it better than any physics that was tried.", finer};
+    case Gate::numerical_rival:
+      return {differ + "; " + name + " would account for it, but the simulation's own discretisation does so nearly as well.", finer};
+    case Gate::explained:
+      return {begin + fmt::format(" comes nearest, but accounts for only {:.0f} % of the mismatch.", 100 * share_explained(d.evidence, all[0], gates).value_or(0)), look};
+    case Gate::adequate:
+      return {begin + " comes nearest, but with it the records are still not explained.", look};
+    case Gate::plausible:
+      return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)), "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
+    case Gate::handbook:
+      return {begin + " would explain the records, but only with properties of the material farther from the handbook than without it.", look};
+    default:
+      return nothing;
+  }
+}
+
+std::string chi2_words(double chi2, const BaseEvidence& base, const Gates& gates) {
+  return fmt::format("chi-squared {:.4g} for {:.0f} values, where up to {:.4g} is plausible", chi2, base.values, greatest_plausible(base, gates));
+}
+
+Why why_of_base(const Diagnosis& d, const std::string& name, const Gates& gates) {
+  const bool adequate = d.evidence.chi2 <= greatest_plausible(d.evidence, gates);
+  const std::string chi2 = chi2_words(d.evidence.chi2, d.evidence, gates);
+  if (name == "unknown")
+    return {d.verdict.kind == VerdictKind::unknown ? "The records are not explained by the base model, and nothing that was tried passes every test." : "Stands for anything that was not tried.",
+            d.verdict.kind == VerdictKind::unknown ? "An effect that passes all tests: offer more mechanisms, or add one." : "Nothing that was tried passing the tests, while the base model does not explain the records."};
+  return adequate ? Why{"The base model differs from the records by no more than is known of their errors (" + chi2 + ").", "More pulses or better known gauges: smaller errors show smaller effects."}
+                  : Why{"The base model differs from the records by more than is known of their errors (" + chi2 + ").", "Errors that are larger than [errors] says."};
+}
+
+}  // namespace
+
+std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates) {
+  const double excess = base.chi2 - gates.null_chi2 * base.values;
+  if (!(excess > 0)) return {};
+  return std::clamp((base.chi2 - e.chi2) / excess, 0.0, 1.0);
+}
+
+Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
+  const Explanation& e = all[i];
+  if (e.log_bayes_factor < g.log_bayes_factor) return e.fitted ? Gate::evidence : Gate::fitted;
+  if (e.numerical) return Gate::numerical;
+  if (i > 0 && !one_class(all[0], e) && all[0].log_bayes_factor - e.log_bayes_factor >= g.lead) return Gate::rival;
+  const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !one_class(e, x); });
+  if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
+  if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
+  if (e.chi2 > greatest_plausible(base, g)) return Gate::adequate;
+  if (e.farthest > g.farthest) return Gate::plausible;
+  if (e.base_pull > std::max(base.base_pull, 1.0)) return Gate::handbook;
+  return Gate::passed;
+}
+
+std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups) {
+  std::vector<std::string> names;
+  for (const auto& name : a.groups) {
+    const auto* g = group_of(groups, name);
+    names.push_back((g && !g->plain.empty() ? g->plain : name) + (g && !g->place.empty() && !a.place.empty() ? " (" + a.place + ')' : ""));
+  }
+  if (!a.sensor.empty()) return "a fault of gauge " + a.sensor;
+  if (names.empty()) return a.explanation.name;
+  return names.size() > 1 ? names[0] + ", together with " + names[1] : names[0];
+}
+
+PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<const ParameterGroup> groups) {
+  PlainNumber out;
+  const std::string name = a.sensor.empty() ? n.name : n.name.substr(a.sensor.size() + 1);
+  const AddedParameter* added = nullptr;
+  for (const auto& g : groups)
+    for (const auto& p : g.added)
+      if (!added && p.parameter.name == name) added = &p;
+  if (!added) {
+    out.value = with_sd(n.mean, n.sd, "");
+    return out;
+  }
+  out.doc = added->doc;
+  const double off = added->parameter.nominal.value_or(0);
+  out.deviations = n.sd > 0 ? std::abs(n.mean - off) / n.sd : 0;
+  if (added->inverse) {
+    const double sign = added->parameter.max > 0 ? 1 : -1, size = sign * n.mean;  // of a number that is none at minus infinity its inverse is below 0
+    const auto unit = shown_unit(added->unit, size > 0 ? 1 / size : 0);
+    out.off = "none";
+    out.value = size > 2 * n.sd ? with_sd(unit.factor / n.mean, unit.factor * n.sd / (n.mean * n.mean), unit.name) : "none";
+    if (out.value == "none" && size + 2 * n.sd > 0) out.value = fmt::format("{} {:.3g} {}", sign > 0 ? "above" : "below", sign * unit.factor / (size + 2 * n.sd), unit.name);
+    return out;
+  }
+  const auto unit = shown_unit(added->unit, std::max({std::abs(n.mean), std::abs(n.sd), std::abs(off)}));
+  out.value = with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name);
+  out.off = fmt::format("{:.3g}{}{}", unit.factor * off, unit.name.empty() ? "" : " ", unit.name);
+  return out;
+}
+
+std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups) {
+  std::vector<std::pair<PlainNumber, std::string>> all;
+  for (const auto& n : a.numbers) all.emplace_back(plain_number(a, n, groups), n.name.substr(n.name.rfind('.') + 1));
+  std::stable_sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.first.deviations > y.first.deviations; });
+  std::vector<std::string> told;
+  for (std::size_t i = 0; i < std::min(all.size(), numbers_told); ++i) told.push_back(all[i].second + ' ' + all[i].first.value + (all[i].first.off.empty() ? "" : " in place of " + all[i].first.off));
+  return listed(told);
+}
+
+Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& g) {
+  const Alternative* a = alternative(d, name);
+  if (!a) return why_of_base(d, name, g);
+  const auto all = by_evidence(d);
+  const auto at = std::size_t(std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.name == name; }) - all.begin());
+  const Explanation& e = all[at];
+  const double share = 100 * share_explained(d.evidence, e, g).value_or(0), b = e.log_bayes_factor;
+  const Alternative& best = *alternative(d, all[0].name);
+  const auto& told = d.verdict.mechanisms;
+  if (std::find(told.begin(), told.end(), name) != told.end()) {
+    if (d.verdict.kind == VerdictKind::named) {
+      const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !one_class(e, x); });
+      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*alternative(d, next->name), groups), b - next->log_bayes_factor);
+      return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with evidence {:.3g}, and {}.", share, b, behind),
+              fmt::format("Another explanation whose evidence comes within {:.0f} of it, or a record that it does not fit.", g.lead)};
+    }
+    std::vector<std::string> others;
+    for (const auto& other : told)
+      if (other != name) others.push_back(plain_name(*alternative(d, other), groups));
+    return {fmt::format("May be it: it accounts for {:.0f} % of the mismatch (evidence {:.3g}), but {} cannot be told apart from it by these records.", share, b, listed(others)),
+            "A measurement that tells them apart."};
+  }
+  switch (gate_not_passed(d.evidence, all, at, g)) {
+    case Gate::fitted:
+      if (!a->message.empty() && a->message != "to first order") return {"Its fit failed: " + a->message + '.', "A fit that goes through."};
+      return {a->first_log_bayes_factor > hardly ? fmt::format("Looked at to first order only (evidence {:.3g} there): others promised more and were fitted.", a->first_log_bayes_factor)
+                                                 : std::string("Nothing in these records speaks for it."),
+              a->first_log_bayes_factor > hardly ? "A fit of its own: raise diagnosis.leaders." : "Records in which its effect shows: other gauges, more pulses."};
+    case Gate::evidence:
+      if (b <= hardly) return {fmt::format("Nothing in these records speaks for it (evidence {:.2g}).", b), "Records in which its effect shows: other gauges, more pulses."};
+      return {fmt::format("The records speak for it, but too weakly: evidence {:.3g} where {:.0f} is asked.", b, g.log_bayes_factor),
+              fmt::format("An effect about {:.1f} times as large, or errors as much smaller.", std::sqrt(g.log_bayes_factor / b))};
+    case Gate::numerical:
+      return {"It is no physics: a number of the simulation's discretisation explains the records.", "Finer meshes (emulator.element_sizes)."};
+    case Gate::rival:
+      return {fmt::format("{} explains the records better (evidence {:.3g} against {:.3g}).", capital(plain_name(best, groups)), all[0].log_bayes_factor, b),
+              fmt::format("Records that speak for it and against {}.", plain_name(best, groups))};
+    case Gate::numerical_rival:
+      return {"A number of the simulation's discretisation explains the records nearly as well.", "Finer meshes (emulator.element_sizes)."};
+    case Gate::explained:
+      return {fmt::format("It accounts for {:.0f} % of the mismatch only; {:.0f} % is asked.", share, 100 * g.explained), "A second effect beside it that accounts for the rest."};
+    case Gate::adequate:
+      return {"With it the records are still not explained (" + chi2_words(e.chi2, d.evidence, g) + ").", "A second effect beside it that accounts for the rest."};
+    case Gate::plausible:
+      return {fmt::format("It would have to be stronger than is plausible ({}).", plain_size(*a, groups)), "Knowing by other means that it can be that strong."};
+    case Gate::handbook:
+      return {"With it the base parameters lie farther from the handbook than without it.", "Handbook values that are known to be other than the priors say."};
+    case Gate::passed:
+      return {d.verdict.reason.empty() ? std::string("It is not what the verdict names.") : sentence(d.verdict.reason), "A record or a measurement that speaks for it alone."};
+  }
+  return {};
+}
+
+PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
+  PlainSummary told;
+  const auto& names = d.verdict.mechanisms;
+  switch (d.verdict.kind) {
+    case VerdictKind::none:
+      told = {fmt::format("The simulation explains these records within what is known of their errors (misfit {}): nothing that they could show was left out.", percent(m.before)),
+              "Calibrate with it as it is; more pulses, or gauges whose places are better known, would show smaller effects."};
+      break;
+    case VerdictKind::named:
+      told = named_summary(*alternative(d, names.at(0)), groups, m);
+      break;
+    case VerdictKind::ambiguous: {
+      std::vector<std::string> all;
+      for (const auto& name : names) all.push_back(with_key(*alternative(d, name), groups));
+      told = {fmt::format("The simulation leaves something out, but these records do not tell whether it is {}: with any one of them the misfit falls, from {} to {} with the first.", listed(all, "or"), percent(m.before),
+                          percent(m.after)),
+              "To tell them apart: " + d.separating + '.'};
+      break;
+    }
+    case VerdictKind::unknown:
+      told = unknown_summary(d, groups, m, gates);
+      break;
+  }
+  if (!d.base.settled) told.next_step = "Do not act on this yet: the fit of the base model has not settled, so run the diagnosis again with more rounds (emulator.rounds).";
+  return told;
+}
+
+}  // namespace calomel

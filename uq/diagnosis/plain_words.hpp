@@ -1,0 +1,54 @@
+#pragma once
+/// A diagnosis in plain English, for a reader who has never heard of evidence. Every sentence about one is made here: diagnosis.json holds them, the terminal and the report show them.
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "uq/diagnosis/diagnosis.hpp"
+
+namespace calomel {
+
+/// |simulation - record| / |record| [-], mean over the gauges, in the band of frequencies that the diagnosis compares.
+struct Misfits {
+  double before = 0, after = 0;                    ///< of the base model, and with what is named
+  double held_out_before = 0, held_out_after = 0;  ///< the same of gauges that were left out of the fit
+};
+
+/// Which of the rule's gates (verdict.cpp) an explanation meets first that it does not pass.
+enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, adequate, plausible, handbook };
+
+/// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
+[[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
+
+/// Share of what chi-squared has above that of nothing missing which an explanation takes away, 0 to 1; nothing where there is no such excess.
+[[nodiscard]] std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
+
+/// A mechanism, or a pair of them, by its plain name: "the proton beam's profile". One without a plain name keeps its own.
+[[nodiscard]] std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups);
+
+/// One of an alternative's numbers.
+struct PlainNumber {
+  std::string value;      ///< "2.31 ± 0.16 mm"
+  std::string off;        ///< what it is where the mechanism is left out, "0 mm"
+  std::string doc;        ///< "of the axis, upwards"
+  double deviations = 0;  ///< from off, in its sd
+};
+[[nodiscard]] PlainNumber plain_number(const Alternative& a, const Estimate& number, std::span<const ParameterGroup> groups);
+/// The two numbers that stand farthest from off in their deviations: "offset_z 2.31 ± 0.16 mm in place of 0 mm". Empty where it has none.
+[[nodiscard]] std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups);
+
+/// Why the entry of the ranking is what the verdict says or not, and what would have to be otherwise.
+struct Why {
+  std::string why, would_change;
+};
+[[nodiscard]] Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& gates = {});
+
+/// A verdict in two sentences.
+struct PlainSummary {
+  std::string finding, next_step;
+  [[nodiscard]] std::string text() const { return finding + ' ' + next_step; }
+};
+[[nodiscard]] PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& misfits, const Gates& gates = {});
+
+}  // namespace calomel

@@ -1,0 +1,220 @@
+#include "uq/diagnosis/question.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "inverse/posterior/score_test.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than this is none
+
+/// What a number does at one strength.
+struct Effect {
+  std::size_t group, number;  ///< indices
+  double strength;
+  std::vector<double> shapes;  ///< values of the group's
+  Eigen::VectorXd change;     ///< (values) per unit; empty: nothing that shows
+};
+
+std::string label(const ParameterGroup& g) { return g.place.empty() ? g.name : g.name + " (" + g.place + ")"; }
+
+/// Values of the shapes that are tried: the defaults, and each at its first values while the others keep theirs.
+std::vector<std::vector<double>> shapes_of(const ParameterGroup& g) {
+  std::vector<double> middle;
+  for (const auto& s : g.shapes) middle.push_back(*s.parameter.nominal);
+  std::vector<std::vector<double>> all;
+  if (g.shapes.empty()) all.push_back(middle);
+  for (std::size_t k = 0; k < g.shapes.size(); ++k)
+    for (const double value : g.shapes[k].strengths) {
+      all.push_back(middle);
+      all.back()[k] = value;
+    }
+  return all;
+}
+
+class Asking {
+ public:
+  explicit Asking(const QuestionInputs& in) : in_(in), mode_(in.fit.modes[0]), first_order_(*in.fit.posterior, mode_) {}
+
+  Answers answers() {
+    measure();
+    for (std::size_t g = 0; g < in_.groups.size(); ++g) ask_group(g);
+    if (in_.linear) ask_linear();
+    keep_the_best();
+    test();
+    return std::move(out_);
+  }
+
+ private:
+  void measure();
+  void ask_group(std::size_t g);
+  void ask_choice(std::size_t g, std::size_t choice, const std::vector<double>& shapes);
+  void ask_linear();
+  void keep_the_best();
+  void test();
+  void add(Question q) {
+    q.directions.by_number = in_.fit.errors->grid().apply(q.effects);
+    q.worth = first_order_.worth(q.directions);
+    out_.questions.push_back(std::move(q));
+  }
+  /// The part of a change that one gauge shows.
+  [[nodiscard]] Eigen::VectorXd of_sensor(Eigen::VectorXd change, std::size_t sensor) const {
+    const ModelShape& shape = in_.problem.shape;
+    for (std::size_t c = 0; c < shape.conditions.size(); ++c)
+      for (std::size_t s = 0; s < shape.sensors.size(); ++s)
+        if (s != sensor) change.segment(Eigen::Index(shape.at(c, s, 0)), Eigen::Index(shape.times.size())).setZero();
+    return change;
+  }
+
+  const QuestionInputs& in_;
+  const LocalMode& mode_;
+  const FirstOrderModel first_order_;
+  std::vector<Effect> effects_;
+  Answers out_;
+};
+
+void Asking::measure() {
+  std::vector<AddedParameter> added;
+  for (const auto& g : in_.groups) {
+    added.insert(added.end(), g.added.begin(), g.added.end());
+    added.insert(added.end(), g.shapes.begin(), g.shapes.end());
+  }
+  const auto& theta = mode_.at.theta;
+  Eigen::VectorXd off(Eigen::Index(theta.size() + added.size()));
+  for (std::size_t k = 0; k < theta.size(); ++k) off[Eigen::Index(k)] = theta[k];
+  for (std::size_t k = 0; k < added.size(); ++k) off[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
+  std::vector<Eigen::VectorXd> columns{off};
+  std::size_t at = theta.size();
+  for (std::size_t g = 0; g < in_.groups.size(); ++g) {
+    const ParameterGroup& group = in_.groups[g];
+    for (std::size_t k = 0; k < group.added.size() && !group.linear; ++k)
+      for (const auto& shapes : shapes_of(group))
+        for (const double strength : group.added[k].strengths) {
+          columns.push_back(off);
+          columns.back()[Eigen::Index(at + k)] = strength;
+          for (std::size_t i = 0; i < shapes.size(); ++i) columns.back()[Eigen::Index(at + group.added.size() + i)] = shapes[i];
+          effects_.push_back({g, k, strength, shapes, {}});
+        }
+    at += group.added.size() + group.shapes.size();
+  }
+  Eigen::MatrixXd thetas(off.size(), Eigen::Index(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) thetas.col(Eigen::Index(i)) = columns[i];
+  const auto records = in_.run(thetas, std::vector<int>(columns.size(), in_.level), added);
+  if (!records[0].done) throw NumericsError("the base model fails at its own mode: " + records[0].message);
+  const Eigen::VectorXd zero = records[0].history();
+  std::map<std::size_t, std::string> failed;
+  for (std::size_t i = 0; i < effects_.size(); ++i) {
+    const RunRecord& r = records[i + 1];
+    Effect& e = effects_[i];
+    if (!r.done) {
+      failed.emplace(e.group, r.message);
+      continue;
+    }
+    const Eigen::VectorXd change = r.history() - zero;
+    if (change.norm() > rounding * zero.norm()) e.change = change / (e.strength - *in_.groups[e.group].added[e.number].parameter.nominal);
+  }
+  for (const auto& [group, message] : failed) out_.skipped.push_back(label(in_.groups[group]) + ": " + message);
+}
+
+void Asking::ask_group(std::size_t g) {
+  const ParameterGroup& group = in_.groups[g];
+  std::size_t choices = 0;
+  for (const auto& a : group.added) choices = std::max(choices, a.strengths.size());
+  for (const auto& shapes : shapes_of(group))
+    for (std::size_t choice = 0; choice < choices; ++choice) ask_choice(g, choice, shapes);
+}
+
+void Asking::ask_choice(std::size_t g, std::size_t choice, const std::vector<double>& shapes) {
+  const ParameterGroup& group = in_.groups[g];
+  Question q{.group = g};
+  q.shapes = shapes;
+  std::vector<const Effect*> taken;
+  for (const auto& e : effects_) {
+    if (e.group != g || e.shapes != shapes || e.change.size() == 0) continue;
+    const auto& strengths = group.added[e.number].strengths;
+    if (e.strength == strengths[std::min(choice, strengths.size() - 1)]) taken.push_back(&e), q.numbers.push_back(e.number);
+  }
+  if (taken.empty()) return;
+  q.effects.resize(taken[0]->change.size(), Eigen::Index(taken.size()));
+  q.directions.prior_sd.resize(Eigen::Index(taken.size()));
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    q.effects.col(Eigen::Index(i)) = taken[i]->change;
+    q.directions.prior_sd[Eigen::Index(i)] = prior_sd(group.added[taken[i]->number], taken[i]->strength);
+  }
+  if (!group.by_sensor) {
+    add(std::move(q));
+    return;
+  }
+  for (std::size_t s = 0; s < in_.problem.shape.sensors.size(); ++s) {
+    Question one = q;
+    one.sensor = s;
+    for (auto column : one.effects.colwise()) column = of_sensor(column, s);
+    add(std::move(one));
+  }
+}
+
+void Asking::ask_linear() {
+  for (const auto& m : in_.linear(mode_.at.theta)) {
+    const auto of = std::find_if(in_.groups.begin(), in_.groups.end(), [&](const auto& g) { return g.linear && g.name == m.name; });
+    if (of == in_.groups.end()) continue;
+    Question q{.group = std::size_t(of - in_.groups.begin())};
+    q.effects = m.directions, q.directions.prior_sd.resize(m.directions.cols());
+    for (std::size_t i = 0; i < m.keys.size(); ++i) {
+      const auto a = std::find_if(of->added.begin(), of->added.end(), [&](const auto& x) { return x.parameter.name == m.name + '.' + m.keys[i]; });
+      expect(a != of->added.end(), "a direction is of one of the group's numbers");
+      q.numbers.push_back(std::size_t(a - of->added.begin()));
+      q.directions.prior_sd[Eigen::Index(i)] = prior_sd(*a, 1);
+    }
+    add(std::move(q));
+  }
+}
+
+void Asking::keep_the_best() {
+  auto& all = out_.questions;
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; });
+  std::vector<Question> best;
+  for (auto& q : all)
+    if (std::none_of(best.begin(), best.end(), [&](const Question& b) { return b.group == q.group && b.sensor == q.sensor; })) best.push_back(std::move(q));
+  all = std::move(best);
+}
+
+void Asking::test() {
+  const PosteriorFit& fit = in_.fit;
+  std::vector<MechanismDirections> tests;
+  for (const auto& q : out_.questions) {
+    MechanismDirections t{.name = label(q, in_.groups, in_.problem.shape), .directions = q.effects};
+    for (const std::size_t k : q.numbers) t.keys.push_back(in_.groups[q.group].added[k].parameter.name), t.off.push_back(0);
+    tests.push_back(std::move(t));
+  }
+  const Decimation& grid = fit.errors->grid();
+  const auto tested = score_tests(*fit.posterior, mode_.at, grid, tests, fit.posterior->emulator().residuals(grid.apply(fit.histories())));
+  for (auto& q : out_.questions)
+    for (const auto& t : tested.mechanisms)
+      if (t.name == label(q, in_.groups, in_.problem.shape)) q.p_value = t.p_value;
+}
+
+}  // namespace
+
+Answers ask(const QuestionInputs& in) { return Asking(in).answers(); }
+
+std::string label(const Question& q, const std::vector<ParameterGroup>& groups, const ModelShape& shape) {
+  return q.sensor ? groups[q.group].name + " of " + shape.sensors[*q.sensor] : label(groups[q.group]);
+}
+
+double prior_sd(const AddedParameter& a, double strength) { return a.parameter.prior == "half_cauchy" ? strength : Prior(a.parameter).scale(); }
+
+double implausibility(const AddedParameter& a, double value) {
+  const Parameter& p = a.parameter;
+  if (p.prior == "half_cauchy") return value > p.max ? std::numeric_limits<double>::infinity() : std::log10(1 + value / *p.scale);
+  const double far = value > *p.nominal ? p.max - *p.nominal : *p.nominal - p.min;
+  return far > 0 ? 2 * std::abs(value - *p.nominal) / far : 0;
+}
+
+}  // namespace calomel

@@ -1,0 +1,62 @@
+#pragma once
+/// What each group of numbers would be worth beside a fit, to first order: one question a group, a wall and a gauge.
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "forward/mechanism_directions.hpp"
+#include "forward/parameter_group.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
+#include "uq/diagnosis/first_order.hpp"
+
+namespace calomel {
+
+/// Runs the columns of thetas (n_parameters + added, n), each on its level's mesh.
+using RunAdded = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added)>;
+/// Directions of the groups that add to the histories, at a point of the base parameters; may be empty.
+using LinearDirections = std::function<std::vector<MechanismDirections>(std::span<const double> theta)>;
+
+/// A group, or a gauge's own part of one, at the strengths that say most.
+struct Question {
+  std::size_t group = 0;              ///< index into the groups
+  std::optional<std::size_t> sensor;  ///< of a group that acts on each gauge alone
+  std::vector<std::size_t> numbers;   ///< indices into the group's `added`, of those whose effect shows
+  std::vector<double> shapes;         ///< values of the group's `shapes`
+  Eigen::MatrixXd effects;            ///< changes of the model's values per unit of each number, (values of the model, n)
+  AddedDirections directions;         ///< the same on the grid of the fit
+  FirstOrder worth;
+  double p_value = 1;                 ///< of its score test, not corrected for their number
+};
+
+struct QuestionInputs {
+  const PosteriorFit& fit;
+  const Problem& problem;
+  const std::vector<ParameterGroup>& groups;
+  int level = 0;           ///< mesh of the runs
+  RunAdded run;
+  LinearDirections linear;
+  std::uint64_t seed = 1;
+};
+
+struct Answers {
+  std::vector<Question> questions;   ///< the best of each group, wall and gauge; most telling first
+  std::vector<std::string> skipped;  ///< what could not be run, and why
+};
+
+/// Runs every number of every group at its first strengths at the fit's mode (one run a strength, and one of the base model), with each shape at its first values.
+/// Either way from off is one question, the strengths of a log-uniform number are three, and so are the values of a shape. Errors: NumericsError where the base model does not run at its own mode; those of `run`.
+[[nodiscard]] Answers ask(const QuestionInputs& in);
+
+/// "interface (top)", "sensor_response of S08".
+[[nodiscard]] std::string label(const Question& q, const std::vector<ParameterGroup>& groups, const ModelShape& shape);
+
+/// Of a number's prior; of a half-Cauchy one the strength that it is asked at.
+[[nodiscard]] double prior_sd(const AddedParameter& a, double strength);
+
+/// How far a value lies from the middle of its prior, in standard deviations: its range is taken for two of them either way. Half-Cauchy: powers of ten above its
+/// scale; infinite above the range.
+[[nodiscard]] double implausibility(const AddedParameter& a, double value);
+
+}  // namespace calomel

@@ -1,0 +1,61 @@
+#pragma once
+/// What an experiment could tell before it is made: which omitted mechanisms a diagnosis of its records would name, and from which strength on.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "uq/diagnosis/question.hpp"
+#include "uq/diagnosis/verdict.hpp"
+
+namespace calomel {
+
+/// `[power]`: the experiment that is planned.
+struct PowerOptions {
+  int pulses = 20;
+  double noise = 3e-6;
+  double noise_time = 5e-6;
+  double energy_sd = 0.015;
+  int gauges = 6;
+  std::vector<double> energies{0.5, 2};
+
+  template <class V>
+  void visit(V& v) {
+    v("pulses", pulses, {.range = between(2, 100000), .doc = "recorded pulses of each gauge"});
+    v("noise", noise, {.range = above(0), .doc = "sd of a gauge's noise in one pulse, in the sensors' unit"});
+    v("noise_time", noise_time, {.unit = "s", .range = at_least(0), .doc = "its correlation time"});
+    v("energy_sd", energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
+    v("gauges", gauges, {.range = between(0, 100), .doc = "further gauges that are tried, one at a time, spread over what the case's own leave open of the outer surface"});
+    v("energies", energies, {.range = above(0), .doc = "further beam powers that are tried, one at a time, as multiples of the case's own; of a case with one condition"});
+  }
+};
+
+/// An experiment, as a part of all that was planned.
+struct Plan {
+  std::string name;
+  std::vector<std::size_t> observations;  ///< of the problem
+};
+
+/// What it takes to name one number of one mechanism.
+struct Detectable {
+  std::string mechanism;       ///< label of the question
+  std::string number;          ///< name of the parameter
+  double off = 0;              ///< where it is switched off
+  std::optional<double> from;  ///< least value, on the side that is asked, at which it would be named; none within its range
+  double farthest = 0;         ///< end of its range on that side
+  std::string limited_by;      ///< what stands in the way just below: a rival's label, or empty: the evidence itself
+};
+
+struct PlanPower {
+  Plan plan;
+  std::vector<Detectable> numbers;
+  double gain = 0;  ///< over the first plan: mean over the numbers of log(strength needed there / here); what cannot be named counts as twice its range
+};
+
+/// For each plan and each number alone, the least strength s at which records with it, noise as it is expected, would pass the gates of evidence and lead, to first order about
+/// the fit: log B of its own question at least `log_bayes_factor`, and `lead` above every other group's. `fit`: to planned records in which nothing is missing, of all
+/// observations of all plans; `questions`: about it.
+[[nodiscard]] std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, const std::vector<ParameterGroup>& groups, const std::vector<Question>& questions,
+                                           const std::vector<Plan>& plans, const Gates& gates = {});
+
+}  // namespace calomel
