@@ -148,7 +148,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
   const std::vector<double>& after_history = named ? named->history : d.base_history;
   const auto before = misfits_of(d.base, d.base_history), after = misfits_of(d.base, after_history);
   const auto out_before = misfits_of(d.base, d.held_out_history), out_after = misfits_of(d.base, named ? named->held_out_history : d.held_out_history);
-  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after});
+  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after, in.base.problem.observations.size() == 1 ? "stretches of the record" : "gauges"});
   Json gauges = Json::array();
   for (std::size_t i = 0; i < before.size(); ++i)
     gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])}, {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},

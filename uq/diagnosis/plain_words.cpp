@@ -96,7 +96,7 @@ std::string where(const LocatedMismatch& l) {
 std::string held_out_part(const Alternative& a, const Misfits& m) {
   if (a.held_out.empty() || !(m.held_out_before > 0)) return "";
   const std::string from_to = fmt::format("{} to {}", percent(m.held_out_before), percent(m.held_out_after));
-  return m.held_out_after < m.held_out_before ? ", and on gauges that were left out of the fit from " + from_to : ", but on gauges that were left out of the fit it does not fall (" + from_to + ")";
+  return m.held_out_after < m.held_out_before ? ", and on " + m.held_out + " that were left out of the fit from " + from_to : ", but on " + m.held_out + " that were left out of the fit it does not fall (" + from_to + ")";
 }
 
 std::string what_to_check(const Alternative& a, std::span<const ParameterGroup> groups) {

@@ -57,6 +57,17 @@ TEST(LineGroups, HaveThePriorsOfTheRegistryAndTheirOffValues) {
   EXPECT_NEAR(1 / cutoff.strengths[0], -90.5e3, 1);
 }
 
+TEST(LineGroups, HavePlainNamesAndSomethingToCheck) {
+  for (const auto& text : {bar_text(), pipe_text()})
+    for (const auto& g : offered_groups(LineModel(line_case(text))))
+      for (const std::string& words : {g.plain, g.check}) {
+        ASSERT_FALSE(words.empty()) << g.name;
+        EXPECT_TRUE(std::islower(static_cast<unsigned char>(words.front()))) << words;
+        EXPECT_NE(words.back(), '.') << words;
+        EXPECT_EQ(words.find_first_of("_=*"), std::string::npos) << words;
+      }
+}
+
 TEST(LineGroups, ActOnEachStationWhereThereAreSeveral) {
   for (const auto& g : offered_groups(LineModel(line_case(bar_text())))) EXPECT_EQ(g.by_sensor, g.name == "sensor_response");
   std::string one = bar_text();
