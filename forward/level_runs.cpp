@@ -120,13 +120,7 @@ std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::
   for (std::size_t i = 0; i < level.size(); ++i) {
     const auto theta = thetas.col(Eigen::Index(i));
     points.push_back(point({theta.data(), own}, level[i]));
-    for (std::size_t k = 0; k < added.size(); ++k) {
-      const Parameter& p = added[k].parameter;
-      const double value = theta[Eigen::Index(own + k)];
-      if (value == *p.nominal) continue;
-      points.back()[p.key] = added[k].inverse ? 1 / value : value;
-      for (const auto& [key, number] : added[k].with) points.back()[key] = number;
-    }
+    set_added(points.back(), {theta.data() + own, added.size()}, added);
   }
   const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
   return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop);

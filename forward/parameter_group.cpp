@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "forward/forward_case.hpp"
 #include "forward/mechanism/mechanism.hpp"
@@ -15,12 +16,19 @@ namespace {
 constexpr double first_part = 0.25;      ///< of a key's range: where its effect is first looked at
 constexpr double least_infinite = 0.01;  ///< of the upper end of its range: the least value of a key that is infinite where it is off
 
-AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const MechanismKey& k) {
+}  // namespace
+
+AddedParameter added_number(const std::string& mechanism, const MechanismKey& k, double off) {
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
   a.unit = k.unit, a.doc = k.doc;
-  const double off = c.off_value(k);
+  if (off == -std::numeric_limits<double>::infinity()) {  // a pressure that nothing falls below: at the middle of its range it acts as it can
+    a.inverse = true;
+    p.nominal = 0, p.min = 1 / k.high, p.max = 0;
+    a.strengths = {2 / (k.low + k.high)};
+    return a;
+  }
   if (!std::isfinite(off)) {
     a.inverse = true;
     p.nominal = 0, p.min = 0, p.max = 1 / std::max(k.low, least_infinite * k.high);
@@ -38,6 +46,17 @@ AddedParameter key_of(const ForwardCase& c, const std::string& mechanism, const 
   if (p.min < off) a.strengths.push_back(off - first_part * (off - p.min));
   return a;
 }
+
+void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added) {
+  expect(values.size() == added.size(), "one value for each number that is added");
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    if (values[k] == *added[k].parameter.nominal) continue;
+    numbers[added[k].parameter.key] = added[k].inverse ? 1 / values[k] : values[k];
+    for (const auto& [key, number] : added[k].with) numbers[key] = number;
+  }
+}
+
+namespace {
 
 /// A key that shapes what the mechanism looks like.
 AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
@@ -69,7 +88,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                      .plain = entry.plain, .check = entry.check};
     for (const auto& k : entry.keys) {
-      if (k.decides) g.added.push_back(key_of(c, row.name, k));
+      if (k.decides) g.added.push_back(added_number(row.name, k, c.off_value(k)));
       if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
     }
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });

@@ -1,5 +1,7 @@
 #pragma once
 /// Numbers that may be added to a model in a block: a mechanism that the case leaves out, or numbers of the numerics that act like one.
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 namespace calomel {
 
 struct ForwardCase;
+struct MechanismKey;
 
 /// A number beside the parameters of a model. `parameter.nominal` is the value that switches it off.
 struct AddedParameter {
@@ -32,10 +35,16 @@ struct ParameterGroup {
   std::string plain, check;           ///< MechanismEntry's
 };
 
+/// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is the range of the registry, reaching to the off value: uniform, half-Cauchy
+/// about the geometric middle for a log-uniform one, uniform in the inverse for one that is infinite where it is off.
+[[nodiscard]] AddedParameter added_number(const std::string& mechanism, const MechanismKey& key, double off);
+
+/// Sets the numbers of the case that `values` (added) say, by dotted key. A value at its nominal is left alone: with all of them there a run is the base model's.
+void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
+
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
 /// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on.
-/// A key's prior is the range of the registry: uniform, half-Cauchy about the geometric middle for a log-uniform one; of a shape lognormal, the range two deviations
-/// either way.
+/// The prior of a shape is lognormal, its range two deviations either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 
 }  // namespace calomel

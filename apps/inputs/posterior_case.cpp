@@ -14,14 +14,16 @@ constexpr double box_of_viscosity = 1.8;  ///< half width of the box in its loga
 constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
 constexpr double box_of_young = 2.5, widest_young = 5;  ///< the same of the steel's modulus
 constexpr double mesh_error_by_size = 80;               ///< over the local amplitude, per metre of element size: of the first order
+constexpr double box_of_prior = 2;                      ///< half width of a line's first box, in prior sds
 constexpr double resolving = 1.25;                      ///< lengths of the pulse's front that an element may have which resolves it
 constexpr double same_size = 1e-9;                      ///< relative difference of two element sizes that are one
 
 }  // namespace
 
 std::vector<Parameter> posterior_parameters(const StudyCase& study) {
-  const auto& own = study.forward.parameters;
+  const auto& own = study.parameters();
   auto parameters = study.map.product == "physical" ? with_handbook_priors(own) : own;
+  if (study.line) return parameters;  // its nuisances are the case's own
   const auto nuisance = [&](const char* name, const char* key, double median, double sd, double widest) {
     if (sd <= 0 || std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == key; })) return;
     Parameter p{.name = name, .key = key, .prior = "lognormal"};
@@ -63,6 +65,11 @@ std::optional<int> own_level(const StudyCase& study) {
 }
 
 Eigen::MatrixXd gauge_positions(const StudyCase& study) {
+  if (study.line) {
+    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(Eigen::Index(study.line->stations.size()), 3);
+    for (std::size_t s = 0; s < study.line->stations.size(); ++s) along(Eigen::Index(s), 0) = study.line->stations[s].distance;
+    return along;
+  }
   Eigen::MatrixXd positions(Eigen::Index(study.forward.sensors.size()), 3);
   for (std::size_t s = 0; s < study.forward.sensors.size(); ++s)
     for (std::size_t i = 0; i < 3; ++i) positions(Eigen::Index(s), Eigen::Index(i)) = study.forward.sensors[s].position[i];
@@ -70,6 +77,7 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study) {
 }
 
 double mesh_error(const StudyCase& study) {
+  if (study.line) return study.errors.mesh.value_or(0);  // characteristics and spectra carry waves without any
   return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
 }
 
@@ -95,6 +103,11 @@ double first_half_width(const Parameter& p, bool nuisance) {
   if (p.key == "material.mercury.sound_speed") return 0.05;
   if (p.key == "material.mercury.tensile_cutoff") return p.min > 0 ? 0.7 : 0.6 * *p.nominal;
   return 0.1 * (p.min > 0 ? std::log(p.max / p.min) : p.max - p.min);
+}
+
+double first_half_width_of_a_line(const Parameter& p) {
+  const double middle = *p.nominal, reach = box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
+  return p.min > 0 ? reach / middle : reach;
 }
 
 }  // namespace calomel

@@ -46,5 +46,7 @@ bool basin_on_surrogate(const StudyCase& study);
 /// Half width of the emulator's first box in a parameter of posterior_parameters, of its logarithm where the lower bound is positive. `nuisance`: it is none of
 /// the case's own.
 double first_half_width(const Parameter& parameter, bool nuisance);
+/// That of a line's parameter, by its prior.
+double first_half_width_of_a_line(const Parameter& parameter);
 
 }  // namespace calomel

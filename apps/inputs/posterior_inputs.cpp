@@ -1,23 +1,69 @@
 #include "apps/inputs/posterior_inputs.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/interrupt.hpp"
+#include "inverse/data/decimation.hpp"
 
 namespace calomel {
 
-std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, const CommandLine& command, const RunStore::Progress& told) {
-  const StudyCase& study = parts.study;
+namespace {
+
+/// Defaults of [errors] are those of a target: a pipe's times are a thousand times longer. Errors: InputError for times below the distance of the values compared.
+void expect_times_of_the_records(const PosteriorInputs& in) {
+  const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
+  const auto windows = grid.windows(0);
+  const double apart = windows.size() > 1 ? windows[1].time - windows[0].time : 0;
+  const auto expect_above = [&](const char* key, double time) {
+    if (time < apart)
+      throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)), .key = key, .value = number_text(time),
+                        .suggestion = "give times of the line's own scale, some of them near the time that a wave takes through it, or a higher errors.band"});
+  };
+  expect_above("errors.discrepancy_times", *std::max_element(in.errors.discrepancy_times.begin(), in.errors.discrepancy_times.end()));
+  expect_above("errors.amplitude_time", in.errors.amplitude_time);
+}
+
+/// What does not depend on where the runs come from.
+std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const CommandLine& command) {
   std::unique_ptr<PosteriorInputs> out(
-      new PosteriorInputs{.problem = parts.problem, .recordings = parts.recordings, .recording_options = parts.recording_options, .errors = study.errors, .emulator = study.emulator});
+      new PosteriorInputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
+  PosteriorInputs& in = *out;
+  in.parameters = posterior_parameters(study), in.seed = command.seed;
+  in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, const CommandLine& command, const RunStore::Progress& told) {
+  auto out = without_runs(parts.study, parts.problem, parts.recordings, parts.recording_options, command);
   PosteriorInputs& in = *out;
   LevelRuns* runs = &parts.runs;
   const int threads = command.threads;
-  in.parameters = posterior_parameters(study);
-  in.levels = runs->levels(), in.seed = command.seed;
-  in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  in.levels = runs->levels();
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
-  if (const double sd = study.errors.gauge_place_sd; sd > 0)
+  if (const double sd = parts.study.errors.gauge_place_sd; sd > 0)
     in.gauge_places = [=](std::span<const double> theta) { return runs->gauge_places(theta, sd, threads, told, &stop_requested()); };
+  return out;
+}
+
+std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_line(StudyInputs& inputs) {
+  const CommandLine& command = inputs.command();
+  auto out = without_runs(inputs.study(), inputs.problem(), inputs.recordings(), *inputs.study().recordings, command);
+  PosteriorInputs& in = *out;
+  if (in.parameters.empty())
+    throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
+                      .key = "parameter",
+                      .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
+  expect_times_of_the_records(in);
+  LineRuns* runs = &inputs.line_runs();
+  const int threads = command.threads;
+  in.levels = 1, in.draw_in = true;
+  in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, {}, &stop_requested()); };
+  for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
   return out;
 }
 

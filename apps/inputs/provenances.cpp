@@ -18,7 +18,7 @@ Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
 
 Json posterior_options(const StudyCase& study) {
   Json options{{"product", study.map.product}, {"recordings", echo(*study.recordings)}, {"emulator", echo(study.emulator)}, {"errors", echo(study.errors)}, {"sampler", echo(study.sampler)}};
-  for (const auto& p : study.forward.parameters) options["parameter"][p.name] = echo(p);
+  for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
 }
 

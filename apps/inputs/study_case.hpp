@@ -66,6 +66,8 @@ struct StudyCase {
   /// Errors: InputError with file, line and column for whatever is wrong, a table that nobody knows included.
   static StudyCase read(const std::filesystem::path& path, std::span<const std::string> overrides);
 
+  /// The case's own parameters, of whichever model.
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : forward.parameters; }
   /// The resolved case, table by table.
   [[nodiscard]] Json echo() const;
   /// The tables on which the strains of a run depend; of the parameters what the design sees, not the priors.

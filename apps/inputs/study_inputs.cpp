@@ -11,8 +11,10 @@ namespace calomel {
 
 StudyInputs::StudyInputs(const CommandLine& command)
     : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
-  if (study_.line && command.verb != "check" && command.verb != "simulate")
-    throw study_.file.located(InputError({.problem = "a line is only checked and simulated in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check or simulate"}));
+  if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose")
+    throw study_.file.located(
+        InputError({.problem = "a line is checked, simulated and diagnosed in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate or diagnose"}));
+  if (study_.line && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of a line", .key = "model.kind", .suggestion = "leave out --power"}));
   if (command.verb != "check" && command.verb != "report") make_directory(command.out);
 }
 
@@ -29,6 +31,11 @@ const LineModel& StudyInputs::line() {
   expect(study_.line.has_value(), "only a line has a line model");
   if (!line_) line_ = std::make_unique<LineModel>(*study_.line);
   return *line_;
+}
+
+LineRuns& StudyInputs::line_runs() {
+  if (!line_runs_) line_runs_ = std::make_unique<LineRuns>(line(), runs());
+  return *line_runs_;
 }
 
 const Problem& StudyInputs::problem() {

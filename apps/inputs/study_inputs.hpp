@@ -8,7 +8,7 @@
 #include "apps/notes.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/level_runs.hpp"
-#include "forward/line/line_model.hpp"
+#include "forward/line/line_runs.hpp"
 #include "forward/runs/run_store.hpp"
 #include "inverse/data/problem.hpp"
 
@@ -35,6 +35,8 @@ class StudyInputs {
   [[nodiscard]] const BuiltInModel& model();
   /// The case's line, where study().line is there.
   [[nodiscard]] const LineModel& line();
+  /// Its runs, kept in runs().
+  [[nodiscard]] LineRuns& line_runs();
   /// The recordings against the model. What they warn of is told once.
   /// Errors: InputError with its place, see StudyCase::matched_recordings and make_problem.
   [[nodiscard]] const Problem& problem();
@@ -55,6 +57,7 @@ class StudyInputs {
   std::optional<Problem> problem_;
   std::unique_ptr<RunStore> runs_;
   std::unique_ptr<LevelRuns> levels_;
+  std::unique_ptr<LineRuns> line_runs_;
 };
 
 }  // namespace calomel

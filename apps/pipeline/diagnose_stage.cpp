@@ -31,16 +31,20 @@ ExitStatus diagnose_stage(StageCall& call) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
   return study.file.locating([&] {
-    const auto base = posterior_inputs(inputs, {});
-    put_first_box(*base, nominal(inputs.model().shape()));
+    const auto base = study.line ? posterior_inputs_of_a_line(inputs) : posterior_inputs(inputs, {});
+    if (!study.line) put_first_box(*base, nominal(inputs.model().shape()));
     base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
-    LevelRuns& levels = inputs.levels();
+    const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
+      if (study.line) return inputs.line_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
+      return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
+    };
+    const auto linear = [&](std::span<const double> theta) {
+      return study.line ? std::vector<MechanismDirections>{} : inputs.levels().linear_mechanisms(theta);
+    };
     const DiagnosisInputs in{.base = *base,
-                             .groups = offered_groups(study.forward),
-                             .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
-                               return levels.run(thetas, level, added, command.threads, progress, &stop_requested());
-                             },
-                             .linear = [&](std::span<const double> theta) { return levels.linear_mechanisms(theta); },
+                             .groups = study.line ? offered_groups(inputs.line()) : offered_groups(study.forward),
+                             .run = run,
+                             .linear = linear,
                              .options = study.diagnosis,
                              .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },
                              .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};

@@ -21,6 +21,8 @@ LineMechanismEntry lateral_inertia() {
   return {.law = "k = omega / c(omega), c the phase speed of Pochhammer and Chree's first longitudinal mode",
           .keys = {{.name = "poisson", .unit = "", .off = 0, .low = 0.2, .high = 0.4, .least = 0, .greatest = 0.49, .doc = "Poisson's ratio of the bar"}},
           .needs = "line.radius",
+          .plain = "the bar's inertia across its axis",
+          .check = "compare Poisson's ratio with that of the bar's material",
           .wavenumber = disperse};
 }
 

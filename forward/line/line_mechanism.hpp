@@ -20,6 +20,7 @@ struct LineMechanismEntry {
   std::vector<MechanismKey> keys;
   std::string needs;         ///< number of the case without which it is not offered ("line.radius"), or empty
   bool per_station = false;  ///< `[mechanism.NAME.STATION]` tables are allowed
+  std::string plain, check;  ///< as in MechanismEntry
 
   /// Bar: multiplies the wavenumber at each angular frequency, (frequencies). `radius` [m] is NaN where the case has none.
   void (*wavenumber)(const MechanismValues&, const BarOptions&, std::span<const double> omega, std::span<std::complex<double>> wavenumber) = nullptr;
@@ -42,6 +43,7 @@ struct LineMechanism {
   const LineMechanismEntry* entry;
   MechanismValues values;
   bool enabled = false;
+  bool listed = false;  ///< has a table in the case
   /// Every deciding key has its off value.
   [[nodiscard]] bool off() const;
 };

@@ -18,6 +18,11 @@ void for_active(const LineCase& c, F&& f) {
     if (!m.off()) f(m);
 }
 
+bool is_offered(const LineCase& c, const LineMechanism& m) {
+  const bool chosen = std::any_of(c.mechanisms.begin(), c.mechanisms.end(), [](const auto& each) { return each.listed && !each.enabled; });
+  return !m.enabled && (m.listed || !chosen) && c.has_what_it_needs(m);
+}
+
 }  // namespace
 
 PipeSetup pipe_setup(const LineCase& at) {
@@ -131,7 +136,7 @@ Prediction LineModel::evaluate(std::span<const double> theta, const std::map<std
 std::vector<OfferedMechanism> LineModel::offered() const {
   std::vector<OfferedMechanism> all;
   for (const auto& m : case_.mechanisms)
-    if (!m.enabled && case_.has_what_it_needs(m)) all.push_back({m.name, m.entry->law, m.entry->keys, m.entry->per_station});
+    if (is_offered(case_, m)) all.push_back({m.name, m.entry->law, m.entry->keys, m.entry->per_station, m.entry->plain, m.entry->check});
   return all;
 }
 
@@ -154,9 +159,9 @@ LineDescription LineModel::describe() const {
   for (const auto& m : case_.mechanisms) {
     if (m.enabled)
       d.active.push_back(m.name + (m.off() ? " (at its off values)" : ""));
-    else if (case_.has_what_it_needs(m))
+    else if (is_offered(case_, m))
       d.offered.push_back(m.name);
-    else
+    else if (!case_.has_what_it_needs(m))
       d.notes.push_back("mechanism." + m.name + ": not offered, it needs " + m.entry->needs);
   }
   return d;

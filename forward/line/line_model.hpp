@@ -14,6 +14,7 @@ struct OfferedMechanism {
   std::string law;
   std::vector<MechanismKey> keys;  ///< name, unit, off value, default prior range, whether it decides
   bool per_station = false;        ///< "mechanism.NAME.STATION.KEY" is of one station alone
+  std::string plain, check;        ///< LineMechanismEntry's
 };
 
 /// What `check` prints.
@@ -38,7 +39,7 @@ class LineModel : public ForwardModel {
   /// Errors: InputError for a key that names no number.
   [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const;
 
-  /// Mechanisms of the catalogue that the case does not enable and has the numbers for.
+  /// Mechanisms that the case lists without enabling them, or all of the catalogue that it does not enable where it lists none so; it must have their numbers.
   [[nodiscard]] std::vector<OfferedMechanism> offered() const;
   [[nodiscard]] LineDescription describe() const;
   [[nodiscard]] const LineCase& line_case() const { return case_; }

@@ -48,6 +48,8 @@ LineMechanismEntry line_sensor_response(const LineSensorRanges& r) {
                 .least = 1e-3,
                 .doc = "-3 dB frequency of a second-order Butterworth; inf = none"}},
       .per_station = true,
+      .plain = "the response of the gauges",
+      .check = "check calibration, amplifier, filter and clock of the gauges",
       .channel = respond};
 }
 

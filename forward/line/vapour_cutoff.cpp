@@ -23,6 +23,8 @@ LineMechanismEntry vapour_cutoff() {
                     .least = 0,
                     .greatest = 0.01,
                     .doc = "free gas over the volume, at the steady pressure; 0 = vapour alone"}},
+          .plain = "vapour in the pipe where the pressure falls too far",
+          .check = "hold the lowest pressure against the vapour pressure of the liquid, and ask how much gas it held",
           .pipe = [](const MechanismValues& v, PipeSetup& s) { s.vapour_pressure = v["pressure"], s.gas_fraction = v["gas_fraction"]; }};
 }
 

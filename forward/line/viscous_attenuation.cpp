@@ -23,6 +23,8 @@ LineMechanismEntry viscous_attenuation() {
                     .least = 0,
                     .greatest = 1,
                     .doc = "theta, viscosity over Young's modulus"}},
+          .plain = "losses in the bar",
+          .check = "see whether the wave loses as much again on its next passage through the bar",
           .wavenumber = attenuate};
 }
 

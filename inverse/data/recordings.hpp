@@ -31,6 +31,7 @@ struct RecordingOptions {
   std::string band = "prediction";
   std::optional<double> energy_sd;
   std::optional<double> noise;  ///< one sd for all sensors, in the data's unit
+  double noise_time = 0;
   NoiseTable noise_by_sensor;   ///< used instead of `noise` when it has entries
 
   template <class V>
@@ -49,6 +50,7 @@ struct RecordingOptions {
         {.range = above(0), .doc = "sd of the noise in the data's unit, or a table by sensor; required where a sensor has fewer than two pulses"});
     else
       v.table("noise", noise_by_sensor, "sd of the noise by sensor");
+    v("noise_time", noise_time, {.unit = "s", .range = at_least(0), .doc = "correlation time of that noise, exp(-time between samples / noise_time); 0 = independent from sample to sample"});
   }
   /// Errors: InputError when end <= begin.
   void validate() const;

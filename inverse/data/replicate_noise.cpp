@@ -262,7 +262,8 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
                           .suggestion = "give the sd of the noise in the data's unit"});
       s.pulses = std::max(1, o.pulses), s.given = true, s.freedom = infinity;
       s.modulation = Eigen::VectorXd::Constant(Eigen::Index(windows.size()), *sd);
-      s.pulse = *sd * *sd * filtered_covariance(windows, grid.record_time(), 0, 1);
+      if (options.noise_time > 0) s.time = options.noise_time, s.white = least_white;
+      s.pulse = *sd * *sd * filtered_covariance(windows, grid.record_time(), s.time, s.white);
     }
     out.series.push_back(std::move(s));
   }

@@ -45,7 +45,7 @@ CorrelationFit fit_correlation(const Eigen::MatrixXd& normalised, std::span<cons
 
 /// energy_slope: secant of the coarse values by relative pulse energy (grid.size()), or empty: the mean record stands for it, as if strain were
 /// proportional to energy. Where there is one, the better of the two is taken by the scatter that it explains. Only gauges with two or more pulses
-/// are learnt from; the others take recordings.noise, independent in time.
+/// are learnt from; the others take recordings.noise with recordings.noise_time.
 /// `options` and `problem` belong to `recordings`. Errors: InputError for a single pulse without noise.
 ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const Recordings& recordings, const RecordingOptions& options,
                            const Eigen::VectorXd& energy_slope);

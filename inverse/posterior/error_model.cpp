@@ -10,7 +10,6 @@ namespace calomel {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double local_time = 25e-6;  ///< [s] over which local variances change
 constexpr double arrival_share = 0.05;  ///< of a gauge's greatest value
 constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< of the discrepancy, over the scale of its prior
 constexpr double least_noise = 1e-3;       ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
@@ -69,9 +68,9 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
-    add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel));
+    add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
   }
-  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, mesh_kernel));
+  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
 }
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
@@ -119,14 +118,14 @@ double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp
 
 namespace {
 
-/// Root mean square of `amplitude` over the local time, (size).
-Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude) {
+/// Root mean square of `amplitude` over `local` seconds, (size).
+Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude, double local) {
   const Eigen::VectorXd t = grid.times();
   Eigen::VectorXd sd(t.size());
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     for (Eigen::Index a = at; a < at + n; ++a) {
-      const Eigen::ArrayXd w = (-0.5 * ((t.segment(at, n).array() - t[a]) / local_time).square()).exp();
+      const Eigen::ArrayXd w = (-0.5 * ((t.segment(at, n).array() - t[a]) / local).square()).exp();
       sd[a] = std::sqrt((w * amplitude.segment(at, n).array().square()).sum() / w.sum());
     }
   }
@@ -152,13 +151,13 @@ Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Ei
 }  // namespace
 
 Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const TimeKernel& kernel) {
-  return process(problem, grid, local_amplitude(grid, amplitude), positions, distance, kernel);
+                              const TimeKernel& kernel, double local) {
+  return process(problem, grid, local_amplitude(grid, amplitude, local), positions, distance, kernel);
 }
 
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
-                                  const TimeKernel& kernel) {
-  Eigen::VectorXd sd = local_amplitude(grid, data);
+                                  const TimeKernel& kernel, double local) {
+  Eigen::VectorXd sd = local_amplitude(grid, data, local);
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
@@ -184,7 +183,7 @@ std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Prob
     }
     for (const double time : o.discrepancy_times) {
       const double scale = s * o.discrepancy;
-      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o.discrepancy_distance, matern32(time))}),
+      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o.discrepancy_distance, matern32(time), o.amplitude_time)}),
                      std::log(weight / double(o.discrepancy_times.size())), scale});
     }
   }
@@ -192,7 +191,7 @@ std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Prob
   return out;
 }
 
-Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom) {
+Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom, double local) {
   expect(std::size_t(residuals.rows()) == grid.size() && freedom > 0, "residuals on the grid, and squares left in them");
   Eigen::MatrixXd c = 0.5 / freedom * residuals * residuals.transpose();
   for (std::size_t i = 0; i < grid.observations(); ++i) {
@@ -204,7 +203,7 @@ Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& r
     for (Eigen::Index a = 0; a < n; ++a) {
       double sum = 0, weight = 0;
       for (Eigen::Index b = 0; b < n; ++b) {
-        const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / local_time, 2));
+        const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / local, 2));
         sum += w * square[b], weight += w;
       }
       sd[a] = std::sqrt(sum / weight + least_noise * square.mean());

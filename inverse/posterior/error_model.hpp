@@ -33,6 +33,7 @@ struct ErrorOptions {
   double discrepancy = 0.1;
   std::vector<double> discrepancy_times{15e-6, 40e-6};
   double discrepancy_distance = 0.03;
+  double amplitude_time = 25e-6;
 
   template <class V>
   void visit(V& v) {
@@ -53,6 +54,8 @@ struct ErrorOptions {
     v("discrepancy", discrepancy,
       {.range = between(0, 1), .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; marginalised"});
     v("discrepancy_times", discrepancy_times, {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
+    v("amplitude_time", amplitude_time,
+      {.unit = "s", .range = above(0), .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
     v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it and the mesh's error, exp(-distance)"});
   }
 };
@@ -108,15 +111,15 @@ class ErrorModel {
   std::vector<ErrorTerm> terms_;
 };
 
-/// Covariance of a process along each record with the local root mean square of `amplitude` (size) over 25 us as its sd and `kernel` as its correlation in
+/// Covariance of a process along each record with the local root mean square of `amplitude` (size) over `local` seconds as its sd and `kernel` as its correlation in
 /// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it
 /// like one place.
 Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const TimeKernel& kernel);
+                              const TimeKernel& kernel, double local);
 
 /// The same of the mean records' amplitude, 0 before the first arrival (the first value beyond 5 % of the gauge's greatest): a discrepancy of scale 1.
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
-                                  const TimeKernel& kernel);
+                                  const TimeKernel& kernel, double local);
 
 /// One hypothesis about the errors, and the logarithm of its prior weight.
 struct WeightedErrors {
@@ -129,7 +132,7 @@ struct WeightedErrors {
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions);
 
 /// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
-/// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes slowly. Full rank, (size, size).
-Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom);
+/// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes over `local` seconds. Full rank, (size, size).
+Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom, double local);
 
 }  // namespace calomel

@@ -16,11 +16,16 @@ constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs
 constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
 constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
 constexpr double room = 0.3;           ///< half widths of the box between a nested hypothesis and its edge
+constexpr double drawn_in = 4;         ///< posterior sds that a box which is drawn in reaches
+constexpr double worth_drawing = 0.7;  ///< of its width: less than that is gained
+constexpr double narrowest = 0.25;     ///< of its width, in one round: the first deviations are those of a coarse emulator
+constexpr double ample = 2;            ///< runs over coefficients where runs cost little
 constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
 
 class Fit {
  public:
   explicit Fit(const PosteriorInputs& in) : in_(in) {
+    expect(!in.draw_in || (in.levels == 1 && in.held.empty()), "a box that is drawn in is of one mesh and holds no nested hypothesis");
     for (const auto& p : in.parameters) priors_.emplace_back(p);
     out_.runs = in.known;
     lay_box(in.centre, in.half_width);
@@ -32,6 +37,9 @@ class Fit {
       if (in_.go_on && !in_.go_on(out_)) break;
       if (near_edge()) {
         move_box();
+        fill_box(std::uint64_t(round));
+      } else if (may_draw_in()) {
+        draw_in_box();
         fill_box(std::uint64_t(round));
       } else {
         add_infill(round);
@@ -51,6 +59,8 @@ class Fit {
   void fill_box(std::uint64_t index);
   void add_infill(int round);
   void move_box();
+  [[nodiscard]] bool may_draw_in() const;
+  void draw_in_box();
   void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
   void choose_runs();
   void fit();
@@ -110,7 +120,8 @@ void Fit::fill_box(std::uint64_t index) {
   for (const auto i : out_.used)
     if (i >= in_.known.size()) ++there[std::size_t(out_.runs[i].level)];
   const auto d = Eigen::Index(in_.parameters.size());
-  const int coarse = in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
+  const int plenty = in_.draw_in ? std::max<int>(in_.emulator.coarse_runs, int(ample * double(MultilevelRegression::coefficients(d, 1)))) : 0;
+  const int coarse = in_.draw_in ? plenty : in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
   const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;
   const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
   std::vector<int> level;
@@ -148,10 +159,30 @@ void Fit::move_box() {
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
-    half_width.push_back(std::max(in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
+    half_width.push_back(std::max(in_.draw_in ? now : in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
   }
   lay_box(m.at.theta, half_width);
   out_.rounds.back().moved_box = true;
+}
+
+/// Whether some side of the box is far wider than the posterior.
+bool Fit::may_draw_in() const {
+  if (!in_.draw_in) return false;
+  const Eigen::VectorXd sd = out_.modes[0].covariance.diagonal().cwiseSqrt();
+  return drawn_in * sd.head(Eigen::Index(in_.parameters.size())).minCoeff() < worth_drawing;
+}
+
+/// About the mode.
+void Fit::draw_in_box() {
+  const LocalMode& m = out_.modes[0];
+  const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
+  std::vector<double> half_width;
+  for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
+    const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
+    half_width.push_back(now * std::clamp(drawn_in * sd[Eigen::Index(k)], narrowest, 1.0));
+  }
+  lay_box(m.at.theta, half_width);
+  out_.rounds.back().drew_in = true;
 }
 
 /// Whether a mode lies within a standard deviation of an edge of the box that is no bound of the case: at a bound it stays.
@@ -172,7 +203,7 @@ bool Fit::near_edge() const {
 
 bool Fit::settled() const {
   const auto& rounds = out_.rounds;
-  return rounds.size() > 1 && !near_edge() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
+  return rounds.size() > 1 && !near_edge() && !may_draw_in() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
 }
 
 void Fit::fit() {
@@ -208,7 +239,7 @@ void Fit::fit() {
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
-  out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom());
+  out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom(), in_.errors.amplitude_time);
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
                           .with({"numerical noise of the records", in_.errors.record_noise * in_.errors.record_noise * out_.noise}));
   out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};

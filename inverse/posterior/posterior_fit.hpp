@@ -74,6 +74,8 @@ struct PosteriorInputs {
   std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
+  /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the mode.
+  bool draw_in = false;
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
@@ -92,7 +94,8 @@ struct PosteriorRound {
   std::vector<double> theta_sd;          ///< of theta
   double moved = 0;                      ///< of the mode since the round before, largest over the parameters in sds
   double variance = 0;                   ///< the emulator's over draws from the posterior, 95 % quantile
-  bool moved_box = false;
+  bool moved_box = false;  ///< after it
+  bool drew_in = false;    ///< the box, after it
 };
 
 /// Leave-one-out errors of one level.

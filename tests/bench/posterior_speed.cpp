@@ -36,7 +36,7 @@ LogPosterior posterior_of(int values) {
   const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
   std::vector<Prior> priors;
   for (const auto& p : parameters) priors.emplace_back(p);
-  return {box, e, e.fit(outputs), {{errors}}, numerical_noise(errors.grid(), e.residuals(outputs), e.freedom()), priors, {}};
+  return {box, e, e.fit(outputs), {{errors}}, numerical_noise(errors.grid(), e.residuals(outputs), e.freedom(), 25e-6), priors, {}};
 }
 
 void density_with_gradient(benchmark::State& state) {

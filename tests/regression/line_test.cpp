@@ -1,7 +1,12 @@
 // Cases of a line through the command line: check, simulate, list, and what is refused.
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
+#include "base/random.hpp"
 #include "tests/regression/slice_case.hpp"
 
 using namespace calomel::testing;
@@ -60,6 +65,61 @@ std::string record() {
   return text;
 }
 
+/// Two gauges of a bar, 200 us apart; the second lags by 4 us.
+std::string two_gauges() {
+  calomel::RandomStream noise(1, 0);
+  const auto pulse = [](double us) { return us > 20 && us < 90 ? std::pow(std::sin(M_PI * (us - 20) / 70), 2) : 0.0; };
+  std::string text = "time,first,second\n";
+  double lagging = 0;
+  constexpr int fine = 20;
+  for (int i = 0; i <= 350; ++i) {
+    text += fmt::format("{}e-6,{:.6f},{:.6f}\n", i, pulse(i), lagging + 1e-3 * noise.normal());
+    for (int k = 0; k < fine; ++k) lagging += (pulse(i + (k + 0.5) / fine - 200) - lagging) / fine / 4;
+  }
+  return text;
+}
+
+const std::string lag_case = R"([case]
+sensor_unit = "V"
+[model]
+kind = "line"
+[line]
+kind = "bar"
+wave_speed = 5000
+[drive]
+file = "record.csv"
+[time]
+end = 3.4e-4
+output_interval = 1e-6
+[[station]]
+name = "second"
+distance = 1.0
+[recordings]
+file = "record.csv"
+unit = "V"
+exclude = ["first"]
+begin = 2e-4
+end = 3.4e-4
+noise = 1e-3
+[parameter.wave_speed]
+min = 4500
+max = 5500
+prior = "normal"
+mean = 5000
+sd = 20
+[parameter.gain]
+key = "station.second.gain"
+min = 0.8
+max = 1.2
+prior = "normal"
+mean = 1
+sd = 0.02
+[errors]
+band = 2e5
+[mechanism.sensor_response]
+[mechanism.viscous_attenuation]
+)";
+
 }  // namespace
 
 TEST(Line, OfAPipeIsCheckedAndSimulated) {
@@ -106,8 +166,62 @@ TEST(Line, TellsWhereACaseIsWrong) {
   EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\nenabled = true\npoisson = 0.29\n"), HasSubstr("set line.radius"));
   EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\npoisson = 0.6\n"), HasSubstr("(allowed: 0 <= x <= 0.49)"));
   EXPECT_THAT(said(slice_case + "[line]\nkind = \"bar\"\n"), HasSubstr("line: this table belongs to a line"));
-  EXPECT_THAT(said(pipe_case, "campaign case.toml"), HasSubstr("a line is only checked and simulated in this version, not: campaign"));
+  EXPECT_THAT(said(pipe_case, "campaign case.toml"), HasSubstr("a line is checked, simulated and diagnosed in this version, not: campaign"));
   EXPECT_THAT(said(pipe_case, "simulate case.toml --mean"), HasSubstr("--mean"));
+}
+
+TEST(Line, IsDiagnosed) {
+  const auto dir = folder_with("line_diagnosed", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
+  const auto made = run(dir, "diagnose case.toml");
+  ASSERT_EQ(made.status, 0) << made.said;
+  EXPECT_THAT(made.said, HasSubstr("verdict: named sensor_response"));
+  const auto d = calomel::read_json(dir / "case.out" / "diagnosis.json");
+  EXPECT_EQ(d["verdict"], "named");
+  EXPECT_EQ(d["status"], "done");
+  EXPECT_EQ(d["fit"]["before"]["unit"], "V");
+  EXPECT_GT(d["fit"]["before"]["residual_rms"].get<double>(), 4e-3);
+  EXPECT_LT(d["fit"]["after"]["residual_rms"].get<double>(), 1.2e-3);
+  EXPECT_LT(d["fit"]["after"]["heldout_nrmse"].get<double>(), 0.3 * d["fit"]["before"]["heldout_nrmse"].get<double>());
+  double sum = 0, lag = 0;
+  for (const auto& r : d["ranking"]) {
+    sum += r["probability"].get<double>();
+    if (r["name"] != "sensor_response") continue;
+    for (const auto& p : r["parameters"])
+      if (p["name"] == "sensor_response.lag") lag = p["mean"];
+  }
+  EXPECT_NEAR(sum, 1, 1e-9);
+  EXPECT_NEAR(lag, 4e-6, 1.2e-6);  // a low pass and the speed do part of it
+  EXPECT_THAT(run(dir, "diagnose case.toml").said, HasSubstr("reused"));
+}
+
+TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {
+  const auto whole = folder_with("line_whole", {{"case.toml", lag_case}, {"record.csv", two_gauges()}}), cut = folder_with("line_cut", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
+  ASSERT_EQ(run(whole, "diagnose case.toml").status, 0);
+  const auto journal = cut / "case.out" / "runs.journal";
+  int kills = 0;
+  for (const std::uintmax_t after : {200'000u, 600'000u})
+    kills += WIFSIGNALED(stop_program(start_program(cut, {"diagnose", "case.toml", "--quiet"}), SIGKILL, 1, [&] {
+      std::error_code none;
+      return std::filesystem::exists(journal) && std::filesystem::file_size(journal, none) > after;
+    }));
+  EXPECT_EQ(kills, 2);
+  EXPECT_FALSE(std::filesystem::exists(cut / "case.out" / "diagnosis.json"));
+  ASSERT_EQ(run(cut, "diagnose case.toml").status, 0);
+  EXPECT_EQ(calomel::read_text(cut / "case.out" / "diagnosis.json"), calomel::read_text(whole / "case.out" / "diagnosis.json"));
+}
+
+TEST(Line, ADiagnosisSaysWhatItNeeds) {
+  const auto said = [](const std::string& text) {
+    const auto out = run(folder_with("line_needs", {{"case.toml", text}, {"record.csv", two_gauges()}}), "diagnose case.toml");
+    EXPECT_EQ(out.status, 2) << out.said;
+    return out.said;
+  };
+  EXPECT_THAT(said(with(lag_case, "noise = 1e-3\n", "")), HasSubstr("recordings.noise"));
+  EXPECT_THAT(said(with(lag_case, "band = 2e5", "band = 2e3")), HasSubstr("errors.discrepancy_times"));
+  EXPECT_THAT(said(with(lag_case, "prior = \"normal\"\nmean = 5000\nsd = 20\n", "")), HasSubstr("parameter.wave_speed.prior"));
+  std::string none = lag_case;
+  none.erase(none.find("[parameter.wave_speed]"), none.find("[errors]") - none.find("[parameter.wave_speed]"));
+  EXPECT_THAT(said(none), HasSubstr("no numbers that may move"));
 }
 
 TEST(Line, HasItsMechanismsListed) {

@@ -427,18 +427,18 @@ void Engine::fit_pair() {
 }
 
 void Engine::hold_out() {
-  const auto folds = folds_by_face(in_.base.problem, in_.base.positions);
+  const auto folds = folds_by_face(in_.base.problem, grid(), in_.base.positions);
   const Eigen::VectorXd& data = out_.base.errors->data();
   const PosteriorFit& base = out_.base;
   std::vector<double> before;
   for (const auto& f : folds) {
     const PartFit part = fit_without(base, base, f);
     before.push_back(misfit_of(f, grid(), part.prediction, data));
-    keep_held_out(f, in_.base.problem, part.history, out_.held_out_history);
+    keep_held_out(f, grid(), in_.base.problem, part.history, out_.held_out_history);
   }
   const auto gauges = [&](const std::vector<double>& by_fold) {
     double sum = 0, count = 0;
-    for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * double(folds[i].size()), count += double(folds[i].size());
+    for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * folds[i].records, count += folds[i].records;
     return sum / count;
   };
   out_.held_out_before = out_.held_out_after = gauges(before);
@@ -450,7 +450,7 @@ void Engine::hold_out() {
     for (std::size_t i = 0; i < folds.size(); ++i) {
       const PartFit part = fit_without(fit->second, fit->second, folds[i]);
       with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
-      keep_held_out(folds[i], in_.base.problem, part.history, c.held_out_history);
+      keep_held_out(folds[i], grid(), in_.base.problem, part.history, c.held_out_history);
       c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
       const double worth = part.log_evidence - fit_without(base, fit->second, folds[i]).log_evidence;
       if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge
@@ -487,9 +487,9 @@ void Engine::separate() {
   std::size_t at = 0;
   while (at + 1 < grid().observations() && Eigen::Index(grid().offset(at + 1)) <= most) ++at;
   const double time = grid().times()[most];
-  out_.separating = fmt::format("{} and {} differ most at gauge {} about {:.0f} us, by {:.2g} microstrain ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
+  out_.separating = fmt::format("{} and {} differ most at gauge {} about {:.0f} us, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
                                 two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", in_.base.problem.label(in_.base.problem.observations[at]), 1e6 * time,
-                                1e6 * std::abs(difference[most]), std::abs(z[most]));
+                                in_.base.problem.mae_scale * std::abs(difference[most]), in_.base.problem.mae_unit, std::abs(z[most]));
 }
 
 }  // namespace

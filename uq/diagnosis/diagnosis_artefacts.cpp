@@ -27,9 +27,22 @@ Json by_name(const std::vector<Estimate>& all) {
   return object;
 }
 
+/// Root mean square over all samples compared of the mean records less the history, in the records' unit.
+double residual_rms(const Problem& problem, const std::vector<double>& history) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (const auto& o : problem.observations) {
+    const auto y = on_record_times(problem, std::span(history).subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size()));
+    for (std::size_t t = 0; t < y.size(); ++t)
+      if (o.compared[t]) sum += (y[t] - o.mean[t]) * (y[t] - o.mean[t]), ++n;
+  }
+  return problem.mae_scale * std::sqrt(sum / double(n));
+}
+
 Json fit_of(const Problem& problem, const std::vector<double>& history, double compared, double held_out) {
   const Score s = score(problem, history);
-  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"compared_nrmse", number(compared)}, {"heldout_nrmse", number(held_out)}};
+  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"compared_nrmse", number(compared)}, {"heldout_nrmse", number(held_out)},
+          {"residual_rms", number(residual_rms(problem, history))}, {"unit", problem.mae_unit}};
 }
 
 /// |history - record| / |record| of each observation on the grid that is compared; NaN where there is no history.
@@ -38,7 +51,7 @@ std::vector<double> misfits_of(const PosteriorFit& base, const std::vector<doubl
   std::vector<double> all(grid.observations(), std::numeric_limits<double>::quiet_NaN());
   if (history.empty()) return all;
   const Eigen::VectorXd values = grid.apply(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = misfit_of({i}, grid, values, base.errors->data());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = misfit_of(fold_of(grid, {i}), grid, values, base.errors->data());
   return all;
 }
 
@@ -60,8 +73,18 @@ Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters)
   return object;
 }
 
+/// In the case's unit: a number that the fit counts by its inverse is told as itself; null where it is none.
+Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& groups) {
+  for (const auto& g : groups)
+    for (const auto& a : g.added)
+      if (a.inverse && e.name.ends_with(a.parameter.name)) return {e.name, 1 / e.mean, e.sd / (e.mean * e.mean)};
+  return e;
+}
+
 Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& groups) {
-  Json list = estimates_json(c.numbers);
+  std::vector<Estimate> told;
+  for (const auto& e : c.numbers) told.push_back(in_case_unit(e, groups));
+  Json list = estimates_json(told);
   for (std::size_t i = 0; i < c.numbers.size(); ++i) {
     const PlainNumber plain = plain_number(c, c.numbers[i], groups);
     list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations);
@@ -114,6 +137,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
+        if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
       }
     const Why because = why(d, r.name, in.groups);
@@ -124,7 +148,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
   const std::vector<double>& after_history = named ? named->history : d.base_history;
   const auto before = misfits_of(d.base, d.base_history), after = misfits_of(d.base, after_history);
   const auto out_before = misfits_of(d.base, d.held_out_history), out_after = misfits_of(d.base, named ? named->held_out_history : d.held_out_history);
-  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after});
+  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after, in.base.problem.observations.size() == 1 ? "stretches of the record" : "gauges"});
   Json gauges = Json::array();
   for (std::size_t i = 0; i < before.size(); ++i)
     gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])}, {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},

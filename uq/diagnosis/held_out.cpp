@@ -10,12 +10,13 @@ namespace calomel {
 namespace {
 
 constexpr double on_face = 1e-4;  ///< [m]
+constexpr std::size_t parts = 4;  ///< of a record that is the only one
 
-}  // namespace
+using Gauges = std::vector<std::size_t>;  ///< observations
 
-std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& positions) {
-  std::vector<Fold> alone;
-  std::map<int, Fold> by_face;
+std::vector<Gauges> gauges_by_face(const Problem& problem, const Eigen::MatrixXd& positions) {
+  std::vector<Gauges> alone;
+  std::map<int, Gauges> by_face;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     alone.push_back({i});
     if (positions.rows() == 0) continue;
@@ -29,10 +30,29 @@ std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& p
     by_face[face].push_back(i);
   }
   if (by_face.size() < 3) return alone;
+  std::vector<Gauges> all;
+  for (auto& [face, gauges] : by_face) all.push_back(std::move(gauges));
+  return all;
+}
+
+}  // namespace
+
+std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions) {
   std::vector<Fold> folds;
-  for (auto& [face, fold] : by_face) folds.push_back(std::move(fold));
+  if (grid.observations() == 1) {
+    const std::size_t n = grid.size();
+    for (std::size_t p = 0; p < parts && n >= 2 * parts; ++p) {
+      Fold& f = folds.emplace_back();
+      f.records = 1.0 / parts;
+      for (std::size_t k = n * p / parts; k < n * (p + 1) / parts; ++k) f.rows.push_back(Eigen::Index(k));
+    }
+    return folds;
+  }
+  for (const auto& gauges : gauges_by_face(problem, positions)) folds.push_back(fold_of(grid, gauges));
   return folds;
 }
+
+Fold fold_of(const Decimation& grid, const std::vector<std::size_t>& observations) { return {rows_of(grid, observations), double(observations.size())}; }
 
 std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations) {
   std::vector<Eigen::Index> rows;
@@ -52,10 +72,10 @@ LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const 
 }
 
 PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
-  std::vector<std::size_t> rest;
-  for (std::size_t i = 0; i < fit.errors->grid().observations(); ++i)
-    if (std::find(fold.begin(), fold.end(), i) == fold.end()) rest.push_back(i);
-  const LogPosterior part = part_of(fit, errors, rows_of(fit.errors->grid(), rest));
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index k = 0; k < Eigen::Index(fit.errors->grid().size()); ++k)
+    if (!std::binary_search(fold.rows.begin(), fold.rows.end(), k)) rest.push_back(k);
+  const LogPosterior part = part_of(fit, errors, rest);
   std::vector<Eigen::VectorXd> starts;
   for (const auto& m : fit.modes) starts.push_back(m.q);
   const auto modes = find_modes(part, starts);
@@ -64,21 +84,40 @@ PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const F
   return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond), .history = fit.history(m.at.u, m.at.beyond)};
 }
 
-double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
-  double sum = 0;
-  for (const std::size_t i : fold) {
-    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    sum += (prediction - data).segment(at, n).norm() / data.segment(at, n).norm();
-  }
-  return sum / double(fold.size());
+namespace {
+
+/// The fold's rows that are of one observation.
+std::vector<Eigen::Index> rows_in(const Fold& fold, const Decimation& grid, std::size_t observation) {
+  const auto at = Eigen::Index(grid.offset(observation)), end = at + Eigen::Index(grid.windows(observation).size());
+  return {std::lower_bound(fold.rows.begin(), fold.rows.end(), at), std::lower_bound(fold.rows.begin(), fold.rows.end(), end)};
 }
 
-void keep_held_out(const Fold& fold, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {
+}  // namespace
+
+double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
+  double sum = 0, records = 0;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto rows = rows_in(fold, grid, i);
+    if (rows.empty()) continue;
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    sum += (prediction - data)(rows).norm() / (data.segment(at, n).norm() * std::sqrt(double(rows.size()) / double(n))), ++records;
+  }
+  return sum / records;
+}
+
+void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {
   if (into.empty()) into.assign(std::size_t(history.size()), std::numeric_limits<double>::quiet_NaN());
-  for (const std::size_t i : fold) {
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto rows = rows_in(fold, grid, i);
+    if (rows.empty()) continue;
     const auto& o = problem.observations[i];
-    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0);
-    std::copy_n(history.begin() + std::ptrdiff_t(at), problem.shape.times.size(), into.begin() + std::ptrdiff_t(at));
+    const auto& windows = grid.windows(i);
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0), first = std::size_t(rows.front()) - grid.offset(i), last = std::size_t(rows.back()) - grid.offset(i);
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double begin = first == 0 ? -infinity : 0.5 * (windows[first - 1].time + windows[first].time);
+    const double end = last + 1 == windows.size() ? infinity : 0.5 * (windows[last].time + windows[last + 1].time);
+    for (std::size_t t = 0; t < problem.shape.times.size(); ++t)
+      if (problem.shape.times[t] >= begin && problem.shape.times[t] < end) into[at + t] = history[Eigen::Index(at + t)];
   }
 }
 

@@ -7,11 +7,18 @@
 
 namespace calomel {
 
-/// Observations that are held out together.
-using Fold = std::vector<std::size_t>;
+/// Values of the grid that are held out together: whole records, or a stretch of one.
+struct Fold {
+  std::vector<Eigen::Index> rows;  ///< ascending
+  double records = 0;  ///< how many, parts counted as such
+};
 
-/// Gauges of one face of the target are held out together, where they sit on three faces or more; else each alone. positions: (sensors, 3).
-[[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Eigen::MatrixXd& positions);
+/// Gauges of one face of the target are held out together, where they sit on three faces or more; else each alone. A single record is held out in four parts of its time.
+/// positions: (sensors, 3).
+[[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions);
+
+/// Those of whole observations.
+[[nodiscard]] Fold fold_of(const Decimation& grid, const std::vector<std::size_t>& observations);
 
 /// Rows of the grid that belong to some observations, in their order on it.
 [[nodiscard]] std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations);
@@ -29,10 +36,10 @@ struct PartFit {
 /// The mode and the evidence by the values of all but the fold, from the fit's own modes. Errors: NumericsError where no mode is found.
 [[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold);
 
-/// Mean over the fold's observations of |prediction - record| / |record| on the grid.
+/// Mean over the fold's observations of |prediction - record| / |record| on the grid; of a part of a record, over its share of the whole record's mean square.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
 
-/// Puts the fold's gauges of a history, (values of the model), in their places of another; one that is empty becomes NaN for all others first.
-void keep_held_out(const Fold& fold, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
+/// Puts what the fold holds of a history, (values of the model), in its place of another; one that is empty becomes NaN for all others first.
+void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
 
 }  // namespace calomel

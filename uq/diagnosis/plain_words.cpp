@@ -96,7 +96,7 @@ std::string where(const LocatedMismatch& l) {
 std::string held_out_part(const Alternative& a, const Misfits& m) {
   if (a.held_out.empty() || !(m.held_out_before > 0)) return "";
   const std::string from_to = fmt::format("{} to {}", percent(m.held_out_before), percent(m.held_out_after));
-  return m.held_out_after < m.held_out_before ? ", and on gauges that were left out of the fit from " + from_to : ", but on gauges that were left out of the fit it does not fall (" + from_to + ")";
+  return m.held_out_after < m.held_out_before ? ", and on " + m.held_out + " that were left out of the fit from " + from_to : ", but on " + m.held_out + " that were left out of the fit it does not fall (" + from_to + ")";
 }
 
 std::string what_to_check(const Alternative& a, std::span<const ParameterGroup> groups) {
@@ -218,10 +218,11 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
   const double off = added->parameter.nominal.value_or(0);
   out.deviations = n.sd > 0 ? std::abs(n.mean - off) / n.sd : 0;
   if (added->inverse) {
-    const auto unit = shown_unit(added->unit, n.mean > 0 ? 1 / n.mean : 0);
+    const double sign = added->parameter.max > 0 ? 1 : -1, size = sign * n.mean;  // of a number that is none at minus infinity its inverse is below 0
+    const auto unit = shown_unit(added->unit, size > 0 ? 1 / size : 0);
     out.off = "none";
-    out.value = n.mean > 2 * n.sd ? with_sd(unit.factor / n.mean, unit.factor * n.sd / (n.mean * n.mean), unit.name) : "none";
-    if (out.value == "none" && n.mean + 2 * n.sd > 0) out.value = fmt::format("above {:.3g} {}", unit.factor / (n.mean + 2 * n.sd), unit.name);
+    out.value = size > 2 * n.sd ? with_sd(unit.factor / n.mean, unit.factor * n.sd / (n.mean * n.mean), unit.name) : "none";
+    if (out.value == "none" && size + 2 * n.sd > 0) out.value = fmt::format("{} {:.3g} {}", sign > 0 ? "above" : "below", sign * unit.factor / (size + 2 * n.sd), unit.name);
     return out;
   }
   const auto unit = shown_unit(added->unit, std::max({std::abs(n.mean), std::abs(n.sd), std::abs(off)}));

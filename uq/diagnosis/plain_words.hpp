@@ -12,7 +12,8 @@ namespace calomel {
 /// |simulation - record| / |record| [-], mean over the gauges, in the band of frequencies that the diagnosis compares.
 struct Misfits {
   double before = 0, after = 0;                    ///< of the base model, and with what is named
-  double held_out_before = 0, held_out_after = 0;  ///< the same of gauges that were left out of the fit
+  double held_out_before = 0, held_out_after = 0;  ///< the same of what was left out of the fit
+  std::string held_out = "gauges";                 ///< what that was: "stretches of the record" of a single one
 };
 
 /// Which of the rule's gates (verdict.cpp) an explanation meets first that it does not pass.

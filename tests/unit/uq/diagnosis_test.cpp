@@ -145,6 +145,84 @@ TEST(FirstOrderModel, IsTheEvidenceOfTheLinearModel) {
   for (const Eigen::Index k : {0, 1}) EXPECT_LT(std::abs(worth.value[k]), 4 * worth.sd[k]);
 }
 
+/// One record of a pulse that runs far: a model that is exact and costs nothing, whose parameters shift what it shows by many of its standard deviations. Late oscillations, where
+/// the dispersion is not 0; a lag is the rival.
+struct Traveller {
+  std::vector<Parameter> parameters{handbook("speed", 1, 0.02), handbook("gain", 1, 0.02)};
+  static double signal(double t, double speed, double gain, double dispersion, double lag) {
+    const double s = 1e6 * t - 60 / speed, w = 8 + lag;
+    const double front = 0.5 * (1 + std::tanh(s / w)), tail = s > -20 ? std::sin(0.9 * s / (1 + 3 * dispersion)) * std::exp(-std::pow((s - 12) / 14, 2)) : 0;
+    return gain * (front + dispersion * tail);
+  }
+  AnalyticModel model;
+  Recordings recordings;
+  RecordingOptions options;
+  Problem problem;
+  explicit Traveller(double dispersion)
+      : model(parameters, {[=](auto p, double t) { return signal(t, p[0], p[1], dispersion, 0); }}, 120, 1e-6, "V"),
+        recordings(pulses_of(model, {1.013, 0.99}, {.pulses = 1, .noise = 1e-3}, 3)), options(noise()), problem(make_problem(model.shape(), recordings, options)) {}
+  static RecordingOptions noise() {
+    RecordingOptions o;
+    o.unit = "V", o.noise = 1e-3;
+    return o;
+  }
+  [[nodiscard]] Diagnosis diagnosed() const {
+    PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = options, .errors = {.values = 120, .band = 5e5}, .emulator = {}};
+    base.parameters = parameters, base.levels = 1, base.discrepancy = true, base.draw_in = true;
+    base.centre = {1, 1}, base.half_width = {0.04, 0.04};
+    AddedParameter dispersion = added("dispersion", "strength", 0, 0.4, {0.1}), lag = added("lag", "time", 0, 8, {2});
+    const DiagnosisInputs in{.base = base,
+                             .groups = {{.name = "dispersion", .added = {dispersion}}, {.name = "lag", .added = {lag}}},
+                             .run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> a) {
+                               std::vector<RunRecord> all(level.size());
+                               for (std::size_t i = 0; i < level.size(); ++i) {
+                                 const auto theta = thetas.col(Eigen::Index(i));
+                                 double by_dispersion = 0, by_lag = 0;
+                                 for (std::size_t k = 0; k < a.size(); ++k) (a[k].parameter.name == "lag.time" ? by_lag : by_dispersion) = theta[Eigen::Index(2 + k)];
+                                 all[i].done = true;
+                                 for (int t = 0; t < 120; ++t) all[i].mean.push_back(float(signal(1e-6 * t, theta[0], theta[1], by_dispersion, by_lag)));
+                               }
+                               return all;
+                             },
+                             .linear = {},
+                             .options = {},
+                             .say = {}};
+    return diagnose(in);
+  }
+};
+
+TEST(Diagnosis, OfAnExactModelAndASingleRecordNamesWhatIsConcealed) {
+  const Diagnosis d = Traveller(0.15).diagnosed();
+  ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
+  EXPECT_THAT(d.verdict.mechanisms, ElementsAre("dispersion"));
+  const Alternative& c = d.candidates[0];
+  EXPECT_NEAR(c.numbers[0].mean, 0.15, 3 * c.numbers[0].sd);
+  EXPECT_LT(c.numbers[0].sd, 0.01);
+  EXPECT_NEAR(c.base_parameters[0].mean, 1.013, 3 * c.base_parameters[0].sd);
+  EXPECT_LT(d.held_out_after, 0.3 * d.held_out_before);  // by parts of the only record
+  EXPECT_THAT(d.separating, ::testing::HasSubstr(" V ("));
+}
+
+TEST(Diagnosis, OfAnExactModelFindsNothingWhereNothingIsMissing) {
+  const Diagnosis d = Traveller(0).diagnosed();
+  EXPECT_EQ(d.verdict.kind, VerdictKind::none) << d.verdict.reason;
+}
+
+TEST(Folds, OfASingleRecordAreQuartersOfItsTimeElseGauges) {
+  const Traveller one(0);
+  const auto quarters = folds_by_face(one.problem, Decimation(one.problem, 120), {});
+  ASSERT_EQ(quarters.size(), 4u);
+  EXPECT_EQ(quarters[1].rows.front(), 30);
+  EXPECT_EQ(quarters[3].rows.back(), 119);
+  EXPECT_DOUBLE_EQ(quarters[0].records, 0.25);
+  const Experiment six(0, 0, 0, 1, 1);
+  const Decimation grid(six.problem, 240);
+  const auto gauges = folds_by_face(six.problem, grid, {});
+  ASSERT_EQ(gauges.size(), 6u);
+  EXPECT_EQ(gauges[2].rows.front(), Eigen::Index(grid.offset(2)));
+  EXPECT_EQ(gauges[2].rows.size(), grid.windows(2).size());
+}
+
 TEST(FalseDiscovery, IsThatOfBenjaminiAndYekutieli) {
   // p.adjust(c(0.001, 0.01, 0.02, 0.5), "BY") of R: 4 (1 + 1/2 + 1/3 + 1/4) p / rank, from above.
   const double c = 4 * (1 + 1.0 / 2 + 1.0 / 3 + 1.0 / 4);

@@ -214,9 +214,9 @@ TEST(PlainWords, EveryEntryOfTheRankingHasAReason) {
 }
 
 TEST(PlainWords, NumbersHaveUnitsThatAPersonWouldUse) {
-  const auto value = [](const std::string& unit, double off, double mean, double sd, bool inverse = false) {
+  const auto value = [](const std::string& unit, double off, double mean, double sd, bool inverse = false, double max = 1) {
     std::vector<ParameterGroup> g{{.name = "g", .added = {number("g.x", unit, off, "")}}};
-    g[0].added[0].inverse = inverse;
+    g[0].added[0].inverse = inverse, g[0].added[0].parameter.max = max;
     Alternative a;
     a.groups = {"g"};
     const PlainNumber n = plain_number(a, {"g.x", mean, sd}, g);
@@ -230,6 +230,7 @@ TEST(PlainWords, NumbersHaveUnitsThatAPersonWouldUse) {
   EXPECT_EQ(value("", 1, 0.94, 0), "0.94 | 1");
   EXPECT_EQ(value("Hz", 0, 1 / 50e3, 1 / 500e3, true), "50.0 ± 5.0 kHz | none");
   EXPECT_EQ(value("Hz", 0, 1e-6, 2e-6, true), "above 200 kHz | none");  // 1 / (1e-6 + 4e-6)
+  EXPECT_EQ(value("Pa", 0, -1 / 98e3, 1e-7, true, 0), "-98.00 ± 0.96 kPa | none");
 }
 
 }  // namespace

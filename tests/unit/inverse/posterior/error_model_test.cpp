@@ -224,6 +224,12 @@ TEST(ErrorModel, NoiseAloneIsIndependentAndHasNoNuisances) {
   const ErrorModel m(problem, recordings, options, {.band = 1e9}, {}, {});
   EXPECT_LT((m.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
+  options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of it stays without memory
+  const ErrorModel coloured(problem, recordings, options, {.band = 1e9}, {}, {});
+  EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
+  EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
+  EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
+  options.noise_time = 0;
   options.energy_sd = 0.05;
   const ErrorModel own(problem, recordings, options, {.band = 1e9}, {}, {});
   EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);
@@ -239,7 +245,7 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
   const ErrorModel l(problem, recordings, {}, {.values = 60, .band = 1e9}, {}, {});
   Eigen::MatrixXd positions(3, 3);
   positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
-  const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, 0.03, matern32(15e-6));
+  const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, 0.03, matern32(15e-6), 25e-6);
   const Eigen::VectorXd t = l.grid().times();
   for (Eigen::Index i = 0; i < 20; ++i)
     if (t[i] < 85e-6) {

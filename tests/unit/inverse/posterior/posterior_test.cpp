@@ -43,7 +43,7 @@ struct Lines {
     const ErrorModel model(problem, recordings, recording_options, with, {}, {});
     const Eigen::MatrixXd outputs = model.grid().apply(histories);
     const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
-    return {box, e, e.fit(outputs), {{model}}, numerical_noise(model.grid(), e.residuals(outputs), e.freedom()), {Prior(parameters[0]), Prior(parameters[1])},
+    return {box, e, e.fit(outputs), {{model}}, numerical_noise(model.grid(), e.residuals(outputs), e.freedom(), 25e-6), {Prior(parameters[0]), Prior(parameters[1])},
             {with.beyond, with.beyond_sd}};
   }
 };
@@ -71,7 +71,7 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   const Eigen::VectorXd x = e.features(at.u, 0), r = model.data() - e.fit(outputs) * x;
   const double v = e.variance(x);
   EXPECT_GT(v, 0.05);
-  const Eigen::MatrixXd c = model.covariance() + v * numerical_noise(model.grid(), e.residuals(outputs), e.freedom());
+  const Eigen::MatrixXd c = model.covariance() + v * numerical_noise(model.grid(), e.residuals(outputs), e.freedom(), 25e-6);
   const Cholesky factor(c);
   const double chi2 = r.dot(factor.solve(r)), log_det = 2 * factor.half_log_determinant(), p = double(r.size());
   const auto density = posterior.density(at);
@@ -169,7 +169,7 @@ TEST(NumericalNoise, HasTheVarianceOfItsResidualsAndFullRank) {
   const auto n = Eigen::Index(model.grid().size());
   Eigen::MatrixXd residuals(n, 12);
   for (auto& r : residuals.reshaped()) r = 0.2 * random.normal();
-  const Eigen::MatrixXd c = numerical_noise(model.grid(), residuals, 12);
+  const Eigen::MatrixXd c = numerical_noise(model.grid(), residuals, 12, 25e-6);
   EXPECT_NEAR(c.diagonal().mean(), 0.04, 0.01);
   const Cholesky factor(c);
   EXPECT_TRUE(factor.positive_definite());
