@@ -207,7 +207,9 @@ TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {
   EXPECT_EQ(kills, 2);
   EXPECT_FALSE(std::filesystem::exists(cut / "case.out" / "diagnosis.json"));
   ASSERT_EQ(run(cut, "diagnose case.toml").status, 0);
-  EXPECT_EQ(calomel::read_text(cut / "case.out" / "diagnosis.json"), calomel::read_text(whole / "case.out" / "diagnosis.json"));
+  auto again = calomel::read_json(cut / "case.out" / "diagnosis.json"), once = calomel::read_json(whole / "case.out" / "diagnosis.json");
+  again.erase("wall_s"), once.erase("wall_s");
+  EXPECT_EQ(again, once);
 }
 
 TEST(Line, ADiagnosisSaysWhatItNeeds) {
