@@ -235,7 +235,7 @@ void Engine::fit_leaders() {
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
-    if (fitted == 0 || (fitted < in_.options.leaders && worth > worth_fitting && worth > best_so_far() - gates.lead)) {
+    if (fitted == 0 || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - gates.lead)))) {
       fit({&q});
       ++fitted;
       continue;

@@ -77,7 +77,7 @@ Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters)
 Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& groups) {
   for (const auto& g : groups)
     for (const auto& a : g.added)
-      if (a.inverse && e.name.ends_with(a.parameter.name)) return {e.name, 1 / e.mean, e.sd / (e.mean * e.mean)};
+      if (a.inverse && e.name.ends_with(a.parameter.name)) return {e.name, e.mean >= a.parameter.min && e.mean <= a.parameter.max ? 1 / e.mean : std::numeric_limits<double>::quiet_NaN(), e.sd / (e.mean * e.mean)};
   return e;
 }
 

@@ -29,7 +29,7 @@ const AddedParameter& number_of(const std::vector<ParameterGroup>& groups, const
   throw std::out_of_range(name);
 }
 
-constexpr const char* with_speed = "[parameter.wave_speed]\nmin = 4000\nmax = 6000\n";
+constexpr const char* with_speed = "[parameter.wave_speed]\nmin = 1000\nmax = 1500\n";
 
 TEST(LineGroups, AreTheMechanismsThatTheCaseLeavesOut) {
   EXPECT_THAT(names_of(offered_groups(LineModel(line_case(bar_text())))), ElementsAre("lateral_inertia", "viscous_attenuation", "sensor_response"));
