@@ -16,7 +16,7 @@ namespace {
 void expect_times_of_the_records(const PosteriorInputs& in) {
   const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
   const auto windows = grid.windows(0);
-  const double apart = windows.size() > 1 ? windows[1].time - windows[0].time : 0;
+  const double apart = windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value stands for the record
   const auto expect_above = [&](const char* key, double time) {
     if (time < apart)
       throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)), .key = key, .value = number_text(time),

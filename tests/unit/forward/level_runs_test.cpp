@@ -1,7 +1,7 @@
 // The meshes of an emulator: what mechanisms that a case does not have would do, against runs of cases that have them.
 #include "forward/level_runs.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -83,12 +83,21 @@ TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
     if (g.name != "wall_thinning") continue;
     const Eigen::MatrixXd theta = Eigen::MatrixXd::Constant(1, 1, 0.2);
     const RunRecord r = runs.run(theta, {0}, g.added, 1, {}, nullptr)[0];
-    if (g.place == "rear" || g.place == "side") {  // the mercury goes on there; a slice has none
+    const std::string wall = g.place.substr(0, g.place.find(','));
+    if (wall == "rear" || wall == "side") {  // the mercury goes on there; a slice has none
       EXPECT_FALSE(r.done);
       continue;
     }
+    std::string stretch;
+    for (const auto& [key, value] : g.added[0].with)
+      if (g.part && !key.ends_with(".wall")) stretch += key.substr(key.rfind('.') + 1) + " = " + number_text(value) + '\n';
+    EXPECT_EQ(stretch.empty(), !g.part) << g.place;
+    if (g.part && !r.done) {  // a corner, where no mercury wets the wall
+      EXPECT_THAT(r.message, ::testing::HasSubstr("no wetted face"));
+      continue;
+    }
     ASSERT_TRUE(r.done) << g.place << ": " << r.message;
-    const Eigen::VectorXd said = mean_of("[mechanism.wall_thinning]\nenabled = true\nfraction = 0.2\nwall = \"" + g.place + "\"\n");
+    const Eigen::VectorXd said = mean_of("[mechanism.wall_thinning]\nenabled = true\nfraction = 0.2\nwall = \"" + wall + "\"\n" + stretch);
     EXPECT_LT((r.history() - said).norm(), 1e-6 * said.norm()) << g.place;
     EXPECT_GT((r.history() - mean_of("")).norm(), 1e-3 * said.norm()) << g.place;
     walls.insert(g.place);

@@ -77,7 +77,7 @@ TEST(LineGroups, ActOnEachStationWhereThereAreSeveral) {
 }
 
 TEST(LineRuns, AreTheModelWithWhatIsAddedAndAreMadeOnce) {
-  const LineModel model(line_case(pipe_text(with_speed)));
+  const LineModel model(line_case(pipe_text("[parameter.wave_speed]\nmin = 1000\nmax = 1500\n")));
   const auto groups = offered_groups(model);
   std::vector<AddedParameter> added;
   for (const auto& g : groups) added.insert(added.end(), g.added.begin(), g.added.end());
