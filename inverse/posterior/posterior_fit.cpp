@@ -307,6 +307,10 @@ Eigen::MatrixXd PosteriorFit::histories(const std::vector<float> RunRecord::*wha
   return all;
 }
 
+LogPosterior PosteriorFit::under(const std::vector<WeightedErrors>& errors) const {
+  return {posterior->box(), posterior->emulator(), coefficients, errors, noise, posterior->priors(), posterior->beyond_prior()};
+}
+
 Eigen::VectorXd PosteriorFit::history(const Eigen::VectorXd& u, double beyond) const {
   const MultilevelRegression& e = posterior->emulator();
   const Eigen::VectorXd weights = e.weights(e.features(u, beyond));

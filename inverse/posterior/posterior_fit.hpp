@@ -125,6 +125,8 @@ struct PosteriorFit {
   [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
+  /// The posterior on the same emulator, with the same priors, under other errors.
+  [[nodiscard]] LogPosterior under(const std::vector<WeightedErrors>& errors) const;
 };
 
 /// Errors: NumericsError when too few runs come through; those of `run`.

@@ -34,6 +34,16 @@ struct Liquid {
   Real modulus, viscosity, front, cutoff, dt, per_h, ramp;
 };
 
+/// The end of a step of a cell: the resistance of the front that closes it, the cutoff, and whether it is open. `further` is a pressure beside the law's own.
+[[gnu::always_inline]] inline void give_way(Real& p, Real& opened, Real elastic, Real rate, Real further, const Liquid& q) {
+  const Real open = opened;
+  const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
+  const Real trial = elastic - q.viscosity * rate + closing + further;
+  p = trial > -q.cutoff ? trial : -q.cutoff;
+  const Real still = rate < 0 ? open : Real(0);
+  opened = elastic < -q.cutoff ? Real(1) : still;
+}
+
 /// Riemer's law, p = max(p0 - K e - eta rate, -cutoff). `opened` is 1 from the moment a cell has given way until the front that closes it has passed: there the
 /// rate is resisted by `front`, too.
 EVERY_MACHINE void riemer(Out p, Out e, Out opened, In p0, In vx, In vz, In vz_after, Liquid q, int n) {
@@ -41,13 +51,8 @@ EVERY_MACHINE void riemer(Out p, Out e, Out opened, In p0, In vx, In vz, In vz_a
     const Real rate = ((vx[k + 1] - vx[k]) + (vz_after[k] - vz[k])) * q.per_h;
     const Real strain = e[k] + q.dt * rate;
     const Real elastic = p0[k] * q.ramp - q.modulus * strain;
-    const Real open = opened[k];
-    const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
-    const Real trial = elastic - q.viscosity * rate + closing;
     e[k] = strain;
-    p[k] = trial > -q.cutoff ? trial : -q.cutoff;
-    const Real still = rate < 0 ? open : Real(0);
-    opened[k] = elastic < -q.cutoff ? Real(1) : still;
+    give_way(p[k], opened[k], elastic, rate, Real(0), q);
   }
 }
 
@@ -60,13 +65,8 @@ EVERY_MACHINE void tait(Out p, Out e, Out opened, In p0, In vx, In vz, In vz_aft
     const Real s = strain - p0[k] * q.ramp * per_modulus;
     const Real bounded = s < Real(0.02) ? s : Real(0.02);
     const Real elastic = -q.modulus * s * (1 - bounded * (second - third * bounded));
-    const Real open = opened[k];
-    const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
-    const Real trial = elastic - q.viscosity * rate + closing;
     e[k] = strain;
-    p[k] = trial > -q.cutoff ? trial : -q.cutoff;
-    const Real still = rate < 0 ? open : Real(0);
-    opened[k] = elastic < -q.cutoff ? Real(1) : still;
+    give_way(p[k], opened[k], elastic, rate, Real(0), q);
   }
 }
 
@@ -77,13 +77,8 @@ EVERY_MACHINE void relaxing(Out p, Out e, Out opened, Out memory, In p0, In vx, 
     const Real strain = e[k] + q.dt * rate;
     const Real elastic = p0[k] * q.ramp - q.modulus * strain;
     const Real s = keep * memory[k] - gain * rate;
-    const Real open = opened[k];
-    const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
-    const Real trial = elastic - q.viscosity * rate + closing + s;
     e[k] = strain, memory[k] = s;
-    p[k] = trial > -q.cutoff ? trial : -q.cutoff;
-    const Real still = rate < 0 ? open : Real(0);
-    opened[k] = elastic < -q.cutoff ? Real(1) : still;
+    give_way(p[k], opened[k], elastic, rate, s, q);
   }
 }
 
@@ -162,13 +157,8 @@ EVERY_MACHINE void bubbly(Out p, Out e, Out opened, Out b0, Out g0, Out b1, Out 
 #undef CALOMEL_PART
     const Real grown = cloud.fraction[0] * (r * r * r - 1) + cloud.fraction[1] * (s * s * s - 1);
     const Real elastic = heat - q.modulus * (strain - grown);
-    const Real open = opened[k];
-    const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
-    const Real trial = elastic - q.viscosity * rate + closing;
     e[k] = strain, b0[k] = r, g0[k] = u, b1[k] = s, g1[k] = v;
-    p[k] = trial > -q.cutoff ? trial : -q.cutoff;
-    const Real still = rate < 0 ? open : Real(0);
-    opened[k] = elastic < -q.cutoff ? Real(1) : still;
+    give_way(p[k], opened[k], elastic, rate, Real(0), q);
   }
 }
 

@@ -66,16 +66,7 @@ fs::path folder(const std::string& name) {
   std::ofstream(dir / "truth.toml") << with(read_text(dir / "case.toml"), "[mechanism.beam_profile]\n", "[mechanism.beam_profile]\nenabled = true\noffset_z = 0.004\n");
   const auto made = run(dir, "simulate truth.toml --mean --out truth");
   EXPECT_EQ(made.status, 0) << made.said;
-  const NetcdfReader file(dir / "truth" / "simulate.nc");
-  const auto time = file.doubles("time"), strain = file.doubles("strain");
-  const auto sensors = file.strings("sensor");
-  std::ofstream csv(dir / "records.csv");
-  csv.precision(9);
-  csv << "sensor,pulse,time,strain\n";
-  for (std::size_t s = 0; s < sensors.size(); ++s)
-    for (std::size_t t = 0; t < time.size(); ++t) csv << sensors[s] << ",1," << time[t] << ',' << strain[s * time.size() + t] << '\n';
-  csv.close();
-  std::ofstream(dir / "case.toml", std::ios::app) << "[recordings]\nfile = \"records.csv\"\nnoise = 2e-6\n";
+  put_records(dir);
   return dir;
 }
 

@@ -56,15 +56,7 @@ fs::path folder(const std::string& name) {
   const auto made = run(dir, "simulate case.toml --mean --out truth --set material.mercury.density=" + std::to_string(true_density) +
                                  " --set material.mercury.sound_speed=" + std::to_string(true_speed) + " --set geometry.element_size=0.001 --set material.mercury.least_mesh_viscosity=0");
   EXPECT_EQ(made.status, 0) << made.said;
-  const NetcdfReader file(dir / "truth" / "simulate.nc");
-  const auto time = file.doubles("time"), strain = file.doubles("strain");
-  std::ofstream csv(dir / "records.csv");
-  csv.precision(9);
-  csv << "sensor,pulse,time,strain\n";
-  for (std::size_t s = 0; s < 2; ++s)
-    for (std::size_t t = 0; t < time.size(); ++t) csv << (s == 0 ? "A" : "F") << ",1," << time[t] << ',' << strain[s * time.size() + t] << '\n';
-  csv.close();
-  std::ofstream(dir / "case.toml", std::ios::app) << "[recordings]\nfile = \"records.csv\"\nnoise = 2e-6\n";
+  put_records(dir);
   return dir;
 }
 

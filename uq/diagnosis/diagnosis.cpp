@@ -23,14 +23,13 @@ constexpr double spare_fine = 1.5;     ///< of the finest mesh
 constexpr double zoom = 0.4, box_in_deviations = 4;        ///< the second box over the first, at least, and in deviations of the answer
 constexpr int first_rounds = 1, most_rounds = 6;           ///< of a candidate's emulator: before it is given up, and at all
 constexpr double steady = 3, steady_share = 0.1;            ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
-constexpr double hopeless = 30;        ///< log Bayes factors below the best so far: the lead that a name needs
+constexpr double hopeless = Gates{}.lead;  ///< log Bayes factors below the best so far: the lead that a name needs
 constexpr double alike = 4;            ///< distance in standard deviations below which two explanations are one class
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
   if (&fit == &errors) return log_evidence(*fit.posterior, fit.modes[0]);
-  const LogPosterior& own = *fit.posterior;
-  const LogPosterior p(own.box(), own.emulator(), fit.coefficients, errors.hypotheses, fit.noise, own.priors(), own.beyond_prior());
+  const LogPosterior p = fit.under(errors.hypotheses);
   const auto modes = find_modes(p, {fit.modes[0].q});
   if (modes.empty()) throw NumericsError("no mode of a posterior was found under the errors of another");
   return log_evidence(p, modes[0]);
@@ -163,7 +162,7 @@ void Engine::describe_base() {
     double total = 0;
     for (const auto& h : part) total += std::exp(h.log_weight);
     for (auto& h : part) h.log_weight -= std::log(total);
-    const LogPosterior p(posterior.box(), posterior.emulator(), out_.base.coefficients, part, out_.base.noise, posterior.priors(), posterior.beyond_prior());
+    const LogPosterior p = out_.base.under(part);
     const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
     return modes.empty() ? -std::numeric_limits<double>::infinity() : log_evidence(p, modes[0]);
   };
@@ -203,7 +202,7 @@ void Engine::fit_linear(const Question& q) {
   const ErrorTerm term{group.name, d * d.transpose()};
   std::vector<WeightedErrors> errors;
   for (const auto& h : out_.base.hypotheses) errors.push_back({h.errors.with(term), h.log_weight, h.discrepancy});
-  const LogPosterior with(base.box(), base.emulator(), out_.base.coefficients, errors, out_.base.noise, base.priors(), base.beyond_prior());
+  const LogPosterior with = out_.base.under(errors);
   const auto modes = find_modes(with, {with.q(mode().at.theta, mode().at.beyond)});
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
@@ -228,14 +227,13 @@ void Engine::fit_linear(const Question& q) {
 
 /// Those that could still lead, or stand in the way of what leads, by what they are worth to first order.
 void Engine::fit_leaders() {
-  const Gates gates;
   int fitted = 0;
   for (const auto& q : asked_) {
     const std::string& name = in_.groups[q.group].name;
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
-    if (fitted == 0 || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - gates.lead)))) {
+    if (fitted == 0 || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - hopeless)))) {
       fit({&q});
       ++fitted;
       continue;
@@ -354,18 +352,19 @@ void Engine::fit(const std::vector<const Question*>& with) {
   const int before = runs_;
   try {
     PosteriorFit fitted = followed(in);
-    const double worth = log_bayes_factor(fitted);
+    double worth = log_bayes_factor(fitted);
     if (worth > worth_fitting && worth > best_so_far() - hopeless) {  // once more about the answer: over a wide box a quadratic is only so good
       in.centre = fitted.modes[0].at.theta;
       const Eigen::VectorXd sd = fitted.modes[0].covariance.diagonal().cwiseSqrt();
       for (std::size_t k = 0; k < in.half_width.size(); ++k) in.half_width[k] *= std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
       in.known = std::move(fitted.runs);
       fitted = followed(in);
+      worth = log_bayes_factor(fitted);
     }
     const LocalMode& full = fitted.modes[0];
     const LogPosterior& posterior = *fitted.posterior;
     c.explanation.fitted = true;
-    c.explanation.log_bayes_factor = log_bayes_factor(fitted);
+    c.explanation.log_bayes_factor = worth;
     c.explanation.chi2 = plain_chi2(fitted, posterior, full, *fitted.errors);
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
     const Eigen::VectorXd deviations = parameter_deviations(fitted, full);

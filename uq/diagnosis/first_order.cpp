@@ -100,12 +100,12 @@ FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
           .shift = at.head(k)};
 }
 
-FirstOrderModel::Expected FirstOrderModel::expected(const Eigen::VectorXd& change, const Block& block) const {
+FirstOrderModel::Expected FirstOrderModel::expected(const Block& concealed, Eigen::Index k, const Block& block) const {
   Expected out;
   for (std::size_t i = 0; i < errors_.size(); ++i) {
     const Errors& e = errors_[i];
     const auto& [d, factor] = block.errors[i];
-    const Eigen::VectorXd r = posterior_.whiten(change, mode_.at, i), b = e.jacobian.transpose() * r;
+    const Eigen::VectorXd r = concealed.errors[i].d.col(k), b = e.jacobian.transpose() * r;
     out.errors_.push_back({.log_norm = e.log_norm, .freedom = e.freedom, .values = double(posterior_.values()), .noise = e.noise, .chi2 = r.squaredNorm(), .with = quadratic(factor, joined(b, d.transpose() * r)),
                            .without = quadratic(e.factor, b), .half_log_det_with = factor.half_log_determinant(), .half_log_det_without = e.factor.half_log_determinant()});
   }

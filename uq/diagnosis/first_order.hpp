@@ -47,7 +47,7 @@ class FirstOrderModel {
   };
   [[nodiscard]] Block block(const AddedDirections& directions) const;
 
-  /// log B of a block for records that differ from the mode by `strength` times one change, and by noise of the first hypothesis as it is expected.
+  /// log B of a block for records that differ from the mode by `strength` prior deviations of one number, and by noise of the first hypothesis as it is expected.
   class Expected {
    public:
     [[nodiscard]] double log_bayes_factor(double strength) const;
@@ -61,8 +61,8 @@ class FirstOrderModel {
     };
     std::vector<One> errors_;
   };
-  /// change: (size).
-  [[nodiscard]] Expected expected(const Eigen::VectorXd& change, const Block& block) const;
+  /// Of `block`, for records with number k of `concealed`.
+  [[nodiscard]] Expected expected(const Block& concealed, Eigen::Index k, const Block& block) const;
 
  private:
   /// One hypothesis about the errors.

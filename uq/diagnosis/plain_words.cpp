@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 namespace calomel {
@@ -12,14 +11,6 @@ namespace {
 
 constexpr std::size_t numbers_told = 2;
 constexpr double hardly = 3;  ///< log Bayes factor up to which nothing speaks for an explanation
-
-double greatest_plausible(const BaseEvidence& base, const Gates& gates) {
-  return boost::math::quantile(boost::math::complement(boost::math::chi_squared(base.values), gates.adequate));
-}
-
-bool one_class(const Explanation& a, const Explanation& b) {
-  return std::find(a.same_as.begin(), a.same_as.end(), b.name) != a.same_as.end() || std::find(b.same_as.begin(), b.same_as.end(), a.name) != b.same_as.end();
-}
 
 std::vector<Explanation> by_evidence(const Diagnosis& d) {
   std::vector<Explanation> all;
@@ -172,26 +163,6 @@ Why why_of_base(const Diagnosis& d, const std::string& name, const Gates& gates)
 
 }  // namespace
 
-std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates) {
-  const double excess = base.chi2 - gates.null_chi2 * base.values;
-  if (!(excess > 0)) return {};
-  return std::clamp((base.chi2 - e.chi2) / excess, 0.0, 1.0);
-}
-
-Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
-  const Explanation& e = all[i];
-  if (e.log_bayes_factor < g.log_bayes_factor) return e.fitted ? Gate::evidence : Gate::fitted;
-  if (e.numerical) return Gate::numerical;
-  if (i > 0 && !one_class(all[0], e) && all[0].log_bayes_factor - e.log_bayes_factor >= g.lead) return Gate::rival;
-  const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !one_class(e, x); });
-  if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
-  if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
-  if (e.chi2 > greatest_plausible(base, g)) return Gate::adequate;
-  if (e.farthest > g.farthest) return Gate::plausible;
-  if (e.base_pull > std::max(base.base_pull, 1.0)) return Gate::handbook;
-  return Gate::passed;
-}
-
 std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups) {
   std::vector<std::string> names;
   for (const auto& name : a.groups) {
@@ -251,7 +222,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
   const auto& told = d.verdict.mechanisms;
   if (std::find(told.begin(), told.end(), name) != told.end()) {
     if (d.verdict.kind == VerdictKind::named) {
-      const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !one_class(e, x); });
+      const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !same_class(e, x); });
       const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*alternative(d, next->name), groups), b - next->log_bayes_factor);
       return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with evidence {:.3g}, and {}.", share, b, behind),
               fmt::format("Another explanation whose evidence comes within {:.0f} of it, or a record that it does not fit.", g.lead)};

@@ -1,6 +1,5 @@
 #pragma once
 /// A diagnosis in plain English, for a reader who has never heard of evidence. Every sentence about one is made here: diagnosis.json holds them, the terminal and the report show them.
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,15 +14,6 @@ struct Misfits {
   double held_out_before = 0, held_out_after = 0;  ///< the same of what was left out of the fit
   std::string held_out = "gauges";                 ///< what that was: "stretches of the record" of a single one
 };
-
-/// Which of the rule's gates (verdict.cpp) an explanation meets first that it does not pass.
-enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, adequate, plausible, handbook };
-
-/// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
-[[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
-
-/// Share of what chi-squared has above that of nothing missing which an explanation takes away, 0 to 1; nothing where there is no such excess.
-[[nodiscard]] std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
 
 /// A mechanism, or a pair of them, by its plain name: "the proton beam's profile". One without a plain name keeps its own.
 [[nodiscard]] std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups);

@@ -12,10 +12,6 @@ namespace {
 
 const char* base_fits = "the base model explains the records within their errors";
 
-bool same_class(const Explanation& a, const Explanation& b) {
-  return std::find(a.same_as.begin(), a.same_as.end(), b.name) != a.same_as.end() || std::find(b.same_as.begin(), b.same_as.end(), a.name) != b.same_as.end();
-}
-
 /// Probabilities by the tempered evidences, each explanation as likely beforehand as "none" and "unknown".
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, double temperature) {
   std::vector<Ranked> out{{"none", 0, base.log_plain}, {"unknown", 0, base.log_discrepancy}};
@@ -40,43 +36,78 @@ std::string text(VerdictKind kind) {
   return "unknown";
 }
 
+bool same_class(const Explanation& a, const Explanation& b) {
+  return std::find(a.same_as.begin(), a.same_as.end(), b.name) != a.same_as.end() || std::find(b.same_as.begin(), b.same_as.end(), a.name) != b.same_as.end();
+}
+
+double greatest_plausible(const BaseEvidence& base, const Gates& gates) {
+  return boost::math::quantile(boost::math::complement(boost::math::chi_squared(base.values), gates.adequate));
+}
+
+std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates) {
+  const double excess = base.chi2 - gates.null_chi2 * base.values;
+  if (!(excess > 0)) return {};
+  return std::clamp((base.chi2 - e.chi2) / excess, 0.0, 1.0);
+}
+
+Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
+  const Explanation& e = all[i];
+  if (e.log_bayes_factor < g.log_bayes_factor) return e.fitted ? Gate::evidence : Gate::fitted;
+  if (e.numerical) return Gate::numerical;
+  if (i > 0 && !same_class(all[0], e) && all[0].log_bayes_factor - e.log_bayes_factor >= g.lead) return Gate::rival;
+  const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
+  if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
+  if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
+  if (e.chi2 > greatest_plausible(base, g)) return Gate::adequate;
+  if (e.farthest > g.farthest) return Gate::plausible;
+  if (e.base_pull > std::max(base.base_pull, 1.0)) return Gate::handbook;
+  return Gate::passed;
+}
+
 Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gates& g) {
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
   Verdict v;
   v.ranking = ranked(base, all, g.temperature);
-  const double critical = boost::math::quantile(boost::math::complement(boost::math::chi_squared(base.values), g.adequate));
-  const bool base_adequate = base.chi2 <= critical;
+  const bool base_adequate = base.chi2 <= greatest_plausible(base, g);
   const auto otherwise = [&](const std::string& why) {
     v.kind = base_adequate ? VerdictKind::none : VerdictKind::unknown;
     v.reason = base_adequate ? fmt::format("{} (chi-squared {:.4g} for {:.0f} values)", base_fits, base.chi2, base.values)
                              : fmt::format("the base model does not explain the records (chi-squared {:.4g} for {:.0f} values), and {}", base.chi2, base.values, why);
     return v;
   };
-  if (all.empty()) return otherwise("nothing was offered that could");
-  const Explanation& best = all[0];
-  if (best.log_bayes_factor < g.log_bayes_factor)
-    return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name, best.log_bayes_factor, g.log_bayes_factor));
-  const double excess = base.chi2 - g.null_chi2 * base.values, explained = excess > 0 ? (base.chi2 - best.chi2) / excess : 0;
   const auto unknown = [&](const std::string& why) {
     v.kind = VerdictKind::unknown, v.reason = why;
     return v;
   };
-  if (best.numerical) return unknown(fmt::format("numerics: {} explains the records better than any physics that was offered", best.name));
+  if (all.empty()) return otherwise("nothing was offered that could");
+  const Explanation& best = all[0];
   const auto next = std::find_if(all.begin() + 1, all.end(), [&](const auto& e) { return !same_class(best, e); });
-  const double lead = next == all.end() ? best.log_bayes_factor : best.log_bayes_factor - std::max(0.0, next->log_bayes_factor);
-  if (next != all.end() && next->numerical && lead < g.lead) return unknown(fmt::format("numerics: {} explains as much as {}", next->name, best.name));
-  if (explained < g.explained)
-    return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * std::max(0.0, explained)));
-  if (best.chi2 > critical)
-    return unknown(fmt::format("{} comes nearest, but with it the records are still not explained (chi-squared {:.4g} for {:.0f} values)", best.name, best.chi2, base.values));
-  if (best.farthest > g.farthest) return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
-  if (best.base_pull > std::max(base.base_pull, 1.0))
-    return unknown(fmt::format("{} would explain the records only with base parameters farther from the handbook than without it", best.name));
+  const double lead = next == all.end() ? best.log_bayes_factor : best.log_bayes_factor - std::max(0.0, next->log_bayes_factor), explained = share_explained(base, best, g).value_or(0);
+  switch (gate_not_passed(base, all, 0, g)) {
+    case Gate::fitted:
+    case Gate::evidence:
+      return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name, best.log_bayes_factor, g.log_bayes_factor));
+    case Gate::numerical:
+      return unknown(fmt::format("numerics: {} explains the records better than any physics that was offered", best.name));
+    case Gate::numerical_rival:
+      return unknown(fmt::format("numerics: {} explains as much as {}", next->name, best.name));
+    case Gate::explained:
+      return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * explained));
+    case Gate::adequate:
+      return unknown(fmt::format("{} comes nearest, but with it the records are still not explained (chi-squared {:.4g} for {:.0f} values)", best.name, best.chi2, base.values));
+    case Gate::plausible:
+      return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
+    case Gate::handbook:
+      return unknown(fmt::format("{} would explain the records only with base parameters farther from the handbook than without it", best.name));
+    case Gate::rival:
+    case Gate::passed:
+      break;
+  }
   for (const auto& e : all)
     if (&e != &best && (same_class(best, e) || (lead < g.lead && best.log_bayes_factor - e.log_bayes_factor < g.lead && !e.numerical))) v.mechanisms.push_back(e.name);
   v.mechanisms.insert(v.mechanisms.begin(), best.name);
   v.kind = v.mechanisms.size() == 1 ? VerdictKind::named : VerdictKind::ambiguous;
-  v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * std::min(1.0, explained), best.log_bayes_factor, lead);
+  v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * explained, best.log_bayes_factor, lead);
   return v;
 }
 

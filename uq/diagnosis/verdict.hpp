@@ -1,5 +1,6 @@
 #pragma once
 /// From evidences to a verdict: which omitted physics is named, that nothing is missing, or that it is not known.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,21 @@ struct Verdict {
   std::vector<Ranked> ranking;          ///< most probable first; probabilities sum to 1
   std::string reason;                   ///< one sentence
 };
+
+/// Which of the rule's gates an explanation meets first that it does not pass.
+enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, adequate, plausible, handbook };
+
+/// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
+[[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
+
+/// Share of what chi-squared has above that of nothing missing which an explanation takes away, 0 to 1; nothing where there is no such excess.
+[[nodiscard]] std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
+
+/// Whether no record of these gauges tells the two apart.
+[[nodiscard]] bool same_class(const Explanation& a, const Explanation& b);
+
+/// The greatest chi-squared that is not implausible of an adequate fit.
+[[nodiscard]] double greatest_plausible(const BaseEvidence& base, const Gates& gates = {});
 
 /// The rule of docs/theory/diagnosis.md. Explanations in any order.
 [[nodiscard]] Verdict judge(const BaseEvidence& base, std::vector<Explanation> explanations, const Gates& gates = {});

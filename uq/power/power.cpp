@@ -16,19 +16,17 @@ constexpr double least_strength = 1e-3; ///< of a number's range
 class Part {
  public:
   Part(const PosteriorFit& fit, const std::vector<std::size_t>& observations, const std::vector<Question>& questions)
-      : rows_(rows_of(fit.errors->grid(), observations)), posterior_(part_of(fit, fit, rows_)), modes_(find_modes(posterior_, {fit.modes[0].q})) {
-    if (modes_.empty()) throw NumericsError("no mode was found for a part of the planned records");
-    model_.emplace(posterior_, modes_[0]);
-    for (const auto& q : questions) blocks_.push_back(model_->block({of_rows(q.directions.by_number), q.directions.prior_sd}));
-  }
-  /// The evidence for question `asked` as records with number k of question `true_one` would give it.
-  [[nodiscard]] FirstOrderModel::Expected expected(const Question& true_one, Eigen::Index k, std::size_t asked) const {
-    return model_->expected(of_rows(true_one.directions.by_number).col(k), blocks_[asked]);
-  }
+      : Part(fit, rows_of(fit.errors->grid(), observations), questions) {}
+  /// The evidence for question `asked` as records with number k of question `concealed` would give it.
+  [[nodiscard]] FirstOrderModel::Expected expected(std::size_t concealed, Eigen::Index k, std::size_t asked) const { return model_->expected(blocks_[concealed], k, blocks_[asked]); }
 
  private:
-  [[nodiscard]] Eigen::MatrixXd of_rows(const Eigen::MatrixXd& m) const { return m(rows_, Eigen::all); }
-  std::vector<Eigen::Index> rows_;
+  Part(const PosteriorFit& fit, const std::vector<Eigen::Index>& rows, const std::vector<Question>& questions)
+      : posterior_(part_of(fit, fit, rows)), modes_(find_modes(posterior_, {fit.modes[0].q})) {
+    if (modes_.empty()) throw NumericsError("no mode was found for a part of the planned records");
+    model_.emplace(posterior_, modes_[0]);
+    for (const auto& q : questions) blocks_.push_back(model_->block({Eigen::MatrixXd(q.directions.by_number(rows, Eigen::all)), q.directions.prior_sd}));
+  }
   LogPosterior posterior_;
   std::vector<LocalMode> modes_;
   std::optional<FirstOrderModel> model_;
@@ -56,23 +54,23 @@ std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, co
       if (group.numerical || group.part || !recorded) continue;
       for (std::size_t i = 0; i < question.numbers.size(); ++i) {
         const AddedParameter& a = group.added[question.numbers[i]];
-        const double up = reach_of(a, 1), sign = up > 0 ? 1 : -1, range = up > 0 ? up : reach_of(a, -1);
+        const double up = reach_of(a, 1), sign = up > 0 ? 1 : -1, range = up > 0 ? up : reach_of(a, -1), prior_sd = question.directions.prior_sd[Eigen::Index(i)];
         const auto value = [&](double from_off) {  // of the case's number
           const double v = *a.parameter.nominal + sign * from_off;
           return a.inverse ? 1 / v : v;
         };
         Detectable d{.mechanism = group.name, .place = question.sensor ? problem.shape.sensors[*question.sensor] : group.place, .of_gauge = question.sensor.has_value(), .number = a.parameter.name,
                      .off = value(0), .from = {}, .farthest = value(range), .limited_by = {}};
-        const auto own = part.expected(question, Eigen::Index(i), q);
+        const auto own = part.expected(q, Eigen::Index(i), q);
         std::vector<std::pair<std::size_t, FirstOrderModel::Expected>> rivals;
         for (std::size_t r = 0; r < questions.size(); ++r)
-          if (questions[r].group != question.group && groups[questions[r].group].name != group.name) rivals.emplace_back(r, part.expected(question, Eigen::Index(i), r));
+          if (questions[r].group != question.group && groups[questions[r].group].name != group.name) rivals.emplace_back(r, part.expected(q, Eigen::Index(i), r));
         for (int trial = 0; trial <= trials && !d.from; ++trial) {
-          const double strength = range * std::pow(least_strength, 1 - double(trial) / trials), log_b = own.log_bayes_factor(strength);
+          const double strength = range * std::pow(least_strength, 1 - double(trial) / trials), deviations = strength / prior_sd, log_b = own.log_bayes_factor(deviations);
           double next = 0;
           d.limited_by.clear();
           for (const auto& [r, expected] : rivals)
-            if (const double b = expected.log_bayes_factor(strength); b > next) next = b, d.limited_by = label(questions[r], groups, problem.shape);
+            if (const double b = expected.log_bayes_factor(deviations); b > next) next = b, d.limited_by = label(questions[r], groups, problem.shape);
           if (log_b >= gates.log_bayes_factor && log_b - next >= gates.lead) d.from = value(strength), d.share = strength / range;
           if (log_b < gates.log_bayes_factor) d.limited_by.clear();
         }

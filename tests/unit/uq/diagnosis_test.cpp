@@ -124,7 +124,7 @@ TEST(FirstOrderModel, IsTheEvidenceOfTheLinearModel) {
   const Eigen::MatrixXd prior = left.vectors * left.values.cwiseMax(3.0).cwiseInverse().asDiagonal() * left.vectors.transpose();
   const FirstOrderModel model(posterior, mode);
   const Eigen::VectorXd change = d.by_number * Eigen::Vector2d(0.1, -0.2);
-  const auto expected = model.expected(change, model.block(d));
+  const auto expected = model.expected(model.block({.by_number = change, .prior_sd = Eigen::VectorXd::Ones(1)}), 0, model.block(d));
   for (const double strength : {0.0, 1.0, 10.0}) {
     const Eigen::VectorXd c = strength * change;
     std::array<double, 2> with{}, without{};
