@@ -24,7 +24,7 @@ void slow_walls(const MechanismValues& v, RunSetup& s) { s.parting_time = v["gro
 
 std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup& s) { return std::make_shared<KineticLiquid>(s.liquid, v["growth_time"], v["collapse_time"]); }
 
-MechanismKey time_constant(const char* name, const char* doc) { return {.name = name, .unit = "s", .off = 0, .low = 0, .high = 200e-6, .least = 0, .greatest = 1, .doc = doc}; }
+MechanismKey time_constant(const char* name, const char* doc) { return {.name = name, .unit = "s", .off = 0, .low = 0.05e-6, .high = 200e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = doc}; }
 
 }  // namespace
 

@@ -116,18 +116,22 @@ void Fit::choose_runs() {
 /// Brings every level to the number of runs that it begins with; the fine ones stand at points of the coarse ones.
 void Fit::fill_box(std::uint64_t index) {
   choose_runs();
-  std::vector<int> there(std::size_t(in_.levels), 0);
-  for (const auto i : out_.used)
-    if (i >= in_.known.size()) ++there[std::size_t(out_.runs[i].level)];
-  const auto d = Eigen::Index(in_.parameters.size());
+  std::vector<int> there(std::size_t(in_.levels), 0), known = there;
+  for (const auto i : out_.used) ++(i < in_.known.size() ? known : there)[std::size_t(out_.runs[i].level)];
+  const auto d = Eigen::Index(in_.parameters.size()), differ = Eigen::Index(in_.known_dimension);
   const int plenty = in_.draw_in ? std::max<int>(in_.emulator.coarse_runs, int(ample * double(MultilevelRegression::coefficients(d, 1)))) : 0;
   const int coarse = in_.draw_in ? plenty : in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
   const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;
   const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
   std::vector<int> level;
   std::vector<Eigen::Index> at;
-  for (int l = 0; l < in_.levels; ++l)
-    for (int i = 0; i < (l == 0 ? fine : coarse) - there[std::size_t(l)]; ++i) at.push_back(i), level.push_back(l);
+  for (int l = 0; l < in_.levels; ++l) {
+    const bool linear = l == 0 && in_.levels > 1;  // a finer level adds a linear difference
+    const auto coefficients = [&](Eigen::Index n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(n, 1)); };
+    const int wanted = l == 0 ? fine : coarse, stand_for = int(wanted * coefficients(differ) / coefficients(d));
+    const int missing = wanted - there[std::size_t(l)] - std::min(known[std::size_t(l)], stand_for);
+    for (int i = 0; i < missing; ++i) at.push_back(i), level.push_back(l);
+  }
   if (!at.empty()) make(design(Eigen::all, at), level);
 }
 

@@ -79,7 +79,8 @@ struct PosteriorInputs {
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
-  std::vector<TaughtRun> known;       ///< runs that are there already; beside them the box gets as many as it would without
+  std::vector<TaughtRun> known;       ///< runs that are there already
+  std::size_t known_dimension = 0;    ///< they differ in the first so many parameters: of the runs that a box begins with they stand for the share of its coefficients that these have
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty

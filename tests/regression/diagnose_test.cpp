@@ -53,8 +53,6 @@ beyond_sd = 0.1
 beyond_rest = 0.2
 [diagnosis]
 leaders = 2
-candidate_coarse = 12
-candidate_fine = 8
 pairs = false
 [mechanism.beam_profile]
 [mechanism.rear_reflection]

@@ -6,34 +6,18 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "base/linear_algebra.hpp"
+#include "uq/diagnosis/candidate_fit.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double reach = 1.0;          ///< half width of the first box of a candidate's number, over its distance from off to first order
-constexpr double widths = 4;           ///< the same in standard deviations to first order
-constexpr double least_width = 0.15;   ///< the same over the number's range
-constexpr double farthest_shift = 0.7; ///< of the base parameters' box by what the first order says, in its half widths
-constexpr double worth_fitting = 3;    ///< log Bayes factor to first order
-constexpr double spare = 3;            ///< runs of the coarser meshes over coefficients of a candidate's emulator, to begin with: they cost an eighth of the finer's
-constexpr double spare_fine = 1.5;     ///< of the finest mesh
-constexpr double zoom = 0.4, box_in_deviations = 4;        ///< the second box over the first, at least, and in deviations of the answer
-constexpr int first_rounds = 1, most_rounds = 6;           ///< of a candidate's emulator: before it is given up, and at all
-constexpr double steady = 3, steady_share = 0.1;            ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
-constexpr double hopeless = Gates{}.lead;  ///< log Bayes factors below the best so far: the lead that a name needs
-constexpr double alike = 4;            ///< distance in standard deviations below which two explanations are one class
-
-/// Log evidence of a fit under the errors of another, each on its own emulator.
-double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
-  if (&fit == &errors) return log_evidence(*fit.posterior, fit.modes[0]);
-  const LogPosterior p = fit.under(errors.hypotheses);
-  const auto modes = find_modes(p, {fit.modes[0].q});
-  if (modes.empty()) throw NumericsError("no mode of a posterior was found under the errors of another");
-  return log_evidence(p, modes[0]);
-}
+constexpr double worth_fitting = 3;       ///< log Bayes factor to first order
+constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
+constexpr double alike = 4;               ///< distance in standard deviations below which two explanations are one class
 
 /// Deviations of the free parameters, natural units: Laplace's, and what the mode moved while runs were added, which his do not know of.
 Eigen::VectorXd parameter_deviations(const PosteriorFit& fit, const LocalMode& m) {
@@ -51,6 +35,30 @@ Eigen::VectorXd parameter_deviations(const PosteriorFit& fit, const LocalMode& m
   }
   return variance.cwiseSqrt();
 }
+
+/// Log evidences of a mixture's parts without and with a discrepancy, each by itself, over the whole's. The first hypothesis has none.
+std::pair<double, double> parts(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses) {
+  const double whole = log_evidence(posterior, m);
+  const auto of = [&](std::vector<WeightedErrors> part) {
+    if (part.empty()) return -std::numeric_limits<double>::infinity();
+    double total = 0;
+    for (const auto& h : part) total += std::exp(h.log_weight);
+    for (auto& h : part) h.log_weight -= std::log(total);
+    const LogPosterior p = fit.under(part);
+    const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
+    return modes.empty() ? -std::numeric_limits<double>::infinity() : log_evidence(p, modes[0]) - whole;
+  };
+  return {of({hypotheses[0]}), of({hypotheses.begin() + 1, hypotheses.end()})};
+}
+
+/// An explanation as it was fitted: what a further one is put on top of.
+struct Fitted {
+  std::vector<AddedParameter> added;  ///< in the order of the fit's parameters, behind the base model's
+  PosteriorInputs inputs;
+  PosteriorFit fit;
+};
+
+void add_parts(Explanation& e, const std::pair<double, double>& over_whole) { e.log_plain = e.log_bayes_factor + over_whole.first, e.log_discrepancy = e.log_bayes_factor + over_whole.second; }
 
 class Engine {
  public:
@@ -111,24 +119,19 @@ class Engine {
     return all;
   }
 
-  /// Of a fit over the base model's, both under the errors of the one and both under those of the other: what counts is the lesser.
-  [[nodiscard]] double log_bayes_factor(const PosteriorFit& f) const {
-    return std::min(evidence(f, f) - evidence(out_.base, f), evidence(f, out_.base) - evidence(out_.base, out_.base));
-  }
   [[nodiscard]] double best_so_far() const {
     double best = 0;
     for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
     return best;
   }
   void describe_base();
+  [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added);
   void ask_all();
   void fit_linear();
   void fit_linear(const Question& q);
   void fit_leaders();
   void fit_pair();
-  void fit(const std::vector<const Question*>& with);
-  void reach_back(PosteriorInputs& in) const;
-  [[nodiscard]] PosteriorFit followed(PosteriorInputs& in) const;
+  void fit(const Question& q, const Alternative* on_top_of = nullptr);
   void judge_all();
   void hold_out();
   void locate_all();
@@ -139,7 +142,7 @@ class Engine {
   Diagnosis out_;
   Eigen::MatrixXd places_;
   std::vector<Question> asked_;               ///< most telling first
-  std::map<std::string, PosteriorFit> fits_;  ///< of candidates by name
+  std::map<std::string, Fitted> fits_;        ///< of candidates by name
   int runs_ = 0;
 };
 
@@ -154,30 +157,26 @@ void Engine::describe_base() {
   e.values = double(grid().size());
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
   e.base_pull = root_mean_square(out_.handbook_pulls);
-  // The mixture's parts apart: the first hypothesis has no discrepancy.
-  std::vector<WeightedErrors> none{out_.base.hypotheses[0]};
-  const std::vector<WeightedErrors> some(out_.base.hypotheses.begin() + 1, out_.base.hypotheses.end());
-  const auto evidence_of = [&](std::vector<WeightedErrors> part) {
-    if (part.empty()) return -std::numeric_limits<double>::infinity();
-    double total = 0;
-    for (const auto& h : part) total += std::exp(h.log_weight);
-    for (auto& h : part) h.log_weight -= std::log(total);
-    const LogPosterior p = out_.base.under(part);
-    const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
-    return modes.empty() ? -std::numeric_limits<double>::infinity() : log_evidence(p, modes[0]);
-  };
-  const double whole = log_evidence(posterior, m);
-  e.log_plain = evidence_of(none) - whole, e.log_discrepancy = evidence_of(some) - whole;
+  std::tie(e.log_plain, e.log_discrepancy) = parts(out_.base, posterior, m, out_.base.hypotheses);
+}
+
+/// Questions about a fit with these numbers added.
+QuestionInputs Engine::about(const PosteriorFit& fit, std::vector<AddedParameter> added) {
+  return {.fit = fit,
+          .problem = in_.base.problem,
+          .groups = in_.groups,
+          .level = in_.base.levels > 1 ? 1 : 0,
+          .run = [this, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> further) {
+            std::vector<AddedParameter> all = added;
+            all.insert(all.end(), further.begin(), further.end());
+            return counted(thetas, level, all);
+          },
+          .linear = in_.linear ? LinearDirections([this](std::span<const double> theta) { return in_.linear(theta.first(in_.base.parameters.size())); }) : LinearDirections()};
 }
 
 void Engine::ask_all() {
   say("what each mechanism would be worth, to first order");
-  Answers answers = ask({.fit = out_.base,
-                         .problem = in_.base.problem,
-                         .groups = in_.groups,
-                         .level = in_.base.levels > 1 ? 1 : 0,
-                         .run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) { return counted(thetas, level, added); },
-                         .linear = in_.linear});
+  Answers answers = ask(about(out_.base, {}));
   asked_ = std::move(answers.questions);
   out_.skipped.insert(out_.skipped.end(), answers.skipped.begin(), answers.skipped.end());
   for (const auto& q : asked_)
@@ -207,7 +206,8 @@ void Engine::fit_linear(const Question& q) {
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
-  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) - (q.sensor ? std::log(double(in_.base.problem.observations.size())) : 0);  // any gauge might have been the one
+  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) + q.choice;
+  add_parts(c.explanation, parts(out_.base, with, m, errors));
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, parameter_covariance(with, m).diagonal().cwiseSqrt(), m);
@@ -225,16 +225,17 @@ void Engine::fit_linear(const Question& q) {
   out_.candidates.push_back(std::move(c));
 }
 
-/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order.
+/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case.
 void Engine::fit_leaders() {
   int fitted = 0;
+  const bool puzzled = out_.evidence.chi2 > greatest_plausible(out_.evidence);
   for (const auto& q : asked_) {
     const std::string& name = in_.groups[q.group].name;
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
-    if (fitted == 0 || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - hopeless)))) {
-      fit({&q});
+    if ((fitted == 0 && puzzled) || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - hopeless)))) {
+      fit(q);
       ++fitted;
       continue;
     }
@@ -244,141 +245,68 @@ void Engine::fit_leaders() {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
       c.numbers.push_back({a.parameter.name, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)]});
     }
+    add_parts(c.explanation, {std::min(0.0, out_.evidence.log_plain), std::min(0.0, out_.evidence.log_discrepancy)});  // it leaves what the base model leaves
     c.message = "to first order";
     out_.candidates.push_back(std::move(c));
   }
 }
 
-/// Followed until more runs would not change what it is worth, if it may lead.
-PosteriorFit Engine::followed(PosteriorInputs& in) const {
-  double last = -std::numeric_limits<double>::infinity();
-  int stayed = 0;
-  in.go_on = [&](const PosteriorFit& f) {
-    const double now = log_bayes_factor(f);
-    stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
-    last = now;
-    const auto rounds = int(f.rounds.size());
-    return rounds <= first_rounds || (rounds < most_rounds && now > best_so_far() - hopeless && stayed < 2);
-  };
-  return fit_posterior(in);
-}
-
-/// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is narrower than the box.
-void Engine::reach_back(PosteriorInputs& in) const {
-  for (std::size_t k = 0; k < in.centre.size(); ++k) {
-    const Parameter& p = in.parameters[k];
-    const bool logarithm = p.min > 0;
-    const auto deviation = prior_deviation(p, in.centre[k]);
-    if (!deviation) continue;
-    const double sd = p.prior == "lognormal" ? *p.sigma : logarithm ? *p.sd / *p.mean : *p.sd;  // of the box's coordinate
-    if (sd > in.half_width[k]) continue;
-    const double from = logarithm ? std::log(in.centre[k]) : in.centre[k], to = from - *deviation * sd;
-    const double middle = 0.5 * (from + to);
-    in.half_width[k] = std::max(in.half_width[k], 0.5 * (std::abs(from - to) + in.half_width[k]));
-    in.centre[k] = logarithm ? std::exp(middle) : middle;
-  }
-}
-
-/// The base model with the numbers of one or two groups beside its own parameters, on one emulator and under the same errors with and without them.
-void Engine::fit(const std::vector<const Question*>& with) {
-  Alternative c;
+/// A group beside the base model's parameters, or beside those of what was fitted already.
+void Engine::fit(const Question& q, const Alternative* on_top_of) {
+  const ParameterGroup& group = in_.groups[q.group];
+  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+  c.explanation.numerical = group.numerical;
+  const PosteriorInputs* inputs = &in_.base;
+  const PosteriorFit* below = &out_.base;
   std::vector<AddedParameter> added;
-  std::vector<Parameter> parameters;
-  std::vector<double> estimate, sd;  ///< to first order
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(out_.base.posterior->dimension());
-  std::vector<std::string> names;
-  for (const Question* q : with) {
-    const ParameterGroup& group = in_.groups[q->group];
-    names.push_back(group.name), c.groups.push_back(group.name);
-    c.explanation.numerical |= group.numerical;
-    if (!group.place.empty()) c.place = group.place;
-    c.first_log_bayes_factor += q->worth.log_bayes_factor, c.p_value = std::min(c.p_value, q->p_value);
-    for (std::size_t i = 0; i < q->numbers.size(); ++i) {
-      const AddedParameter& a = group.added[q->numbers[i]];
-      added.push_back(a), parameters.push_back(a.parameter);
-      sd.push_back(q->worth.sd[Eigen::Index(i)]);
-      estimate.push_back(std::clamp(*a.parameter.nominal + q->worth.value[Eigen::Index(i)], a.parameter.min, a.parameter.max));
-    }
-    for (std::size_t i = 0; i < group.shapes.size(); ++i) {
-      const AddedParameter& a = group.shapes[i];
-      added.push_back(a), parameters.push_back(a.parameter);
-      estimate.push_back(q->shapes[i]), sd.push_back(0);
-    }
-    shift += q->worth.shift;
+  if (on_top_of != nullptr) {
+    const Fitted& f = fits_.at(on_top_of->explanation.name);
+    inputs = &f.inputs, below = &f.fit, added = f.added;
+    c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
+    std::sort(c.groups.begin(), c.groups.end());
+    c.choice = on_top_of->choice, c.first_log_bayes_factor += on_top_of->explanation.log_bayes_factor;
+    if (c.place.empty()) c.place = on_top_of->place;
   }
-  std::sort(names.begin(), names.end());
-  c.explanation.name = names[0] + (names.size() > 1 ? '+' + names[1] : "");
-  const int planned = in_.options.candidate_coarse + in_.options.candidate_fine;
-  if (runs_ + planned > in_.options.max_runs) {
-    out_.skipped.push_back(fmt::format("{}: {} runs are spent of diagnosis.max_runs = {}", c.explanation.name, runs_, in_.options.max_runs));
+  c.choice += q.choice;
+  for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
+  CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
+  added.insert(added.end(), plan.added.begin(), plan.added.end());
+  if (runs_ + first_runs(plan) > in_.options.max_runs) {
+    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
-
-  PosteriorInputs in = in_.base;
-  const std::size_t n = in.parameters.size();
+  PosteriorInputs& in = plan.inputs;
   in.run = [this, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return counted(thetas, level, added); };
   if (places_.size()) in.gauge_places = [this](std::span<const double>) { return places_; };
-  in.parameters.insert(in.parameters.end(), parameters.begin(), parameters.end());
   in.round_done = [&](const PosteriorRound& r) {
     if (in_.round) in_.round(r, in.parameters);
   };
-  Eigen::VectorXd u = mode().at.u;
-  for (std::size_t i = 0; i < out_.base.posterior->free().size(); ++i) u[out_.base.posterior->free()[i]] += std::clamp(shift[Eigen::Index(i)], -farthest_shift, farthest_shift);
-  in.centre = out_.base.posterior->box().theta(u);
-  reach_back(in);
-  for (std::size_t i = 0; i < added.size(); ++i) {
-    // The logarithm where the lower bound is positive, as the box has it.
-    const Parameter& p = added[i].parameter;
-    const auto coordinate = [&](double x) { return p.min > 0 ? std::log(x) : x; };
-    const double away = std::abs(coordinate(estimate[i]) - coordinate(*p.nominal)), deviation = p.min > 0 ? sd[i] / estimate[i] : sd[i];
-    if (p.prior == "lognormal") {  // a shape: about the value that did best
-      in.centre.push_back(estimate[i]), in.half_width.push_back(*p.sigma);
-      continue;
-    }
-    const double least = p.prior == "half_cauchy" ? 0.5 * added[i].strengths[0] : least_width * (coordinate(p.max) - coordinate(p.min));
-    in.centre.push_back(estimate[i]);
-    in.half_width.push_back(std::max({reach * away, widths * deviation, least}));
-  }
-  const auto d = Eigen::Index(in.parameters.size());
-  in.emulator.coarse_runs = std::max(in_.options.candidate_coarse, int(spare * double(MultilevelRegression::coefficients(d, 1))));
-  in.emulator.fine_runs = std::max<int>(in_.options.candidate_fine, int(spare_fine * double(d + 1)) + 1);
-  in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
-  for (const auto& r : out_.base.runs) {
-    TaughtRun known = r;
-    for (const auto& a : added) known.theta.push_back(*a.parameter.nominal);
-    in.known.push_back(std::move(known));
-  }
   const int before = runs_;
   try {
-    PosteriorFit fitted = followed(in);
-    double worth = log_bayes_factor(fitted);
-    if (worth > worth_fitting && worth > best_so_far() - hopeless) {  // once more about the answer: over a wide box a quadratic is only so good
-      in.centre = fitted.modes[0].at.theta;
-      const Eigen::VectorXd sd = fitted.modes[0].covariance.diagonal().cwiseSqrt();
-      for (std::size_t k = 0; k < in.half_width.size(); ++k) in.half_width[k] *= std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-      in.known = std::move(fitted.runs);
-      fitted = followed(in);
-      worth = log_bayes_factor(fitted);
-    }
-    const LocalMode& full = fitted.modes[0];
-    const LogPosterior& posterior = *fitted.posterior;
+    FittedCandidate fitted = fit_candidate(in, out_.base, [&](double worth) { return worth + c.choice > worth_fitting && worth + c.choice > best_so_far() - hopeless && runs_ < in_.options.max_runs; });
+    const PosteriorFit& fit = fitted.fit;
+    const LocalMode& full = fit.modes[0];
+    const LogPosterior& posterior = *fit.posterior;
     c.explanation.fitted = true;
-    c.explanation.log_bayes_factor = worth;
-    c.explanation.chi2 = plain_chi2(fitted, posterior, full, *fitted.errors);
+    c.explanation.log_bayes_factor = log_bayes_factor(fit, out_.base) + c.choice;
+    add_parts(c.explanation, parts(fit, posterior, full, fit.hypotheses));
+    c.explanation.chi2 = plain_chi2(fit, posterior, full, *fit.errors);
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
-    const Eigen::VectorXd deviations = parameter_deviations(fitted, full);
+    const Eigen::VectorXd deviations = parameter_deviations(fit, full);
     c.base_parameters = own_parameters(posterior, deviations, full);
+    const std::size_t n = in_.base.parameters.size();
     for (std::size_t i = 0; i < added.size(); ++i) {
       c.numbers.push_back({added[i].parameter.name, full.at.theta[n + i], deviations[Eigen::Index(n + i)]});
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
-    const Eigen::VectorXd history = fitted.history(full.at.u, full.at.beyond);
+    const Eigen::VectorXd history = fit.history(full.at.u, full.at.beyond);
     c.history.assign(history.begin(), history.end());
-    c.settled = fitted.settled, c.message = fitted.message;
-    fits_.insert_or_assign(c.explanation.name, std::move(fitted));
+    c.settled = fit.settled, c.message = fit.message;
+    fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
+    add_parts(c.explanation, {out_.evidence.log_plain, out_.evidence.log_discrepancy});
     c.explanation.chi2 = out_.evidence.chi2, c.explanation.base_pull = out_.evidence.base_pull;
   }
   c.runs = runs_ - before;
@@ -412,16 +340,20 @@ void Engine::judge_all() {
   out_.verdict = judge(out_.evidence, all);
 }
 
-/// The two singles that lead, together.
+/// The physics that leads among what was fitted, and on top of it what then says most.
 void Engine::fit_pair() {
-  std::vector<const Question*> two;
-  for (const auto& c : out_.candidates) {
-    if (two.size() == 2 || c.explanation.numerical || !c.explanation.fitted || !c.sensor.empty()) continue;
-    const auto at = std::find_if(asked_.begin(), asked_.end(), [&](const Question& q) { return !q.sensor && in_.groups[q.group].name == c.groups[0]; });
-    if (at != asked_.end() && c.groups.size() == 1) two.push_back(&*at);
-  }
-  if (two.size() < 2) return;
-  fit(two);
+  const auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return fits_.contains(c.explanation.name) && !c.explanation.numerical; });
+  if (first == out_.candidates.end() || first->explanation.log_bayes_factor < worth_fitting) return;
+  const Alternative below = *first;
+  const Fitted& f = fits_.at(below.explanation.name);
+  say(fmt::format("what each mechanism would be worth on top of {}, to first order", below.explanation.name));
+  QuestionInputs in = about(f.fit, f.added);
+  in.except = below.groups[0];
+  const auto questions = ask(in).questions;
+  const auto next = std::find_if(questions.begin(), questions.end(), [&](const Question& q) { return !q.sensor && !in_.groups[q.group].numerical; });
+  if (next == questions.end() || next->worth.log_bayes_factor < worth_fitting) return;
+  say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(*next, in_.groups, in_.base.problem.shape), next->worth.log_bayes_factor));
+  fit(*next, &below);
   judge_all();
 }
 
@@ -447,11 +379,11 @@ void Engine::hold_out() {
     if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0) continue;
     std::vector<double> with;
     for (std::size_t i = 0; i < folds.size(); ++i) {
-      const PartFit part = fit_without(fit->second, fit->second, folds[i]);
+      const PartFit part = fit_without(fit->second.fit, fit->second.fit, folds[i]);
       with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
       keep_held_out(folds[i], grid(), in_.base.problem, part.history, c.held_out_history);
       c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
-      const double worth = part.log_evidence - fit_without(base, fit->second, folds[i]).log_evidence;
+      const double worth = part.log_evidence - fit_without(base, fit->second.fit, folds[i]).log_evidence;
       if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge
     }
     c.held_out_gain = 1 - gauges(with) / out_.held_out_before;

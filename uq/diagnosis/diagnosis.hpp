@@ -23,16 +23,12 @@ struct Provenance;  // base/provenance.hpp
 struct DiagnosisOptions {
   int max_runs = 2000;
   int leaders = 4;
-  int candidate_coarse = 40;
-  int candidate_fine = 12;
   bool pairs = true;
 
   template <class V>
   void visit(V& v) {
     v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told"});
     v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
-    v("candidate_coarse", candidate_coarse, {.range = between(1, 10000), .doc = "runs of the coarser mesh with a mechanism to begin with, beside the base model's"});
-    v("candidate_fine", candidate_fine, {.range = between(1, 10000), .doc = "those of the finest mesh"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
   }
 };
@@ -59,6 +55,7 @@ struct Alternative {
   std::string sensor;                  ///< of a fault of one gauge
   std::string place;                   ///< of the group: the wall that it acts on, or empty
   double first_log_bayes_factor = 0;   ///< to first order about the base fit
+  double choice = 0;                   ///< Question::choice, that of both of a pair; it is in both log Bayes factors
   double p_value = 1;                  ///< of its score test, not corrected for their number
   std::vector<Estimate> numbers;       ///< natural units
   std::vector<Estimate> base_parameters;  ///< of the case's own, with it

@@ -135,6 +135,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["heldout_gain"] = number(c.held_out_gain);
         entry["log_bayes_factor"] = number(c.explanation.log_bayes_factor), entry["first_order_log_bayes_factor"] = number(c.first_log_bayes_factor);
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
+        entry["log_without_discrepancy"] = number(c.explanation.log_plain), entry["log_with_discrepancy"] = number(c.explanation.log_discrepancy), entry["farthest"] = number(c.explanation.farthest);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));

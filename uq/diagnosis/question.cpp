@@ -13,6 +13,7 @@ namespace calomel {
 
 namespace {
 
+constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group that adds to the histories
 constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than this is none
 
 /// What a number does at one strength.
@@ -45,7 +46,8 @@ class Asking {
 
   Answers answers() {
     measure();
-    for (std::size_t g = 0; g < in_.groups.size(); ++g) ask_group(g);
+    for (std::size_t g = 0; g < in_.groups.size(); ++g)
+      if (in_.groups[g].name != in_.except) ask_group(g);
     if (in_.linear) ask_linear();
     keep_the_best();
     test();
@@ -59,11 +61,12 @@ class Asking {
   void ask_linear();
   void keep_the_best();
   void test();
-  void add(Question q) {
+  [[nodiscard]] Question answered(Question q) const {
     q.directions.by_number = in_.fit.errors->grid().apply(q.effects);
     q.worth = first_order_.worth(q.directions);
-    out_.questions.push_back(std::move(q));
+    return q;
   }
+  void add(Question q) { out_.questions.push_back(answered(std::move(q))); }
   /// The part of a change that one gauge shows.
   [[nodiscard]] Eigen::VectorXd of_sensor(Eigen::VectorXd change, std::size_t sensor) const {
     const ModelShape& shape = in_.problem.shape;
@@ -83,6 +86,7 @@ class Asking {
 void Asking::measure() {
   std::vector<AddedParameter> added;
   for (const auto& g : in_.groups) {
+    if (g.name == in_.except) continue;
     added.insert(added.end(), g.added.begin(), g.added.end());
     added.insert(added.end(), g.shapes.begin(), g.shapes.end());
   }
@@ -94,6 +98,7 @@ void Asking::measure() {
   std::size_t at = theta.size();
   for (std::size_t g = 0; g < in_.groups.size(); ++g) {
     const ParameterGroup& group = in_.groups[g];
+    if (group.name == in_.except) continue;
     for (std::size_t k = 0; k < group.added.size() && !group.linear; ++k)
       for (const auto& shapes : shapes_of(group))
         for (const double strength : group.added[k].strengths) {
@@ -162,7 +167,7 @@ void Asking::ask_choice(std::size_t g, std::size_t choice, const std::vector<dou
 
 void Asking::ask_linear() {
   for (const auto& m : in_.linear(mode_.at.theta)) {
-    const auto of = std::find_if(in_.groups.begin(), in_.groups.end(), [&](const auto& g) { return g.linear && g.name == m.name; });
+    const auto of = std::find_if(in_.groups.begin(), in_.groups.end(), [&](const auto& g) { return g.linear && g.name == m.name && g.name != in_.except; });
     if (of == in_.groups.end()) continue;
     Question q{.group = std::size_t(of - in_.groups.begin())};
     q.effects = m.directions, q.directions.prior_sd.resize(m.directions.cols());
@@ -172,17 +177,43 @@ void Asking::ask_linear() {
       q.numbers.push_back(std::size_t(a - of->added.begin()));
       q.directions.prior_sd[Eigen::Index(i)] = prior_sd(*a, 1);
     }
-    add(std::move(q));
+    // Many numbers of one kind: how large they are together is not known, so that their evidence is the mean over a few scales.
+    const Eigen::VectorXd widest = q.directions.prior_sd;
+    std::vector<Question> scales;
+    for (const double scale : scales_of_many) {
+      q.directions.prior_sd = scale * widest;
+      scales.push_back(answered(q));
+    }
+    auto best = std::max_element(scales.begin(), scales.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor < b.worth.log_bayes_factor; });
+    double sum = 0;
+    for (const auto& x : scales) sum += std::exp(x.worth.log_bayes_factor - best->worth.log_bayes_factor);
+    best->choice = std::log(sum / double(scales.size()));
+    best->worth.log_bayes_factor += best->choice;
+    out_.questions.push_back(std::move(*best));
   }
 }
 
 void Asking::keep_the_best() {
   auto& all = out_.questions;
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; });
+  const auto sort = [&] { std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; }); };
+  sort();
   std::vector<Question> best;
   for (auto& q : all)
     if (std::none_of(best.begin(), best.end(), [&](const Question& b) { return b.group == q.group && b.sensor == q.sensor; })) best.push_back(std::move(q));
+  // The evidence of a mechanism that acts on one of n places is the mean over them; each takes from it what those below it add.
+  std::vector<double> left(best.size(), 0.0);
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    double sum = 0, places = 0;
+    for (std::size_t k = 0; k < best.size(); ++k) {
+      if (in_.groups[best[k].group].name != in_.groups[best[i].group].name) continue;
+      ++places;
+      if (k >= i) sum += std::exp(best[k].worth.log_bayes_factor - best[i].worth.log_bayes_factor);
+    }
+    left[i] = std::log(sum / places);
+  }
+  for (std::size_t i = 0; i < best.size(); ++i) best[i].choice += left[i], best[i].worth.log_bayes_factor += left[i];
   all = std::move(best);
+  sort();
 }
 
 void Asking::test() {

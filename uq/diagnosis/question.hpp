@@ -26,7 +26,8 @@ struct Question {
   std::vector<double> shapes;         ///< values of the group's `shapes`
   Eigen::MatrixXd effects;            ///< changes of the model's values per unit of each number, (values of the model, n)
   AddedDirections directions;         ///< the same on the grid of the fit
-  FirstOrder worth;
+  FirstOrder worth;                   ///< its log Bayes factor with `choice`
+  double choice = 0;                  ///< log of what of its evidence is left as its wall, stretch of a wall, gauge or scale might have been any other, each as likely
   double p_value = 1;                 ///< of its score test, not corrected for their number
 };
 
@@ -37,7 +38,7 @@ struct QuestionInputs {
   int level = 0;           ///< mesh of the runs
   RunAdded run;
   LinearDirections linear;
-  std::uint64_t seed = 1;
+  std::string except = {};  ///< groups of this name are not asked about: they are in the fit
 };
 
 struct Answers {

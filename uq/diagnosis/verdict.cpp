@@ -12,13 +12,18 @@ namespace {
 
 const char* base_fits = "the base model explains the records within their errors";
 
-/// Probabilities by the tempered evidences, each explanation as likely beforehand as "none" and "unknown".
-std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, double temperature) {
-  std::vector<Ranked> out{{"none", 0, base.log_plain}, {"unknown", 0, base.log_discrepancy}};
-  for (const auto& e : all) out.push_back({e.name, 0, e.log_bayes_factor});
+/// Probabilities by the tempered evidences. A name claims that with it nothing is left out; whatever needs a discrepancy beside it is "unknown".
+std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
+  const double n = std::max<double>(1, double(all.size())), of_a_name = (1 - g.prior_none - g.prior_unknown) / n;
+  double most_unknown = base.log_discrepancy, unknown = 0;
+  for (const auto& e : all) most_unknown = std::max(most_unknown, e.log_discrepancy);
+  unknown = std::exp(base.log_discrepancy - most_unknown);
+  for (const auto& e : all) unknown += of_a_name * std::exp(e.log_discrepancy - most_unknown);
+  std::vector<Ranked> out{{"none", g.prior_none, base.log_plain}, {"unknown", g.prior_unknown, most_unknown + std::log(unknown)}};
+  for (const auto& e : all) out.push_back({e.name, of_a_name, e.log_plain});
   double most = out[0].log_evidence, sum = 0;
   for (const auto& r : out) most = std::max(most, r.log_evidence);
-  for (auto& r : out) sum += r.probability = std::exp((r.log_evidence - most) / temperature);
+  for (auto& r : out) sum += r.probability *= std::exp((r.log_evidence - most) / g.temperature);
   for (auto& r : out) r.probability /= sum;
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.probability > b.probability; });
   return out;
@@ -67,7 +72,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
 Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gates& g) {
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
   Verdict v;
-  v.ranking = ranked(base, all, g.temperature);
+  v.ranking = ranked(base, all, g);
   const bool base_adequate = base.chi2 <= greatest_plausible(base, g);
   const auto otherwise = [&](const std::string& why) {
     v.kind = base_adequate ? VerdictKind::none : VerdictKind::unknown;

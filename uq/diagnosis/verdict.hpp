@@ -11,6 +11,7 @@ struct Explanation {
   std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
+  double log_plain = 0, log_discrepancy = 0;  ///< the same of its parts without and with a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
@@ -29,13 +30,14 @@ struct BaseEvidence {
 
 /// Numbers of the rule, frozen before cases are judged.
 struct Gates {
-  double log_bayes_factor = 30;
-  double lead = 30;             ///< over the next explanation that is not of the same class
+  double log_bayes_factor = 7;
+  double lead = 5;              ///< over the next explanation that is not of the same class
   double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double farthest = 3;
-  double temperature = 10;      ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
+  double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
+  double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is shared by all explanations alike
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
@@ -44,7 +46,7 @@ std::string text(VerdictKind kind);
 struct Ranked {
   std::string name;  ///< "none", "unknown", or an explanation's
   double probability = 0;
-  double log_evidence = 0;  ///< over that of the base model with its discrepancy
+  double log_evidence = 0;  ///< over the base model's whole: "none" and a name without a discrepancy, "unknown" the base model and all explanations with one
 };
 
 struct Verdict {

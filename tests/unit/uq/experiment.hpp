@@ -94,7 +94,7 @@ struct Experiment {
   /// Writes its artefacts to `folder`, where there is one.
   [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}) const {
     const PosteriorInputs fitted = base();
-    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = run_all, .linear = {}, .options = {.leaders = 2, .candidate_coarse = 16, .candidate_fine = 6}, .say = {}, .round = {}};
+    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = run_all, .linear = {}, .options = {.leaders = 2}, .say = {}, .round = {}};
     Diagnosis d = diagnose(in);
     if (folder.empty()) return d;
     const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};

@@ -11,8 +11,8 @@ using ::testing::HasSubstr;
 
 BaseEvidence poor() { return {.values = 100, .chi2 = 400, .log_plain = -120, .log_discrepancy = -0.1, .base_pull = 1.5}; }
 BaseEvidence good() { return {.values = 100, .chi2 = 66, .log_plain = -0.2, .log_discrepancy = -1.5, .base_pull = 0.4}; }
-Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
-Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 8, .chi2 = 350, .base_pull = 1, .fitted = true}; }
+Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .log_plain = 102, .log_discrepancy = 97, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
+Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .log_plain = -90, .log_discrepancy = 4, .chi2 = 350, .base_pull = 1, .fitted = true}; }
 
 TEST(Verdict, NamesWhatExplainsAndLeads) {
   const Verdict v = judge(poor(), {rear(), beam()});
@@ -25,13 +25,24 @@ TEST(Verdict, NamesWhatExplainsAndLeads) {
   EXPECT_EQ(v.ranking.size(), 4u);
 }
 
+TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
+  Explanation part = beam();  // gains much, and still leaves what only a discrepancy takes up
+  part.log_plain = -30, part.log_discrepancy = 100, part.chi2 = 200;
+  const Verdict v = judge(poor(), {part, rear()});
+  EXPECT_EQ(v.kind, VerdictKind::unknown);
+  EXPECT_EQ(v.ranking[0].name, "unknown");
+  EXPECT_GT(v.ranking[0].probability, 0.99);
+}
+
 TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
   Explanation weak = beam();
   weak.log_bayes_factor = 2;
   const Verdict v = judge(good(), {weak, rear()});
   EXPECT_EQ(v.kind, VerdictKind::none);
   EXPECT_TRUE(v.mechanisms.empty());
-  EXPECT_EQ(judge(good(), {}).kind, VerdictKind::none);
+  const Verdict alone = judge(good(), {});
+  EXPECT_EQ(alone.kind, VerdictKind::none);
+  EXPECT_EQ(alone.ranking[0].name, "none");
 }
 
 TEST(Verdict, SaysUnknownForEachReason) {
@@ -42,8 +53,8 @@ TEST(Verdict, SaysUnknownForEachReason) {
     return v.reason;
   };
   Explanation x = beam();
-  x.log_bayes_factor = 20;
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("below 30"));
+  x.log_bayes_factor = Gates{}.log_bayes_factor - 0.5;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("has a log Bayes factor of"));
   x = beam(), x.chi2 = 300;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("explains only"));
   x = beam(), x.chi2 = 140;
@@ -55,14 +66,14 @@ TEST(Verdict, SaysUnknownForEachReason) {
   x = beam(), x.numerical = true, x.name = "numerics";
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("numerics"));
   Explanation mesh = beam();
-  mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = 80;
+  mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
   EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
 }
 
 TEST(Verdict, NamesAClassAsAClass) {
   Explanation near = beam(), twin = beam();
-  near.name = "interface", near.log_bayes_factor = 90;
+  near.name = "interface", near.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
   EXPECT_EQ(judge(poor(), {beam(), near}).kind, VerdictKind::ambiguous);
   EXPECT_THAT(judge(poor(), {near, beam()}).mechanisms, ElementsAre("beam_profile", "interface"));
   twin.name = "static_pressure", twin.log_bayes_factor = 40, twin.same_as = {"beam_profile"};

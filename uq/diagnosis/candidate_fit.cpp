@@ -1,0 +1,142 @@
+#include "uq/diagnosis/candidate_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace calomel {
+
+namespace {
+
+constexpr double reach = 1.0;                        ///< half width of the first box of a number, over its distance from off to first order
+constexpr double widths = 6;                         ///< the same in standard deviations to first order
+constexpr double least_width = 0.03;                 ///< the same over the number's range
+constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
+constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
+constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
+constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
+constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
+constexpr int most_boxes = 2;
+constexpr int most_rounds = 6;                       ///< of the second box
+constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
+
+/// Log evidence of a fit under the errors of another, each on its own emulator.
+double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
+  if (&fit == &errors) return log_evidence(*fit.posterior, fit.modes[0]);
+  const LogPosterior p = fit.under(errors.hypotheses);
+  const auto modes = find_modes(p, {fit.modes[0].q});
+  if (modes.empty()) throw NumericsError("no mode of a posterior was found under the errors of another");
+  return log_evidence(p, modes[0]);
+}
+
+/// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is narrower than the box.
+void reach_back(PosteriorInputs& in) {
+  for (std::size_t k = 0; k < in.centre.size(); ++k) {
+    const Parameter& p = in.parameters[k];
+    const bool logarithm = p.min > 0;
+    const auto deviation = prior_deviation(p, in.centre[k]);
+    if (!deviation) continue;
+    const double sd = p.prior == "lognormal" ? *p.sigma : logarithm ? *p.sd / *p.mean : *p.sd;  // of the box's coordinate
+    if (sd > in.half_width[k]) continue;
+    const double from = logarithm ? std::log(in.centre[k]) : in.centre[k], to = from - *deviation * sd;
+    const double middle = 0.5 * (from + to);
+    in.half_width[k] = std::max(in.half_width[k], 0.5 * (std::abs(from - to) + in.half_width[k]));
+    in.centre[k] = logarithm ? std::exp(middle) : middle;
+  }
+}
+
+struct Side {
+  double centre = 0, half_width = 0;
+};
+
+/// Of a number, about its estimate to first order; half widths of the logarithm where the lower bound is positive, as the box has it.
+Side side_of(const AddedParameter& a, double estimate, double sd) {
+  const Parameter& p = a.parameter;
+  const auto coordinate = [&](double x) { return p.min > 0 ? std::log(x) : x; };
+  const double away = std::abs(coordinate(estimate) - coordinate(*p.nominal)), deviation = p.min > 0 ? sd / estimate : sd;
+  const double least = p.prior == "half_cauchy" ? 0.5 * a.strengths[0] : least_width * (coordinate(p.max) - coordinate(p.min));
+  return {estimate, std::max({reach * away, widths * deviation, least})};
+}
+
+}  // namespace
+
+CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const std::vector<ParameterGroup>& groups, const Question& question) {
+  CandidatePlan plan{.added = {}, .inputs = inputs};
+  PosteriorInputs& in = plan.inputs;
+  const std::size_t n = in.parameters.size();
+  const ParameterGroup& group = groups[question.group];
+  const FirstOrder& worth = question.worth;
+  std::vector<Side> sides;
+  for (std::size_t i = 0; i < question.numbers.size(); ++i) {
+    const AddedParameter& a = group.added[question.numbers[i]];
+    const auto k = Eigen::Index(i);
+    plan.added.push_back(a);
+    sides.push_back(side_of(a, std::clamp(*a.parameter.nominal + worth.value[k], a.parameter.min, a.parameter.max), worth.sd[k]));
+  }
+  for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value that did best
+    plan.added.push_back(group.shapes[i]);
+    sides.push_back({question.shapes[i], *group.shapes[i].parameter.sigma});
+  }
+  Eigen::VectorXd u = fit.modes[0].at.u;
+  const auto& free = fit.posterior->free();
+  for (std::size_t i = 0; i < free.size(); ++i) u[free[i]] += std::clamp(worth.shift[Eigen::Index(i)], -farthest_shift, farthest_shift);
+  in.centre = fit.posterior->box().theta(u);
+  reach_back(in);
+  for (std::size_t i = 0; i < plan.added.size(); ++i) {
+    in.parameters.push_back(plan.added[i].parameter);
+    in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
+  }
+  const auto d = Eigen::Index(in.parameters.size());
+  in.emulator.coarse_runs = int(spare * double(MultilevelRegression::coefficients(d, 1)));
+  in.emulator.fine_runs = int(spare_fine * double(d + 1));
+  in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
+  in.known.clear(), in.go_on = {};
+  for (const auto& r : fit.runs) {
+    TaughtRun known = r;
+    for (const auto& a : plan.added) known.theta.push_back(*a.parameter.nominal);
+    in.known.push_back(std::move(known));
+  }
+  in.known_dimension = n;
+  return plan;
+}
+
+int first_runs(const CandidatePlan& plan) {
+  const PosteriorInputs& in = plan.inputs;
+  const auto d = Eigen::Index(in.parameters.size()), n = Eigen::Index(in.known_dimension);
+  const double coarse = 1 - double(MultilevelRegression::coefficients(n, 1)) / double(MultilevelRegression::coefficients(d, 1)), fine = 1 - double(n + 1) / double(d + 1);
+  return int(std::max(1, in.levels - 1) * in.emulator.coarse_runs * coarse + (in.levels > 1 ? in.emulator.fine_runs * fine : 0));
+}
+
+double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
+  return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
+}
+
+FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+  const std::size_t own = in.known_dimension;
+  const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
+  if (!in.draw_in) in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
+  PosteriorFit fit = fit_posterior(in);
+  // Again about the answer: over a wide box a quadratic is only so good.
+  for (int box = 1; !in.draw_in && box < most_boxes && (is_rough(fit) || (box == 1 && worth(log_bayes_factor(fit, base)))); ++box) {
+    const LocalMode& mode = fit.modes[0];
+    const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
+    in.centre = mode.at.theta;
+    for (std::size_t k = 0; k < in.half_width.size(); ++k)
+      in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+    double last = log_bayes_factor(fit, base);
+    in.known = std::move(fit.runs);
+    in.known_dimension = in.parameters.size();
+    int stayed = 0;
+    in.go_on = [&](const PosteriorFit& f) {
+      if (is_rough(f)) return f.rounds.size() == 1;
+      const double now = log_bayes_factor(f, base);
+      stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
+      last = now;
+      return int(f.rounds.size()) <= most_rounds && stayed < 2 && worth(now);
+    };
+    fit = fit_posterior(in);
+  }
+  return {.inputs = std::move(in), .fit = std::move(fit)};
+}
+
+}  // namespace calomel

@@ -1,0 +1,36 @@
+#pragma once
+/// A fit of the base model with the numbers of one or two groups beside its own parameters, on an emulator and in a box of its own.
+#include <functional>
+#include <vector>
+
+#include "forward/parameter_group.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
+#include "uq/diagnosis/question.hpp"
+
+namespace calomel {
+
+struct CandidatePlan {
+  std::vector<AddedParameter> added;  ///< by this question
+  PosteriorInputs inputs;             ///< of its fit
+};
+
+/// A fit of the base model, or of one with numbers of its own, to which the numbers of a question are added. The first box reaches from what the answer says to
+/// first order back to the handbook; the runs of `fit` are known there, with the numbers off. `run`, `gauge_places`, `round_done` and `go_on` are those of `inputs`.
+[[nodiscard]] CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const std::vector<ParameterGroup>& groups, const Question& question);
+
+/// Runs that it begins with, on all meshes.
+[[nodiscard]] int first_runs(const CandidatePlan& plan);
+
+/// Log Bayes factor of a fit over the base model's: both under the errors of the one and both under those of the other; what counts is the lesser. Errors: NumericsError where no mode is found.
+[[nodiscard]] double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base);
+
+struct FittedCandidate {
+  PosteriorInputs inputs;  ///< of its last box
+  PosteriorFit fit;
+};
+
+/// Fits over the planned box and, if its log Bayes factor is `worth` that, in a narrower one about the answer until more runs would not change it. An emulator that
+/// is far noisier than the base model's says little: the box of the added numbers is then drawn in, whatever it says. Errors: those of fit_posterior.
+[[nodiscard]] FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double log_bayes_factor)>& worth);
+
+}  // namespace calomel
