@@ -62,6 +62,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_line(StudyInputs& inputs)
   LineRuns* runs = &inputs.line_runs();
   const int threads = command.threads;
   in.levels = 1, in.draw_in = true;
+  in.errors.arrival_share = in.errors.arrival_share.value_or(0);
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, {}, &stop_requested()); };
   for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
   return out;

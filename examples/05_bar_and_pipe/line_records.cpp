@@ -143,7 +143,8 @@ bool told(const std::filesystem::path& path, const char* expected) {
       numbers += fmt::format("{}{} {:.4g} ± {:.2g}", numbers.empty() ? "" : ", ", key, p.at("mean").get<double>(), p.at("sd").is_null() ? 0.0 : p.at("sd").get<double>());
       found[key] = p.at("mean");
     }
-    const double factor = model ? r.at("log_bayes_factor") : r.at("log_evidence").is_null() ? -1e300 : r.at("log_evidence").get<double>();
+    const Json& told_as = r.at(model ? "log_bayes_factor" : "log_evidence");
+    const double factor = told_as.is_null() ? -1e300 : told_as.get<double>();
     if (r.contains("residual_rms")) found["residual of " + name] = r.at("residual_rms");
     if (model) lead.emplace_back(factor, name);
     fmt::print("| {} | {:.4g} | {:.2g} | {} | {} |\n", name, factor, r.at("probability").get<double>(), r.contains("residual_rms") ? fmt::format("{:.4g}", r.at("residual_rms").get<double>()) : "", numbers);

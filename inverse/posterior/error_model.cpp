@@ -9,8 +9,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double arrival_share = 0.05;  ///< of a gauge's greatest value
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< of the discrepancy, over the scale of its prior
 constexpr double least_noise = 1e-3;       ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
 
@@ -70,7 +70,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
     add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
   }
-  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
+  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o, mesh_kernel));
 }
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
@@ -155,15 +155,15 @@ Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, co
   return process(problem, grid, local_amplitude(grid, amplitude, local), positions, distance, kernel);
 }
 
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
-                                  const TimeKernel& kernel, double local) {
-  Eigen::VectorXd sd = local_amplitude(grid, data, local);
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& o, const TimeKernel& kernel) {
+  const double share = o.arrival_share.value_or(arrival_share);
+  Eigen::VectorXd sd = local_amplitude(grid, data, o.amplitude_time);
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
-    for (Eigen::Index a = at; a < at + n && std::abs(data[a]) <= arrival_share * peak; ++a) sd[a] = 0;
+    for (Eigen::Index a = at; a < at + n && std::abs(data[a]) <= share * peak; ++a) sd[a] = 0;
   }
-  return process(problem, grid, sd, positions, distance, kernel);
+  return process(problem, grid, sd, positions, o.discrepancy_distance, kernel);
 }
 
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
@@ -183,7 +183,7 @@ std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Prob
     }
     for (const double time : o.discrepancy_times) {
       const double scale = s * o.discrepancy;
-      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o.discrepancy_distance, matern32(time), o.amplitude_time)}),
+      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o, matern32(time))}),
                      std::log(weight / double(o.discrepancy_times.size())), scale});
     }
   }

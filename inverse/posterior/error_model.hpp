@@ -34,6 +34,7 @@ struct ErrorOptions {
   std::vector<double> discrepancy_times{15e-6, 40e-6};
   double discrepancy_distance = 0.03;
   double amplitude_time = 25e-6;
+  std::optional<double> arrival_share;
 
   template <class V>
   void visit(V& v) {
@@ -56,6 +57,8 @@ struct ErrorOptions {
     v("discrepancy_times", discrepancy_times, {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
     v("amplitude_time", amplitude_time,
       {.unit = "s", .range = above(0), .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
+    v("arrival_share", arrival_share,
+      {.range = between(0, 1), .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves out may be how fast a wave comes"});
     v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it and the mesh's error, exp(-distance)"});
   }
 };
@@ -117,9 +120,8 @@ class ErrorModel {
 Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
                               const TimeKernel& kernel, double local);
 
-/// The same of the mean records' amplitude, 0 before the first arrival (the first value beyond 5 % of the gauge's greatest): a discrepancy of scale 1.
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, double distance,
-                                  const TimeKernel& kernel, double local);
+/// The same of the mean records' amplitude, 0 before the first arrival (`arrival_share`): a discrepancy of scale 1.
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& options, const TimeKernel& kernel);
 
 /// One hypothesis about the errors, and the logarithm of its prior weight.
 struct WeightedErrors {

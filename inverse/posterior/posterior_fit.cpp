@@ -19,6 +19,8 @@ constexpr double room = 0.3;           ///< half widths of the box between a nes
 constexpr double drawn_in = 4;         ///< posterior sds that a box which is drawn in reaches
 constexpr double worth_drawing = 0.7;  ///< of its width: less than that is gained
 constexpr double narrowest = 0.25;     ///< of its width, in one round: the first deviations are those of a coarse emulator
+constexpr double much_missed = 0.02;   ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
+constexpr double drawn_anyway = 0.6;   ///< of its width
 constexpr double ample = 2;            ///< runs over coefficients where runs cost little
 constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
 
@@ -60,6 +62,7 @@ class Fit {
   void add_infill(int round);
   void move_box();
   [[nodiscard]] bool may_draw_in() const;
+  [[nodiscard]] bool misses_much() const;
   void draw_in_box();
   void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
   void choose_runs();
@@ -138,6 +141,7 @@ void Fit::fill_box(std::uint64_t index) {
 /// Draws from the Gaussian about a mode at which the emulator is not hopeless, (n_parameters, n).
 Eigen::MatrixXd Fit::draws_of(const LogPosterior& posterior, const LocalMode& m, std::uint64_t seed) const {
   const Eigen::MatrixXd all = gaussian_draws(posterior, m, draws_of_a_round, seed, infill_reach).topRows(box_.size());
+  if (all.cols() == 0) return m.at.u;  // in a corner of the box, and far wider than it
   std::vector<Eigen::Index> allowed;
   for (Eigen::Index i = 0; i < all.cols(); ++i)
     if (posterior.emulator().variance(posterior.emulator().features(all.col(i), 0)) <= hard_variance) allowed.push_back(i);
@@ -173,8 +177,11 @@ void Fit::move_box() {
 bool Fit::may_draw_in() const {
   if (!in_.draw_in) return false;
   const Eigen::VectorXd sd = out_.modes[0].covariance.diagonal().cwiseSqrt();
-  return drawn_in * sd.head(Eigen::Index(in_.parameters.size())).minCoeff() < worth_drawing;
+  return misses_much() || drawn_in * sd.head(Eigen::Index(in_.parameters.size())).minCoeff() < worth_drawing;
 }
+
+/// Whether what a quadratic misses over the box, which is no noise, keeps the posterior wide and so the box.
+bool Fit::misses_much() const { return out_.noise.trace() > much_missed * out_.hypotheses[out_.posterior->likeliest(out_.modes[0].at)].errors.covariance().trace(); }
 
 /// About the mode.
 void Fit::draw_in_box() {
@@ -183,7 +190,7 @@ void Fit::draw_in_box() {
   std::vector<double> half_width;
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
-    half_width.push_back(now * std::clamp(drawn_in * sd[Eigen::Index(k)], narrowest, 1.0));
+    half_width.push_back(now * std::clamp(drawn_in * sd[Eigen::Index(k)], narrowest, misses_much() ? drawn_anyway : 1.0));
   }
   lay_box(m.at.theta, half_width);
   out_.rounds.back().drew_in = true;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 
 namespace calomel {
 
@@ -16,7 +18,7 @@ constexpr double spare = 3;                          ///< runs of the coarser me
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
-constexpr int most_boxes = 2;
+constexpr double start_width = 0.3;                     ///< half width of a further start of a cheap model, over a number's range
 constexpr int most_rounds = 6;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
 
@@ -111,32 +113,61 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
 
+namespace {
+
+/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from others over the ranges of the numbers.
+FittedCandidate fit_from_several(const PosteriorInputs& planned, const PosteriorFit& base) {
+  std::optional<PosteriorFit> best;
+  double most = 0;
+  std::string failed;
+  for (const double place : {-1.0, 0.5}) {
+    PosteriorInputs in = planned;
+    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
+      const Parameter& p = in.parameters[k];
+      const bool logarithm = p.min > 0;
+      const double low = logarithm ? std::log(p.min) : p.min, high = logarithm ? std::log(p.max) : p.max, x = low + place * (high - low);
+      in.centre[k] = logarithm ? std::exp(x) : x, in.half_width[k] = start_width * (high - low);
+    }
+    try {
+      PosteriorFit fit = fit_posterior(in);
+      const double worth = log_bayes_factor(fit, base);
+      if (!best || worth > most) most = worth, best = std::move(fit);
+    } catch (const NumericsError& e) {
+      failed = e.what();
+    }
+  }
+  if (!best) throw NumericsError(failed);
+  return {.inputs = planned, .fit = std::move(*best)};
+}
+
+}  // namespace
+
 FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+  if (in.draw_in) return fit_from_several(in, base);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
-  if (!in.draw_in) in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
+  in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
+  if (!is_rough(fit) && !worth(log_bayes_factor(fit, base))) return {.inputs = std::move(in), .fit = std::move(fit)};
   // Again about the answer: over a wide box a quadratic is only so good.
-  for (int box = 1; !in.draw_in && box < most_boxes && (is_rough(fit) || (box == 1 && worth(log_bayes_factor(fit, base)))); ++box) {
-    const LocalMode& mode = fit.modes[0];
-    const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
-    in.centre = mode.at.theta;
-    for (std::size_t k = 0; k < in.half_width.size(); ++k)
-      in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-    double last = log_bayes_factor(fit, base);
-    in.known = std::move(fit.runs);
-    in.known_dimension = in.parameters.size();
-    int stayed = 0;
-    in.go_on = [&](const PosteriorFit& f) {
-      if (is_rough(f)) return f.rounds.size() == 1;
-      const double now = log_bayes_factor(f, base);
-      stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
-      last = now;
-      return int(f.rounds.size()) <= most_rounds && stayed < 2 && worth(now);
-    };
-    fit = fit_posterior(in);
-  }
-  return {.inputs = std::move(in), .fit = std::move(fit)};
+  const LocalMode& mode = fit.modes[0];
+  const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
+  in.centre = mode.at.theta;
+  for (std::size_t k = 0; k < in.half_width.size(); ++k)
+    in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+  double last = log_bayes_factor(fit, base);
+  in.known = std::move(fit.runs);
+  in.known_dimension = in.parameters.size();
+  int stayed = 0;
+  in.go_on = [&](const PosteriorFit& f) {
+    if (is_rough(f)) return f.rounds.size() == 1;
+    const double now = log_bayes_factor(f, base);
+    stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
+    last = now;
+    return int(f.rounds.size()) <= most_rounds && stayed < 2 && worth(now);
+  };
+  PosteriorFit second = fit_posterior(in);
+  return {.inputs = std::move(in), .fit = std::move(second)};
 }
 
 }  // namespace calomel

@@ -29,8 +29,8 @@ struct FittedCandidate {
   PosteriorFit fit;
 };
 
-/// Fits over the planned box and, if its log Bayes factor is `worth` that, in a narrower one about the answer until more runs would not change it. An emulator that
-/// is far noisier than the base model's says little: the box of the added numbers is then drawn in, whatever it says. Errors: those of fit_posterior.
+/// Fits over the planned box and, if its log Bayes factor is `worth` that or its emulator far noisier than the base model's, which then says little, in a narrower one
+/// about the answer until more runs would not change it. A cheap model (`draw_in`) is fitted from several boxes, the best counts. Errors: those of fit_posterior.
 [[nodiscard]] FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double log_bayes_factor)>& worth);
 
 }  // namespace calomel

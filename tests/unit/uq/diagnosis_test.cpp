@@ -95,6 +95,52 @@ TEST(Diagnosis, WhatNobodyOffersIsUnknown) {
   EXPECT_EQ(d.base_history.size(), d.held_out_history.size());
 }
 
+TEST(Diagnosis, TwoConcealedEffectsAreNamedTogether) {
+  const Diagnosis d = Experiment(0.3, 0.25, 0, 1, 1).diagnosed();
+  ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
+  EXPECT_THAT(d.verdict.mechanisms, ElementsAre("drift+echo"));
+  EXPECT_THAT(d.candidates[0].groups, ElementsAre("drift", "echo"));
+  ASSERT_EQ(d.candidates[0].numbers.size(), 2u);
+  for (const auto& n : d.candidates[0].numbers) EXPECT_NEAR(n.mean, n.name == "echo.strength" ? 0.3 : 0.25, 4 * n.sd + 0.003) << n.name;
+}
+
+// The evidence of a mechanism that may act on several places is the mean over them.
+TEST(Ask, DividesEvidenceBetweenPlaces) {
+  const Experiment experiment(0.04, 0, 0, 1, 1);
+  // Without the numerical noise of a run, which depends on how many numbers are added.
+  const RunAdded smooth = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
+    std::vector<RunRecord> all;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const Eigen::VectorXd theta = thetas.col(Eigen::Index(i));
+      double echo = 0, drift = 0;
+      for (std::size_t k = 0; k < added.size(); ++k) (added[k].parameter.name == "echo.strength" ? echo : drift) += theta[Eigen::Index(2 + k)];
+      RunRecord r{.done = true};
+      for (std::size_t s = 0; s < sensors; ++s)
+        for (std::size_t t = 0; t < times; ++t) r.mean.push_back(float(strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0)));
+      all.push_back(std::move(r));
+    }
+    return all;
+  };
+  const PosteriorInputs base = [&] {
+    PosteriorInputs in = experiment.base();
+    in.run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return Experiment::run_all(thetas, level, {}); };
+    return in;
+  }();
+  const PosteriorFit fit = fit_posterior(base);
+  const auto best = [&](const std::vector<ParameterGroup>& groups) {
+    return ask({.fit = fit, .problem = experiment.problem, .groups = groups, .level = 1, .run = smooth, .linear = {}}).questions[0];
+  };
+  const ParameterGroup echo = Experiment::groups()[1], drift = Experiment::groups()[0];
+  ParameterGroup alike = echo, useless = drift, third = drift;
+  alike.place = "b", useless.name = third.name = "echo", useless.place = "c", third.place = "d";
+  const double alone = best({echo}).worth.log_bayes_factor;
+  ASSERT_GT(alone, 5);
+  EXPECT_NEAR(best({echo, alike}).worth.log_bayes_factor, alone, 1e-3);
+  const Question one_of_three = best({useless, echo, third});
+  EXPECT_NEAR(one_of_three.worth.log_bayes_factor, alone - std::log(3), 1e-3);
+  EXPECT_NEAR(one_of_three.choice, -std::log(3), 1e-3);
+}
+
 /// log density of a Gaussian of this covariance, up to the constant of its dimension.
 double log_gaussian(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance) {
   const Cholesky factor(covariance);

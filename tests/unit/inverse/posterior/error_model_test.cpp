@@ -245,9 +245,9 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
   const ErrorModel l(problem, recordings, {}, {.values = 60, .band = 1e9}, {}, {});
   Eigen::MatrixXd positions(3, 3);
   positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
-  const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, 0.03, matern32(15e-6), 25e-6);
+  const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, {}, matern32(15e-6));
   const Eigen::VectorXd t = l.grid().times();
-  for (Eigen::Index i = 0; i < 20; ++i)
+  for (Eigen::Index i = 0; i < 20; ++i) {
     if (t[i] < 85e-6) {
       EXPECT_EQ(c(i, i), 0);
     } else if (t[i] > 160e-6) {
@@ -255,7 +255,14 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
       EXPECT_NEAR(c(i, i + 20) / std::sqrt(c(i, i) * c(i + 20, i + 20)), std::exp(-1.0), 1e-9);
       EXPECT_LT(c(i, i + 40) / std::sqrt(c(i, i) * c(i + 40, i + 40)), 1e-6);
     }
+  }
   EXPECT_GE(symmetric_eigenvalues(c).minCoeff(), -1e-8 * c.trace());
+  // Without that rule there is a little before, too.
+  const Eigen::MatrixXd everywhere = discrepancy_shape(problem, l.grid(), l.data(), positions, {.arrival_share = 0}, matern32(15e-6));
+  for (Eigen::Index i = 0; i < 20; ++i) {
+    if (t[i] > 80e-6 && t[i] < 85e-6) EXPECT_GT(everywhere(i, i), 1);
+  }
+  EXPECT_NEAR(everywhere(19, 19), c(19, 19), 1e-9 * c(19, 19));
 }
 
 }  // namespace
