@@ -260,7 +260,9 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
   // Without that rule there is a little before, too.
   const Eigen::MatrixXd everywhere = discrepancy_shape(problem, l.grid(), l.data(), positions, {.arrival_share = 0}, matern32(15e-6));
   for (Eigen::Index i = 0; i < 20; ++i) {
-    if (t[i] > 80e-6 && t[i] < 85e-6) EXPECT_GT(everywhere(i, i), 1);
+    if (t[i] > 80e-6 && t[i] < 85e-6) {
+      EXPECT_GT(everywhere(i, i), 1);
+    }
   }
   EXPECT_NEAR(everywhere(19, 19), c(19, 19), 1e-9 * c(19, 19));
 }
