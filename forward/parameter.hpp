@@ -1,5 +1,6 @@
 #pragma once
 /// The uncertain parameters of a case: name, the number they stand for, bounds, prior and nominal value.
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <span>
@@ -34,6 +35,12 @@ struct Parameter {
     v("alpha", alpha, {.range = above(0), .doc = "of a beta prior"});
     v("beta", beta, {.range = above(0), .doc = "of a beta prior"});
   }
+  /// Whether it is searched and boxed by its logarithm: where its lower bound is positive.
+  [[nodiscard]] bool logarithmic() const { return min > 0; }
+  /// The coordinate of a value, its logarithm or itself; the value of a coordinate; and the width in the coordinate, to first order, of one in natural units about `at`.
+  [[nodiscard]] double coordinate(double value) const { return logarithmic() ? std::log(value) : value; }
+  [[nodiscard]] double natural(double coordinate) const { return logarithmic() ? std::exp(coordinate) : coordinate; }
+  [[nodiscard]] double coordinate_width(double width, double at) const { return logarithmic() ? width / at : width; }
   /// Errors: InputError when max <= min, the nominal lies outside, or the prior lacks one of its keys.
   void validate() const;
 };

@@ -99,6 +99,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const std::string prefix = "mechanism." + row.name + '.';
     const bool has_stretch = std::any_of(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return k.name == "begin"; });
     for (std::size_t i = 0; i < word->choices.size(); ++i) {
+      if (!c.geometry.has_wall(word->choices[i])) continue;
       const bool upright = word->choices[i] == "front" || word->choices[i] == "rear";
       const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
       for (const auto& [begin, end] : stretches(length)) {

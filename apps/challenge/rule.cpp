@@ -18,7 +18,9 @@ Json gates_json(const Gates& gates) {
           {"null_chi2", null_chi2},
           {"adequate", adequate},
           {"farthest", farthest},
-          {"temperature", temperature}, {"prior_none", prior_none}, {"prior_unknown", prior_unknown}};
+          {"temperature", temperature},
+          {"prior_none", prior_none},
+          {"prior_unknown", prior_unknown}};
 }
 
 Json Rule::json() const { return {{"gates", gates}, {"diagnosis", diagnosis}, {"overrides", overrides}, {"version", version}}; }

@@ -101,13 +101,13 @@ double first_half_width(const Parameter& p, bool nuisance) {
   if (nuisance) return (p.key == viscosity_key ? box_of_viscosity : box_of_young) * *p.sigma;
   if (p.key == "material.mercury.density") return 0.035;
   if (p.key == "material.mercury.sound_speed") return 0.05;
-  if (p.key == "material.mercury.tensile_cutoff") return p.min > 0 ? 0.7 : 0.6 * *p.nominal;
-  return 0.1 * (p.min > 0 ? std::log(p.max / p.min) : p.max - p.min);
+  if (p.key == "material.mercury.tensile_cutoff") return p.logarithmic() ? 0.7 : 0.6 * *p.nominal;
+  return 0.1 * (p.logarithmic() ? std::log(p.max / p.min) : p.max - p.min);
 }
 
 double first_half_width_of_a_line(const Parameter& p) {
   const double middle = *p.nominal, reach = box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
-  return p.min > 0 ? reach / middle : reach;
+  return p.coordinate_width(reach, middle);
 }
 
 }  // namespace calomel

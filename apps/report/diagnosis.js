@@ -1,5 +1,5 @@
 'use strict';
-// What a diagnosis found: the mismatch on the target, by gauge and time, by frequency, and the probabilities of what was tried.
+// What a diagnosis found: the mismatch on the target, by gauge and time, by gauge and frequency, and the probabilities of what was tried.
 
 /// Colour [r, g, b] of a mismatch: white where errors alone make it (1 or less), darker up to `most` (after ColorBrewer's YlOrBr).
 function mismatch_colour(x, most) {
@@ -11,7 +11,7 @@ function mismatch_colour(x, most) {
 /// End of the colours: the greatest mismatch, 3 at least, so that chance stays pale.
 function mismatch_most(data) {
   let most = 3;
-  for (const list of [data.rows, data.columns, data.bands, ...data.cells]) for (const p of list) if (p.mismatch !== null) most = Math.max(most, p.mismatch);
+  for (const list of [data.rows, ...[data.times, data.bands].flatMap(m => [m.columns, ...m.cells])]) for (const p of list) if (p.mismatch !== null) most = Math.max(most, p.mismatch);
   return most;
 }
 
@@ -25,36 +25,24 @@ function mismatch_cell(root, box, part, most) {
   svg('text', style, root, times_text(part.mismatch));
 }
 
-/// Gauges by windows of time; all gauges together in the last row, the whole record in the last column.
-function draw_mismatch_map(place, data) {
-  if (!place || !data || !data.columns.length) return;
-  const most = mismatch_most(data), longest = Math.max(10, ...data.rows.map(r => r.name.length)), left = Math.min(30 + 7.6 * longest, 260), n = data.columns.length;
+/// Gauges by stretches of time or bands of frequency, `map` {axis, columns, cells}; all gauges together in the last row, the whole record in the last column.
+function draw_mismatch_map(place, data, map) {
+  if (!place || !data || !map.columns.length) return;
+  const most = mismatch_most(data), longest = Math.max(10, ...data.rows.map(r => r.name.length)), left = Math.min(30 + 7.6 * longest, 260), n = map.columns.length;
   const gap = 10, width = (960 - left - gap - 8) / (n + 1), height = 26, top = 46, rows = data.rows.length;
   const root = svg('svg', { class: 'drawing', viewBox: `0 0 960 ${top + height * (rows + 1) + gap + 8}` }, place);
-  svg('text', { x: left + n * width / 2, y: 15, 'text-anchor': 'middle' }, root, 'time [\u00b5s]');
-  data.columns.forEach((c, w) => svg('text', { x: left + (w + 0.5) * width, y: top - 8, 'text-anchor': 'middle' }, root, c.label));
+  svg('text', { x: left + n * width / 2, y: 15, 'text-anchor': 'middle' }, root, map.axis);
+  map.columns.forEach((c, w) => svg('text', { x: left + (w + 0.5) * width, y: top - 8, 'text-anchor': 'middle' }, root, c.label));
   svg('text', { x: left + gap + (n + 0.5) * width, y: top - 8, 'text-anchor': 'middle', 'font-weight': 600 }, root, 'whole record');
   data.rows.forEach((r, i) => {
     const y = top + i * height;
     svg('text', { x: left - 8, y: y + height / 2 + 4.5, 'text-anchor': 'end' }, root, r.name);
-    (data.cells[i] || []).forEach((p, w) => mismatch_cell(root, { x: left + w * width, y, width, height }, p, most));
+    (map.cells[i] || []).forEach((p, w) => mismatch_cell(root, { x: left + w * width, y, width, height }, p, most));
     mismatch_cell(root, { x: left + gap + n * width, y, width, height }, r, most);
   });
   const y = top + rows * height + gap;
   svg('text', { x: left - 8, y: y + height / 2 + 4.5, 'text-anchor': 'end', 'font-weight': 600 }, root, 'all gauges');
-  data.columns.forEach((c, w) => mismatch_cell(root, { x: left + w * width, y, width, height }, c, most));
-}
-
-function draw_mismatch_bands(place, data) {
-  if (!place || !data || !data.bands.length) return;
-  const most = mismatch_most(data), left = 110, n = data.bands.length, width = (960 - left - 8) / n, height = 26, top = 46;
-  const root = svg('svg', { class: 'drawing', viewBox: `0 0 960 ${top + height + 8}` }, place);
-  svg('text', { x: left + n * width / 2, y: 15, 'text-anchor': 'middle' }, root, 'frequency [kHz]');
-  svg('text', { x: left - 8, y: top + height / 2 + 4.5, 'text-anchor': 'end', 'font-weight': 600 }, root, 'all gauges');
-  data.bands.forEach((b, i) => {
-    svg('text', { x: left + (i + 0.5) * width, y: top - 8, 'text-anchor': 'middle' }, root, b.label);
-    mismatch_cell(root, { x: left + i * width, y: top, width, height }, b, most);
-  });
+  map.columns.forEach((c, w) => mismatch_cell(root, { x: left + w * width, y, width, height }, c, most));
 }
 
 function draw_probabilities(place, data) {

@@ -9,6 +9,7 @@
 
 #include "apps/report/traces.hpp"
 #include "base/json.hpp"
+#include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
 
@@ -114,27 +115,38 @@ Table mismatch_table(const Study& study) {
   return t;
 }
 
+/// Beam powers, where there are several: what the fit to the others predicts of each.
+Table condition_table(const Study& study) {
+  Table t{.id = "diagnosis_conditions", .caption = "Misfit of each condition by the fit to the other conditions."};
+  const bool named = !list_at(summary_of(study), "mechanisms").empty();
+  t.columns = {{"condition", "Condition", 4, true}, {"heldout_before", "As it is [%]", -1, false, percent}, {"heldout_after", "With what is named [%]", -1, false, percent}};
+  for (const auto& c : list_at(summary_of(study), "conditions")) t.rows.push_back({text_at(c, "name"), number_at(c, "heldout_before"), named ? Cell(number_at(c, "heldout_after")) : Cell()});
+  return t;
+}
+
+/// One row a gauge and part of its record, and one a part of all records.
+void add_map_rows(Table& t, const Study& study, const char* parts_key, const char* map_key, const std::pair<const char*, const char*>& range) {
+  const Json &l = location_of(study), &parts = list_at(l, parts_key), &sensors = list_at(l, "sensors"), &map = list_at(l, map_key), &q = list_at(l, std::string(map_key) + "_q_values");
+  const auto row = [&](const std::string& name, const Json& p, const Json& score, const std::optional<double>& q_value) {
+    t.rows.push_back({name, number_at(p, range.first), number_at(p, range.second), Cell(mismatch({{"score", score}}), seen(q_value)), q_value, seen_word(q_value)});
+  };
+  for (std::size_t i = 0; i < map.size() && i < sensors.size(); ++i)
+    for (std::size_t w = 0; w < map[i].size() && w < parts.size(); ++w)
+      row(text_at(sensors[i], "name"), parts[w], map[i][w], i < q.size() && w < q[i].size() && q[i][w].is_number() ? std::optional(q[i][w].get<double>()) : std::nullopt);
+  for (const auto& p : parts) row("all", p, part_at(p, "score"), number_at(p, "q_value"));
+}
+
 Table mismatch_map_table(const Study& study) {
   Table t{.id = "diagnosis_map", .caption = "Mismatch by gauge and stretch of time."};
   t.columns = {{"gauge", "Gauge", 4, true}, {"begin_s", "From [\u00b5s]", 4, false, 1e6}, {"end_s", "To [\u00b5s]", 4, false, 1e6}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
-  const Json &l = location_of(study), &windows = list_at(l, "windows"), &sensors = list_at(l, "sensors"), &map = list_at(l, "map"), &q = list_at(l, "map_q_values");
-  const auto row = [&](const std::string& name, const Json& w, const Json& score, const std::optional<double>& q_value) {
-    t.rows.push_back({name, number_at(w, "begin_s"), number_at(w, "end_s"), Cell(mismatch({{"score", score}}), seen(q_value)), q_value, seen_word(q_value)});
-  };
-  for (std::size_t i = 0; i < map.size() && i < sensors.size(); ++i)
-    for (std::size_t w = 0; w < map[i].size() && w < windows.size(); ++w)
-      row(text_at(sensors[i], "name"), windows[w], map[i][w], i < q.size() && w < q[i].size() && q[i][w].is_number() ? std::optional(q[i][w].get<double>()) : std::nullopt);
-  for (const auto& w : windows) row("all", w, part_at(w, "score"), number_at(w, "q_value"));
+  add_map_rows(t, study, "windows", "map", {"begin_s", "end_s"});
   return t;
 }
 
 Table band_table(const Study& study) {
-  Table t{.id = "diagnosis_bands", .caption = "Mismatch by band of frequencies."};
-  t.columns = {{"low_hz", "From [kHz]", 3, false, 1e-3}, {"high_hz", "To [kHz]", 3, false, 1e-3}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
-  for (const auto& b : list_at(location_of(study), "bands")) {
-    const auto q = number_at(b, "q_value");
-    t.rows.push_back({number_at(b, "low_hz"), number_at(b, "high_hz"), Cell(mismatch(b), seen(q)), q, seen_word(q)});
-  }
+  Table t{.id = "diagnosis_bands", .caption = "Mismatch by gauge and band of frequencies."};
+  t.columns = {{"gauge", "Gauge", 4, true}, {"low_hz", "From [kHz]", 3, false, 1e-3}, {"high_hz", "To [kHz]", 3, false, 1e-3}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
+  add_map_rows(t, study, "bands", "band_map", {"low_hz", "high_hz"});
   return t;
 }
 
@@ -148,8 +160,10 @@ Table explanation_table(const Study& study) {
     t.rows.push_back({Cell(title_of(r), strong), Cell(number_at(r, "probability"), strong), number_at(r, "log_evidence"), part_at(r, "fitted") == Json(true) ? Cell(number_at(r, "explained")) : Cell(),
                       tried ? Cell(number_at(r, "heldout_gain")) : Cell(), text_at(r, "size")});
   }
-  t.note = "Bold is the verdict. Evidence is the logarithm of how many times likelier the records are with this than with the simulation as it is; 30 is asked for a name. An effect is given with one standard deviation; "
-           "those of explanations that do not lead are estimates to first order. Probabilities are deliberately cautious: they stand for the evidences to the power of one tenth.";
+  t.note = fmt::format("Bold is the verdict. Evidence is the logarithm of how many times likelier the records are with this alone than with the simulation as it is and anything else beside it; of what was not tried, with anything else "
+                       "beside what was. An effect is given with one standard deviation; those of explanations that do not lead are estimates to first order. Probabilities are cautious: they stand for the evidences to the power "
+                       "of 1/{:.2g}. A name asks for more than to lead: for {:.2g} over the simulation as it is, and {:.2g} over the next.",
+                       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead);
   return t;
 }
 
@@ -220,10 +234,11 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
          "<p class=\"note\" id=\"mismatch-note\">Gauges and the wall about them are coloured by how far simulation and record are apart there; walls far from any gauge stay grey, for nothing is known of them. A label gives the mismatch in times the errors. Drag to turn, scroll to "
          "zoom.</p></div>\n";
   s += paragraph(where_and_when(study)) + mismatch_table(study).html();
+  if (const Table t = condition_table(study); !t.empty()) s += t.html();
 
   s += heading("When, and at which frequencies");
   s += plot("mismatch-map", "Mismatch in times the errors, by gauge and stretch of time. Framed and bold: more than chance (q below 0.05). What is not framed may be chance.", "Map of the mismatch by gauge and time");
-  s += plot("mismatch-bands", "The same by band of frequencies, all gauges together.", "Mismatch by band of frequencies");
+  s += plot("mismatch-bands", "The same by gauge and band of frequencies.", "Map of the mismatch by gauge and frequency");
   s += folded("The map as a table", mismatch_map_table(study)) + folded("The bands as a table", band_table(study));
 
   s += heading("What");
@@ -291,21 +306,25 @@ Json diagnosis_drawings(const Study& study) {
     p["label"] = microseconds(number_at(w, "begin_s").value_or(0)) + "\u2013" + microseconds(number_at(w, "end_s").value_or(0));
     columns.push_back(std::move(p));
   }
-  Json cells = Json::array();
-  const Json &map = list_at(l, "map"), &q = list_at(l, "map_q_values");
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    Json row = Json::array();
-    for (std::size_t w = 0; w < map[i].size(); ++w) row.push_back(part({{"score", map[i][w]}, {"q_value", i < q.size() && w < q[i].size() ? q[i][w] : Json()}}));
-    cells.push_back(std::move(row));
-  }
   for (const auto& b : list_at(l, "bands")) {
     Json p = part(b);
     p["label"] = kilohertz(number_at(b, "low_hz").value_or(0)) + "\u2013" + kilohertz(number_at(b, "high_hz").value_or(0));
     bands.push_back(std::move(p));
   }
+  const auto cells = [&](const char* key) {
+    Json all = Json::array();
+    const Json &map = list_at(l, key), &q = list_at(l, std::string(key) + "_q_values");
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      Json row = Json::array();
+      for (std::size_t w = 0; w < map[i].size(); ++w) row.push_back(part({{"score", map[i][w]}, {"q_value", i < q.size() && w < q[i].size() ? q[i][w] : Json()}}));
+      all.push_back(std::move(row));
+    }
+    return all;
+  };
   for (const auto& r : list_at(d, "ranking"))
     bars.push_back({{"label", title_of(r)}, {"probability", rounded(number_at(r, "probability").value_or(0), 4)}, {"strong", in_verdict(study, text_at(r, "name"))}});
-  return {{"gauges", gauges}, {"rows", rows}, {"columns", columns}, {"cells", cells}, {"bands", bands}, {"bars", bars}};
+  const Json times{{"axis", "time [\u00b5s]"}, {"columns", columns}, {"cells", cells("map")}}, by_frequency{{"axis", "frequency [kHz]"}, {"columns", bands}, {"cells", cells("band_map")}};
+  return {{"gauges", gauges}, {"rows", rows}, {"times", times}, {"bands", by_frequency}, {"bars", bars}};
 }
 
 }  // namespace calomel

@@ -14,8 +14,8 @@
   const histories = (plots, controls, traces) => attempt(plots, () => draw_histories(document.getElementById(plots), document.getElementById(controls), traces));
   histories('diagnosis-plots', 'diagnosis-controls', data.diagnosis_histories);
   histories('histories-plots', 'history-controls', data.histories);
-  attempt('mismatch-map', () => draw_mismatch_map(document.getElementById('mismatch-map'), data.diagnosis));
-  attempt('mismatch-bands', () => draw_mismatch_bands(document.getElementById('mismatch-bands'), data.diagnosis));
+  attempt('mismatch-map', () => draw_mismatch_map(document.getElementById('mismatch-map'), data.diagnosis, data.diagnosis.times));
+  attempt('mismatch-bands', () => draw_mismatch_map(document.getElementById('mismatch-bands'), data.diagnosis, data.diagnosis.bands));
   attempt('probability-bars', () => draw_probabilities(document.getElementById('probability-bars'), data.diagnosis));
   attempt('mismatch-view', () => draw_mismatch_target(document.getElementById('mismatch-view'), document.getElementById('mismatch-scale'), document.getElementById('mismatch-note'), data.target, data.diagnosis));
   attempt('convergence-plot', () => draw_lines(document.getElementById('convergence-plot'), data.convergence, false));

@@ -19,10 +19,9 @@ constexpr double shared_squares = 0.25;  ///< by how many runs a level's noise l
 EmulatorBox::EmulatorBox(std::vector<Parameter> parameters, std::span<const double> low, std::span<const double> high) : parameters_(std::move(parameters)) {
   const auto n = Eigen::Index(parameters_.size());
   expect(low.size() == parameters_.size() && high.size() == parameters_.size(), "a box has two ends for every parameter");
-  centre_.resize(n), half_width_.resize(n), log_.resize(parameters_.size());
+  centre_.resize(n), half_width_.resize(n);
   for (std::size_t k = 0; k < parameters_.size(); ++k) {
-    log_[k] = parameters_[k].min > 0;
-    const double a = log_[k] ? std::log(low[k]) : low[k], b = log_[k] ? std::log(high[k]) : high[k];
+    const double a = parameters_[k].coordinate(low[k]), b = parameters_[k].coordinate(high[k]);
     expect(b > a, "a box is wider than a point");
     centre_[Eigen::Index(k)] = 0.5 * (a + b), half_width_[Eigen::Index(k)] = 0.5 * (b - a);
   }
@@ -30,19 +29,13 @@ EmulatorBox::EmulatorBox(std::vector<Parameter> parameters, std::span<const doub
 
 Eigen::VectorXd EmulatorBox::u(std::span<const double> theta) const {
   Eigen::VectorXd u(size());
-  for (Eigen::Index k = 0; k < size(); ++k) {
-    const double t = theta[std::size_t(k)];
-    u[k] = ((log_[std::size_t(k)] ? std::log(t) : t) - centre_[k]) / half_width_[k];
-  }
+  for (Eigen::Index k = 0; k < size(); ++k) u[k] = (parameters_[std::size_t(k)].coordinate(theta[std::size_t(k)]) - centre_[k]) / half_width_[k];
   return u;
 }
 
 std::vector<double> EmulatorBox::theta(const Eigen::VectorXd& u) const {
   std::vector<double> theta(parameters_.size());
-  for (Eigen::Index k = 0; k < size(); ++k) {
-    const double x = centre_[k] + half_width_[k] * u[k];
-    theta[std::size_t(k)] = log_[std::size_t(k)] ? std::exp(x) : x;
-  }
+  for (Eigen::Index k = 0; k < size(); ++k) theta[std::size_t(k)] = parameters_[std::size_t(k)].natural(centre_[k] + half_width_[k] * u[k]);
   return theta;
 }
 
@@ -50,7 +43,7 @@ Eigen::VectorXd EmulatorBox::slope(const Eigen::VectorXd& u) const {
   Eigen::VectorXd s = half_width_;
   const auto t = theta(u);
   for (Eigen::Index k = 0; k < size(); ++k)
-    if (log_[std::size_t(k)]) s[k] *= t[std::size_t(k)];
+    if (parameters_[std::size_t(k)].logarithmic()) s[k] *= t[std::size_t(k)];
   return s;
 }
 

@@ -8,8 +8,8 @@
 
 namespace calomel {
 
-/// The box that an emulator holds in, and its coordinates u in [-1, 1]^d: the logarithm of a parameter whose lower bound is positive, the parameter itself
-/// otherwise, about the box's middle over its half width.
+/// The box that an emulator holds in, and its coordinates u in [-1, 1]^d: those of the parameters (Parameter::coordinate) about the box's
+/// middle over its half width.
 class EmulatorBox {
  public:
   EmulatorBox() = default;
@@ -29,7 +29,6 @@ class EmulatorBox {
 
  private:
   std::vector<Parameter> parameters_;
-  std::vector<char> log_;
   Eigen::VectorXd centre_, half_width_;
 };
 

@@ -51,6 +51,11 @@ void leave_mercury(const GeometryOptions& g, double size, const std::string& siz
 
 }  // namespace
 
+bool GeometryOptions::has_wall(const std::string& name) const {
+  if (kind == "mesh") return true;  // its file tells
+  return (name != "rear" || rear == "wall") && (name != "side" || !plane_strain);
+}
+
 std::string GeometryOptions::wall_key(const std::string& name) const { return named_wall(walls, name) ? "walls." + name : "wall"; }
 
 double GeometryOptions::wall_thickness(const std::string& name) const {

@@ -124,6 +124,8 @@ struct GeometryOptions {
 
   /// Thickness [m] of "front", "rear", "side", "top" or "bottom". Errors: InputError when neither `walls` nor `wall` gives it.
   [[nodiscard]] double wall_thickness(const std::string& name) const;
+  /// Whether mercury may touch that wall, "front", "rear", "side", "top", "bottom" or "all": there is none behind a non-reflecting rear end, nor at the side in plane strain.
+  [[nodiscard]] bool has_wall(const std::string& name) const;
   /// Key that gave that thickness: "walls.top" or "wall".
   [[nodiscard]] std::string wall_key(const std::string& name) const;
   /// The dimensions with the defaults of the kind filled in.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
+#include "base/log_sum.hpp"
 
 namespace calomel {
 
@@ -137,14 +138,10 @@ LogPosterior::Density LogPosterior::density(const Point& at) const {
     logs.push_back(l.value + h.log_weight);
     if (logs.size() == 1 || logs.back() > logs[best]) best = logs.size() - 1, chi2 = l.chi2;
   }
-  double sum = 0;
-  for (const double l : logs) sum += std::exp(l - logs[best]);
-  out.log_likelihood = logs[best] + std::log(sum), out.chi2 = chi2;
+  out.log_likelihood = log_sum(logs), out.chi2 = chi2;
+  out.weights = shares(logs);
   out.likelihood_gradient = Eigen::VectorXd::Zero(n);
-  for (std::size_t j = 0; j < logs.size(); ++j) {
-    out.weights.push_back(std::exp(logs[j] - logs[best]) / sum);
-    out.likelihood_gradient += out.weights[j] * gradients[j];
-  }
+  for (std::size_t j = 0; j < logs.size(); ++j) out.likelihood_gradient += out.weights[j] * gradients[j];
 
   out.prior_gradient = Eigen::VectorXd::Zero(n);
   const Eigen::VectorXd by_u = box_.slope(at.u);
@@ -165,10 +162,7 @@ LogPosterior::Density LogPosterior::density(const Point& at) const {
 double LogPosterior::log_likelihood_of(const Eigen::VectorXd& prediction, double variance) const {
   std::vector<double> logs;
   for (const auto& h : hypotheses_) logs.push_back(h.log_weight + likelihood(h, h.data - h.whitener * prediction, variance).value);
-  const double best = *std::max_element(logs.begin(), logs.end());
-  double sum = 0;
-  for (const double l : logs) sum += std::exp(l - best);
-  return best + std::log(sum);
+  return log_sum(logs);
 }
 
 double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const {
@@ -185,7 +179,7 @@ double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::V
     const Eigen::Index k = free_[std::size_t(i)];
     const Parameter& p = box_.parameters()[std::size_t(k)];
     const double u = at.u[k], theta = at.theta[std::size_t(k)];
-    const bool log_coordinate = p.min > 0;
+    const bool log_coordinate = p.logarithmic();
     // Density by u: log |d theta / d u| = log theta + const for a logarithmic coordinate; the mode of a lognormal prior is that of the logarithm.
     if (jacobian ? log_coordinate : p.prior == "lognormal") {
       value += std::log(theta);

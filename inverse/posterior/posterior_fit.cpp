@@ -71,8 +71,7 @@ class Fit {
   [[nodiscard]] bool near_edge(const LogPosterior& posterior, const LocalMode& m) const;
   [[nodiscard]] Eigen::MatrixXd draws_of(const LogPosterior& posterior, const LocalMode& m, std::uint64_t seed) const;
   [[nodiscard]] bool settled() const;
-  [[nodiscard]] double coordinate(std::size_t k, double t) const { return in_.parameters[k].min > 0 ? std::log(t) : t; }
-  [[nodiscard]] double natural(std::size_t k, double x) const { return in_.parameters[k].min > 0 ? std::exp(x) : x; }
+  [[nodiscard]] double half_width_of(std::size_t k) const { return 0.5 * (in_.parameters[k].coordinate(high_[k]) - in_.parameters[k].coordinate(low_[k])); }
 
   const PosteriorInputs& in_;
   std::vector<Prior> priors_;
@@ -85,13 +84,13 @@ void Fit::lay_box(std::span<const double> centre, std::span<const double> half_w
   low_.clear(), high_.clear();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const Parameter& p = in_.parameters[k];
-    const double least = coordinate(k, p.min), most = coordinate(k, p.max), w = std::min(half_width[k], 0.5 * (most - least));
+    const double least = p.coordinate(p.min), most = p.coordinate(p.max), w = std::min(half_width[k], 0.5 * (most - least));
     // Within the bounds, and of its whole width where they allow it.
-    const double x = std::clamp(coordinate(k, std::clamp(centre[k], p.min, p.max)), least + w, most - w);
+    const double x = std::clamp(p.coordinate(std::clamp(centre[k], p.min, p.max)), least + w, most - w);
     double low = x - w, high = x + w;
     const auto& nested = out_.nested_modes.empty() ? in_.nested_centre : out_.nested_modes[0].at.theta;
-    if (!nested.empty()) low = std::min(low, coordinate(k, nested[k]) - room * w), high = std::max(high, coordinate(k, nested[k]) + room * w);
-    low_.push_back(std::max(p.min, natural(k, low))), high_.push_back(std::min(p.max, natural(k, high)));
+    if (!nested.empty()) low = std::min(low, p.coordinate(nested[k]) - room * w), high = std::max(high, p.coordinate(nested[k]) + room * w);
+    low_.push_back(std::max(p.min, p.natural(low))), high_.push_back(std::min(p.max, p.natural(high)));
   }
   box_ = EmulatorBox(in_.parameters, low_, high_);
 }
@@ -121,7 +120,7 @@ void Fit::fill_box(std::uint64_t index) {
   choose_runs();
   std::vector<int> there(std::size_t(in_.levels), 0), known = there;
   for (const auto i : out_.used) ++(i < in_.known.size() ? known : there)[std::size_t(out_.runs[i].level)];
-  const auto d = Eigen::Index(in_.parameters.size()), differ = Eigen::Index(in_.known_dimension);
+  const auto d = Eigen::Index(in_.parameters.size());
   const int plenty = in_.draw_in ? std::max<int>(in_.emulator.coarse_runs, int(ample * double(MultilevelRegression::coefficients(d, 1)))) : 0;
   const int coarse = in_.draw_in ? plenty : in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
   const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;
@@ -130,9 +129,8 @@ void Fit::fill_box(std::uint64_t index) {
   std::vector<Eigen::Index> at;
   for (int l = 0; l < in_.levels; ++l) {
     const bool linear = l == 0 && in_.levels > 1;  // a finer level adds a linear difference
-    const auto coefficients = [&](Eigen::Index n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(n, 1)); };
-    const int wanted = l == 0 ? fine : coarse, stand_for = int(wanted * coefficients(differ) / coefficients(d));
-    const int missing = wanted - there[std::size_t(l)] - std::min(known[std::size_t(l)], stand_for);
+    const int wanted = l == 0 ? fine : coarse;
+    const int missing = wanted - there[std::size_t(l)] - std::min(known[std::size_t(l)], in_.stood_for(wanted, linear));
     for (int i = 0; i < missing; ++i) at.push_back(i), level.push_back(l);
   }
   if (!at.empty()) make(design(Eigen::all, at), level);
@@ -166,7 +164,7 @@ void Fit::move_box() {
   std::vector<double> half_width;
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
-    const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
+    const double now = half_width_of(k);
     half_width.push_back(std::max(in_.draw_in ? now : in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
   }
   lay_box(m.at.theta, half_width);
@@ -189,7 +187,7 @@ void Fit::draw_in_box() {
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   std::vector<double> half_width;
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
-    const double now = 0.5 * (coordinate(k, high_[k]) - coordinate(k, low_[k]));
+    const double now = half_width_of(k);
     half_width.push_back(now * std::clamp(drawn_in * sd[Eigen::Index(k)], narrowest, misses_much() ? drawn_anyway : 1.0));
   }
   lay_box(m.at.theta, half_width);
@@ -307,6 +305,11 @@ void EmulatorOptions::validate() const {
     if (!(element_sizes[i] < element_sizes[i - 1]))
       throw InputError({.problem = "each element size is smaller than the one before it", .key = "element_sizes", .value = number_text(element_sizes[i]),
                         .suggestion = "e.g. element_sizes = [1e-3, 0.5e-3]"});
+}
+
+int PosteriorInputs::stood_for(int runs, bool linear) const {
+  const auto coefficients = [&](std::size_t n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(Eigen::Index(n), 1)); };
+  return int(runs * coefficients(known_dimension) / coefficients(parameters.size()));
 }
 
 Eigen::MatrixXd PosteriorFit::histories(const std::vector<float> RunRecord::*what) const {

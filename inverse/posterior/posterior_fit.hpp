@@ -71,7 +71,7 @@ struct PosteriorInputs {
   /// Changes of the model's values by one sd of each gauge's place, (values, gauges); empty: none.
   std::function<Eigen::MatrixXd(std::span<const double> theta)> gauge_places;
   std::vector<double> centre;      ///< (n_parameters) of the first box
-  std::vector<double> half_width;  ///< (n_parameters) of it, of the logarithm where the lower bound is positive
+  std::vector<double> half_width;  ///< (n_parameters) of it, in the coordinates of the parameters
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
   /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the mode.
@@ -80,11 +80,15 @@ struct PosteriorInputs {
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
   std::vector<TaughtRun> known;       ///< runs that are there already
-  std::size_t known_dimension = 0;    ///< they differ in the first so many parameters: of the runs that a box begins with they stand for the share of its coefficients that these have
+  std::size_t known_dimension = 0;    ///< they differ in the first so many parameters
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
   std::function<bool(const struct PosteriorFit&)> go_on;         ///< asked before every further round whether the fit is still wanted; may be empty
+
+  /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`: of a mesh
+  /// that adds a linear difference.
+  [[nodiscard]] int stood_for(int runs, bool linear) const;
 };
 
 /// One round: what was run and where the answer stood after it.

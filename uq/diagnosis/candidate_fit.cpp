@@ -18,7 +18,7 @@ constexpr double spare = 3;                          ///< runs of the coarser me
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
-constexpr double start_width = 0.3;                     ///< half width of a further start of a cheap model, over a number's range
+constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
 constexpr int most_rounds = 6;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
 
@@ -35,15 +35,14 @@ double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
 void reach_back(PosteriorInputs& in) {
   for (std::size_t k = 0; k < in.centre.size(); ++k) {
     const Parameter& p = in.parameters[k];
-    const bool logarithm = p.min > 0;
     const auto deviation = prior_deviation(p, in.centre[k]);
     if (!deviation) continue;
-    const double sd = p.prior == "lognormal" ? *p.sigma : logarithm ? *p.sd / *p.mean : *p.sd;  // of the box's coordinate
+    const double sd = p.prior == "lognormal" ? *p.sigma : p.coordinate_width(*p.sd, *p.mean);  // of the box's coordinate
     if (sd > in.half_width[k]) continue;
-    const double from = logarithm ? std::log(in.centre[k]) : in.centre[k], to = from - *deviation * sd;
+    const double from = p.coordinate(in.centre[k]), to = from - *deviation * sd;
     const double middle = 0.5 * (from + to);
     in.half_width[k] = std::max(in.half_width[k], 0.5 * (std::abs(from - to) + in.half_width[k]));
-    in.centre[k] = logarithm ? std::exp(middle) : middle;
+    in.centre[k] = p.natural(middle);
   }
 }
 
@@ -51,13 +50,36 @@ struct Side {
   double centre = 0, half_width = 0;
 };
 
-/// Of a number, about its estimate to first order; half widths of the logarithm where the lower bound is positive, as the box has it.
+/// Of a number, about its estimate to first order; the half width is one of its coordinate, as the box has it.
 Side side_of(const AddedParameter& a, double estimate, double sd) {
   const Parameter& p = a.parameter;
-  const auto coordinate = [&](double x) { return p.min > 0 ? std::log(x) : x; };
-  const double away = std::abs(coordinate(estimate) - coordinate(*p.nominal)), deviation = p.min > 0 ? sd / estimate : sd;
-  const double least = p.prior == "half_cauchy" ? 0.5 * a.strengths[0] : least_width * (coordinate(p.max) - coordinate(p.min));
+  const double away = std::abs(p.coordinate(estimate) - p.coordinate(*p.nominal)), deviation = p.coordinate_width(sd, estimate);
+  const double least = p.prior == "half_cauchy" ? 0.5 * a.strengths[0] : least_width * (p.coordinate(p.max) - p.coordinate(p.min));
   return {estimate, std::max({reach * away, widths * deviation, least})};
+}
+
+/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from others over the ranges of the numbers.
+FittedCandidate fit_from_several(const PosteriorInputs& planned, const PosteriorFit& base) {
+  std::optional<PosteriorFit> best;
+  double most = 0;
+  std::string failed;
+  for (const double place : {-1.0, 0.5}) {
+    PosteriorInputs in = planned;
+    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
+      const Parameter& p = in.parameters[k];
+      const double low = p.coordinate(p.min), high = p.coordinate(p.max);
+      in.centre[k] = p.natural(low + place * (high - low)), in.half_width[k] = start_width * (high - low);
+    }
+    try {
+      PosteriorFit fit = fit_posterior(in);
+      const double worth = log_bayes_factor(fit, base);
+      if (!best || worth > most) most = worth, best = std::move(fit);
+    } catch (const NumericsError& e) {
+      failed = e.what();
+    }
+  }
+  if (!best) throw NumericsError(failed);
+  return {.inputs = planned, .fit = std::move(*best)};
 }
 
 }  // namespace
@@ -104,43 +126,13 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
 
 int first_runs(const CandidatePlan& plan) {
   const PosteriorInputs& in = plan.inputs;
-  const auto d = Eigen::Index(in.parameters.size()), n = Eigen::Index(in.known_dimension);
-  const double coarse = 1 - double(MultilevelRegression::coefficients(n, 1)) / double(MultilevelRegression::coefficients(d, 1)), fine = 1 - double(n + 1) / double(d + 1);
-  return int(std::max(1, in.levels - 1) * in.emulator.coarse_runs * coarse + (in.levels > 1 ? in.emulator.fine_runs * fine : 0));
+  const int coarse = in.emulator.coarse_runs, fine = in.emulator.fine_runs;
+  return std::max(1, in.levels - 1) * (coarse - in.stood_for(coarse, false)) + (in.levels > 1 ? fine - in.stood_for(fine, true) : 0);
 }
 
 double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
-
-namespace {
-
-/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from others over the ranges of the numbers.
-FittedCandidate fit_from_several(const PosteriorInputs& planned, const PosteriorFit& base) {
-  std::optional<PosteriorFit> best;
-  double most = 0;
-  std::string failed;
-  for (const double place : {-1.0, 0.5}) {
-    PosteriorInputs in = planned;
-    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
-      const Parameter& p = in.parameters[k];
-      const bool logarithm = p.min > 0;
-      const double low = logarithm ? std::log(p.min) : p.min, high = logarithm ? std::log(p.max) : p.max, x = low + place * (high - low);
-      in.centre[k] = logarithm ? std::exp(x) : x, in.half_width[k] = start_width * (high - low);
-    }
-    try {
-      PosteriorFit fit = fit_posterior(in);
-      const double worth = log_bayes_factor(fit, base);
-      if (!best || worth > most) most = worth, best = std::move(fit);
-    } catch (const NumericsError& e) {
-      failed = e.what();
-    }
-  }
-  if (!best) throw NumericsError(failed);
-  return {.inputs = planned, .fit = std::move(*best)};
-}
-
-}  // namespace
 
 FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
   if (in.draw_in) return fit_from_several(in, base);
@@ -148,14 +140,14 @@ FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, cons
   const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
-  if (!is_rough(fit) && !worth(log_bayes_factor(fit, base))) return {.inputs = std::move(in), .fit = std::move(fit)};
+  double last = log_bayes_factor(fit, base);
+  if (!is_rough(fit) && !worth(last)) return {.inputs = std::move(in), .fit = std::move(fit)};
   // Again about the answer: over a wide box a quadratic is only so good.
   const LocalMode& mode = fit.modes[0];
   const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
   in.centre = mode.at.theta;
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
     in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-  double last = log_bayes_factor(fit, base);
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stayed = 0;

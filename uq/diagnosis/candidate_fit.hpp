@@ -15,7 +15,7 @@ struct CandidatePlan {
 };
 
 /// A fit of the base model, or of one with numbers of its own, to which the numbers of a question are added. The first box reaches from what the answer says to
-/// first order back to the handbook; the runs of `fit` are known there, with the numbers off. `run`, `gauge_places`, `round_done` and `go_on` are those of `inputs`.
+/// first order back to the handbook; the runs of `fit` are known there, with the numbers off. `run`, `gauge_places` and `round_done` are those of `inputs`; `go_on` is empty.
 [[nodiscard]] CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const std::vector<ParameterGroup>& groups, const Question& question);
 
 /// Runs that it begins with, on all meshes.

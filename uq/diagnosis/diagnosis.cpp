@@ -15,9 +15,13 @@ namespace calomel {
 
 namespace {
 
-constexpr double worth_fitting = 3;       ///< log Bayes factor to first order
+constexpr double worth_fitting = 3;            ///< log Bayes factor to first order
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
-constexpr double alike = 4;               ///< distance in standard deviations below which two explanations are one class
+constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
+
+/// A history as it is kept, and as it is reckoned with.
+std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
+Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
 
 /// Deviations of the free parameters, natural units: Laplace's, and what the mode moved while runs were added, which his do not know of.
 Eigen::VectorXd parameter_deviations(const PosteriorFit& fit, const LocalMode& m) {
@@ -124,6 +128,8 @@ class Engine {
     for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
     return best;
   }
+  /// Whether an explanation of this log Bayes factor could lead what was fitted so far.
+  [[nodiscard]] bool may_lead(double worth) const { return worth > worth_fitting && worth > best_so_far() - hopeless; }
   void describe_base();
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added);
   void ask_all();
@@ -151,8 +157,7 @@ void Engine::describe_base() {
   const LogPosterior& posterior = *out_.base.posterior;
   out_.base_parameters = own_parameters(posterior, parameter_deviations(out_.base, m), m);
   out_.handbook_pulls = pulls(m.at.theta);
-  const Eigen::VectorXd history = out_.base.history(m.at.u, m.at.beyond);
-  out_.base_history.assign(history.begin(), history.end());
+  out_.base_history = kept(out_.base.history(m.at.u, m.at.beyond));
   BaseEvidence& e = out_.evidence;
   e.values = double(grid().size());
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
@@ -213,15 +218,13 @@ void Engine::fit_linear(const Question& q) {
   c.base_parameters = own_parameters(with, parameter_covariance(with, m).diagonal().cwiseSqrt(), m);
   // The numbers themselves: what is left of the residual at this mode in their directions.
   const FirstOrder worth = FirstOrderModel(base, m).worth(q.directions);
-  Eigen::VectorXd history = out_.base.history(m.at.u, m.at.beyond);
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
     c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
   }
-  history += q.effects * worth.value;
-  c.history.assign(history.begin(), history.end());
+  c.history = kept(out_.base.history(m.at.u, m.at.beyond) + q.effects * worth.value);
   out_.candidates.push_back(std::move(c));
 }
 
@@ -234,7 +237,7 @@ void Engine::fit_leaders() {
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
-    if ((fitted == 0 && puzzled) || (fitted < in_.options.leaders && (in_.base.draw_in || (worth > worth_fitting && worth > best_so_far() - hopeless)))) {
+    if ((fitted == 0 && puzzled) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
       fit(q);
       ++fitted;
       continue;
@@ -284,7 +287,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(in, out_.base, [&](double worth) { return worth + c.choice > worth_fitting && worth + c.choice > best_so_far() - hopeless && runs_ < in_.options.max_runs; });
+    FittedCandidate fitted = fit_candidate(in, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;
@@ -300,8 +303,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
       c.numbers.push_back({added[i].parameter.name, full.at.theta[n + i], deviations[Eigen::Index(n + i)]});
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
-    const Eigen::VectorXd history = fit.history(full.at.u, full.at.beyond);
-    c.history.assign(history.begin(), history.end());
+    c.history = kept(fit.history(full.at.u, full.at.beyond));
     c.settled = fit.settled, c.message = fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
@@ -320,11 +322,7 @@ void Engine::judge_all() {
                    [](const auto& a, const auto& b) { return a.explanation.log_bayes_factor > b.explanation.log_bayes_factor; });
   // Explanations whose predictions no record tells apart, once scaled to each other.
   const Cholesky errors(out_.base.errors->covariance());
-  const auto effect = [&](const Alternative& c) {
-    const Eigen::VectorXd change = Eigen::Map<const Eigen::VectorXd>(c.history.data(), Eigen::Index(c.history.size())) -
-                                   Eigen::Map<const Eigen::VectorXd>(out_.base_history.data(), Eigen::Index(out_.base_history.size()));
-    return errors.solve_lower(Eigen::VectorXd(grid().apply(change)));
-  };
+  const auto effect = [&](const Alternative& c) { return errors.solve_lower(Eigen::VectorXd(grid().apply(values(c.history) - values(out_.base_history)))); };
   for (auto& a : out_.candidates) {
     a.explanation.same_as.clear();
     if (a.history.empty()) continue;
@@ -388,7 +386,20 @@ void Engine::hold_out() {
     }
     c.held_out_gain = 1 - gauges(with) / out_.held_out_before;
   }
-  if (out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous) out_.held_out_after = gauges(after);
+  const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
+  if (named) out_.held_out_after = gauges(after);
+  const auto& conditions = in_.base.problem.shape.conditions;
+  for (std::size_t c = 0; c < conditions.size() && conditions.size() > 1; ++c) {
+    std::vector<std::size_t> observations;
+    for (std::size_t i = 0; i < in_.base.problem.observations.size(); ++i)
+      if (in_.base.problem.observations[i].condition == c) observations.push_back(i);
+    if (observations.empty() || observations.size() == in_.base.problem.observations.size()) continue;
+    const Fold fold = fold_of(grid(), observations);
+    const auto misfit = [&](const PosteriorFit& fit) { return misfit_of(fold, grid(), fit_without(fit, fit, fold).prediction, data); };
+    const auto fit = named ? fits_.find(out_.candidates[0].explanation.name) : fits_.end();
+    const double base_misfit = misfit(base);
+    out_.held_out_conditions.push_back({conditions[c], base_misfit, fit == fits_.end() ? base_misfit : misfit(fit->second.fit)});
+  }
 }
 
 void Engine::locate_all() {
@@ -409,9 +420,7 @@ void Engine::separate() {
     out_.separating = "nothing was fitted that a further measurement could tell apart";
     return;
   }
-  const auto values = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
-  const Eigen::VectorXd other = two.size() > 1 ? Eigen::VectorXd(values(two[1]->history)) : Eigen::VectorXd(values(out_.base_history));
-  const Eigen::VectorXd difference = grid().apply(values(two[0]->history) - other);
+  const Eigen::VectorXd difference = grid().apply(values(two[0]->history) - values(two.size() > 1 ? two[1]->history : out_.base_history));
   const Eigen::VectorXd z = difference.cwiseQuotient(out_.base.errors->covariance().diagonal().cwiseSqrt());
   Eigen::Index most = 0;
   z.cwiseAbs().maxCoeff(&most);

@@ -48,6 +48,12 @@ struct Estimate {
   double mean = 0, sd = 0;
 };
 
+/// Misfit of all records of a condition (a beam power) by the fit to the other conditions.
+struct HeldOutCondition {
+  std::string name;
+  double before = 0, after = 0;  ///< by the base model, and by the model with what is named; the same where nothing is
+};
+
 /// One explanation beside the base model, in all that is known of it.
 struct Alternative {
   Explanation explanation;
@@ -80,6 +86,7 @@ struct Diagnosis {
   std::vector<double> base_history;          ///< (values of the model)
   double held_out_before = 0, held_out_after = 0;
   std::vector<double> held_out_history;      ///< (values of the model): each gauge by the base fit without it
+  std::vector<HeldOutCondition> held_out_conditions;  ///< where there are several
   int runs = 0;
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::string separating;                    ///< the measurement that would tell the first two apart

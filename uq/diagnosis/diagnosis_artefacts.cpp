@@ -116,7 +116,8 @@ Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
         region["position"] = {at[0], at[1], at[2]};
       }
   }
-  return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", matrix_json(l.map)}, {"map_q_values", matrix_json(l.map_q_values)}, {"region", region}};
+  return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", matrix_json(l.map)}, {"map_q_values", matrix_json(l.map_q_values)}, {"band_map", matrix_json(l.band_map)},
+          {"band_map_q_values", matrix_json(l.band_map_q_values)}, {"region", region}};
 }
 
 }  // namespace
@@ -155,6 +156,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
     gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])}, {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},
                       {"condition", in.base.problem.shape.conditions[in.base.problem.observations[i].condition]}, {"before", number(before[i])}, {"after", number(after[i])}, {"heldout_before", number(out_before[i])},
                       {"heldout_after", number(out_after[i])}});
+  Json conditions = Json::array();
+  for (const auto& c : d.held_out_conditions) conditions.push_back({{"name", c.name}, {"heldout_before", number(c.before)}, {"heldout_after", number(c.after)}});
   Json absorbed = Json::array();
   for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
     if (std::abs(d.handbook_pulls[k]) > absorbing) absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
@@ -168,6 +171,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"location", location_json(d, in)},
           {"fit", {{"before", fit_of(in.base.problem, d.base_history, mean_of(before), d.held_out_before)}, {"after", fit_of(in.base.problem, after_history, mean_of(after), d.held_out_after)}}},
           {"gauges", gauges},
+          {"conditions", conditions},
           {"base_parameters", {{"before", by_name(d.base_parameters)}, {"after", by_name(named ? named->base_parameters : d.base_parameters)},
                                {"handbook", handbook_json(d, in.base.parameters)}}},
           {"absorbed", absorbed},

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "base/log_sum.hpp"
 
 namespace calomel {
 
@@ -14,13 +15,6 @@ constexpr double of_the_box = 3;  ///< inverse variance of a coordinate that is 
 double penalty(double chi2, double freedom, double values) {
   chi2 = std::max(0.0, chi2);
   return std::isinf(freedom) ? 0.5 * chi2 : 0.5 * (freedom + values) * std::log1p(chi2 / freedom);
-}
-
-double log_sum(const std::vector<double>& terms) {
-  const double most = *std::max_element(terms.begin(), terms.end());
-  double sum = 0;
-  for (const double t : terms) sum += std::exp(t - most);
-  return most + std::log(sum);
 }
 
 Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {

@@ -35,6 +35,27 @@ Eigen::MatrixXd unit_rows(const std::vector<Eigen::Index>& at, Eigen::Index n) {
   return b;
 }
 
+/// Rows of the cosine transform of one gauge's values in a band: coefficient m of N values that are dt apart is the frequency m / (2 N dt).
+Eigen::MatrixXd cosine_rows(const Decimation& grid, std::size_t i, int band) {
+  const auto count = grid.windows(i).size();
+  std::vector<double> shares;
+  for (std::size_t m = 0; m < count; ++m)
+    if (const double share = double(m) / double(count); share >= double(band) / bands && share < double(band + 1) / bands) shares.push_back(share);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(Eigen::Index(shares.size()), Eigen::Index(grid.size()));
+  for (std::size_t r = 0; r < shares.size(); ++r)
+    for (std::size_t k = 0; k < count; ++k) rows(Eigen::Index(r), Eigen::Index(grid.offset(i) + k)) = std::cos(std::numbers::pi * (double(k) + 0.5) * shares[r]);
+  return rows;
+}
+
+Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::Index rows = 0;
+  for (const auto& p : parts) rows += p.rows();
+  Eigen::MatrixXd all(rows, parts[0].cols());
+  rows = 0;
+  for (const auto& p : parts) all.middleRows(rows, p.rows()) = p, rows += p.rows();
+  return all;
+}
+
 }  // namespace
 
 std::vector<double> false_discovery(const std::vector<double>& p) {
@@ -74,29 +95,17 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     auto& x = out.windows.emplace_back();
     x.begin = end * w / windows, x.end = end * (w + 1) / windows;
   }
-  // Cosine transform of each gauge's values; coefficient m of N values that are dt apart is the frequency m / (2 N dt).
   double nyquist = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
     if (const auto w = grid.windows(i); w.size() > 1) nyquist = std::max(nyquist, 0.5 / (w[1].time - w[0].time));
   for (int b = 0; b < bands; ++b) {
     auto& x = out.bands.emplace_back();
     x.low = nyquist * b / bands, x.high = nyquist * (b + 1) / bands;
-    std::vector<Eigen::RowVectorXd> rows;
-    for (std::size_t i = 0; i < grid.observations(); ++i) {
-      const auto count = grid.windows(i).size();
-      for (std::size_t m = 0; m < count; ++m) {
-        const double share = double(m) / double(count);
-        if (share < double(b) / bands || share >= double(b + 1) / bands) continue;
-        Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n);
-        for (std::size_t k = 0; k < count; ++k) row[Eigen::Index(grid.offset(i) + k)] = std::cos(std::numbers::pi * (double(k) + 0.5) * share);
-        rows.push_back(row);
-      }
-    }
-    Eigen::MatrixXd all_rows(Eigen::Index(rows.size()), n);
-    for (std::size_t i = 0; i < rows.size(); ++i) all_rows.row(Eigen::Index(i)) = rows[i];
-    all.push_back(tested(all_rows, residual, covariance, level));
+    std::vector<Eigen::MatrixXd> parts;
+    for (std::size_t i = 0; i < grid.observations(); ++i) parts.push_back(cosine_rows(grid, i, b));
+    all.push_back(tested(stacked(parts), residual, covariance, level));
   }
-  // The map: its parts are counted in the same discovery rate.
+  // The maps: their parts are counted in the same discovery rate.
   out.map.resize(Eigen::Index(grid.observations()), windows);
   const std::size_t map_begin = all.size();
   for (std::size_t i = 0; i < grid.observations(); ++i)
@@ -107,6 +116,13 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
       all.push_back(tested(unit_rows(at, n), residual, covariance, level));
       out.map(Eigen::Index(i), w) = all.back().score;
     }
+  out.band_map.resize(Eigen::Index(grid.observations()), bands);
+  const std::size_t band_map_begin = all.size();
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    for (int b = 0; b < bands; ++b) {
+      all.push_back(tested(cosine_rows(grid, i, b), residual, covariance, level));
+      out.band_map(Eigen::Index(i), b) = all.back().score;
+    }
   std::vector<double> p;
   for (const auto& t : all) p.push_back(t.p_value);
   const auto q = false_discovery(p);
@@ -116,6 +132,9 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
   for (auto& w : out.windows) fill(w);
   for (auto& b : out.bands) fill(b);
   out.map_q_values.resize(out.map.rows(), windows);
+  out.band_map_q_values.resize(out.band_map.rows(), bands);
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    for (int b = 0; b < bands; ++b) out.band_map_q_values(Eigen::Index(i), b) = q[band_map_begin + i * bands + std::size_t(b)];
   double first = end, strongest = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
     for (int w = 0; w < windows; ++w) {

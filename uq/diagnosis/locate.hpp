@@ -24,6 +24,8 @@ struct LocatedMismatch {
   std::vector<Band> bands;
   Eigen::MatrixXd map;           ///< (observations, windows): score of each gauge in each window
   Eigen::MatrixXd map_q_values;  ///< of those
+  Eigen::MatrixXd band_map;      ///< (observations, bands): score of each gauge in each band
+  Eigen::MatrixXd band_map_q_values;
   std::string first_sensor;  ///< where the residual is first seen (q below 0.05); empty: nowhere
   double first_time = 0;     ///< [s]
 };

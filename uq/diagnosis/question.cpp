@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "base/log_sum.hpp"
 #include "inverse/posterior/score_test.hpp"
 
 namespace calomel {
@@ -185,9 +186,9 @@ void Asking::ask_linear() {
       scales.push_back(answered(q));
     }
     auto best = std::max_element(scales.begin(), scales.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor < b.worth.log_bayes_factor; });
-    double sum = 0;
-    for (const auto& x : scales) sum += std::exp(x.worth.log_bayes_factor - best->worth.log_bayes_factor);
-    best->choice = std::log(sum / double(scales.size()));
+    std::vector<double> over_best;
+    for (const auto& x : scales) over_best.push_back(x.worth.log_bayes_factor - best->worth.log_bayes_factor);
+    best->choice = log_mean(over_best);
     best->worth.log_bayes_factor += best->choice;
     out_.questions.push_back(std::move(*best));
   }
@@ -203,13 +204,11 @@ void Asking::keep_the_best() {
   // The evidence of a mechanism that acts on one of n places is the mean over them; each takes from it what those below it add.
   std::vector<double> left(best.size(), 0.0);
   for (std::size_t i = 0; i < best.size(); ++i) {
-    double sum = 0, places = 0;
-    for (std::size_t k = 0; k < best.size(); ++k) {
-      if (in_.groups[best[k].group].name != in_.groups[best[i].group].name) continue;
-      ++places;
-      if (k >= i) sum += std::exp(best[k].worth.log_bayes_factor - best[i].worth.log_bayes_factor);
-    }
-    left[i] = std::log(sum / places);
+    std::vector<double> places;  // over this one
+    for (std::size_t k = 0; k < best.size(); ++k)
+      if (in_.groups[best[k].group].name == in_.groups[best[i].group].name)
+        places.push_back(k >= i ? best[k].worth.log_bayes_factor - best[i].worth.log_bayes_factor : -std::numeric_limits<double>::infinity());
+    left[i] = log_mean(places);
   }
   for (std::size_t i = 0; i < best.size(); ++i) best[i].choice += left[i], best[i].worth.log_bayes_factor += left[i];
   all = std::move(best);

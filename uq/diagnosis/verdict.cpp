@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
-#include <cmath>
+
+#include "base/log_sum.hpp"
 
 namespace calomel {
 
@@ -12,19 +13,19 @@ namespace {
 
 const char* base_fits = "the base model explains the records within their errors";
 
-/// Probabilities by the tempered evidences. A name claims that with it nothing is left out; whatever needs a discrepancy beside it is "unknown".
+/// Probabilities by the tempered evidences. A name claims that with it nothing is left out; whatever needs a discrepancy beside it, the base model or an explanation,
+/// is "unknown": half of what that has before the records is the base model's.
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
-  const double n = std::max<double>(1, double(all.size())), of_a_name = (1 - g.prior_none - g.prior_unknown) / n;
-  double most_unknown = base.log_discrepancy, unknown = 0;
-  for (const auto& e : all) most_unknown = std::max(most_unknown, e.log_discrepancy);
-  unknown = std::exp(base.log_discrepancy - most_unknown);
-  for (const auto& e : all) unknown += of_a_name * std::exp(e.log_discrepancy - most_unknown);
-  std::vector<Ranked> out{{"none", g.prior_none, base.log_plain}, {"unknown", g.prior_unknown, most_unknown + std::log(unknown)}};
+  const double n = double(all.size()), of_a_name = n > 0 ? (1 - g.prior_none - g.prior_unknown) / n : 0, of_base = n > 0 ? 0.5 : 1;
+  std::vector<double> unknown{base.log_discrepancy}, weights{of_base}, logs, priors;
+  for (const auto& e : all) unknown.push_back(e.log_discrepancy), weights.push_back((1 - of_base) / n);
+  std::vector<Ranked> out{{"none", g.prior_none, base.log_plain}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
   for (const auto& e : all) out.push_back({e.name, of_a_name, e.log_plain});
-  double most = out[0].log_evidence, sum = 0;
-  for (const auto& r : out) most = std::max(most, r.log_evidence);
-  for (auto& r : out) sum += r.probability *= std::exp((r.log_evidence - most) / g.temperature);
-  for (auto& r : out) r.probability /= sum;
+  for (const auto& r : out) logs.push_back(r.log_evidence / g.temperature), priors.push_back(r.probability);
+  for (auto& x : unknown) x /= g.temperature;
+  logs[1] = log_sum(unknown, weights);
+  const auto probabilities = shares(logs, priors);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].probability = probabilities[i];
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.probability > b.probability; });
   return out;
 }

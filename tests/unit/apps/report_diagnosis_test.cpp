@@ -115,7 +115,8 @@ TEST(ReportDiagnosis, GaugesAreToldByMismatchAndWhatIsMoreThanChanceIsBold) {
   EXPECT_EQ(map.rows.size(), 6u * 8 + 8);
   EXPECT_TRUE(map.rows[2 * 8 + 2][3].strong && !map.rows[2 * 8 + 1][3].strong);
   EXPECT_DOUBLE_EQ(value_of(map.rows[2 * 8 + 2][1]), 1e-4);
-  EXPECT_TRUE(bands.rows[0][2].strong && !bands.rows[1][2].strong);
+  EXPECT_TRUE(bands.rows[2 * 6][3].strong && !bands.rows[2 * 6 + 1][3].strong);
+  EXPECT_TRUE(bands.rows[6 * 6][3].strong && !bands.rows[6 * 6 + 1][3].strong);
 }
 
 TEST(ReportDiagnosis, ExplanationsHaveTheirPlainNamesAndTheVerdictIsBold) {
@@ -193,12 +194,14 @@ TEST(ReportDiagnosis, TheScriptsGetEveryGaugeCellAndBar) {
   const Json d = diagnosis_drawings(diagnosed(dir, "named"));
   EXPECT_EQ(d["gauges"].size(), 6u);
   EXPECT_EQ(d["rows"].size(), 6u);
-  EXPECT_EQ(d["columns"].size(), 8u);
-  EXPECT_EQ(d["columns"][2]["label"], "100\u2013150");
-  EXPECT_EQ(d["cells"][2][2]["mismatch"], 6);
-  EXPECT_TRUE(d["cells"][2][2]["significant"].get<bool>());
-  EXPECT_FALSE(d["cells"][2][1]["significant"].get<bool>());
-  EXPECT_EQ(d["bands"][0]["label"], "0\u201310");
+  EXPECT_EQ(d["times"]["columns"].size(), 8u);
+  EXPECT_EQ(d["times"]["columns"][2]["label"], "100\u2013150");
+  EXPECT_EQ(d["times"]["cells"][2][2]["mismatch"], 6);
+  EXPECT_TRUE(d["times"]["cells"][2][2]["significant"].get<bool>());
+  EXPECT_FALSE(d["times"]["cells"][2][1]["significant"].get<bool>());
+  EXPECT_EQ(d["bands"]["columns"][0]["label"], "0\u201310");
+  EXPECT_EQ(d["bands"]["cells"][2][0]["mismatch"], 5);
+  EXPECT_TRUE(d["bands"]["cells"][2][0]["significant"].get<bool>());
   ASSERT_EQ(d["bars"].size(), 4u);
   EXPECT_TRUE(d["bars"][0]["strong"].get<bool>());
   EXPECT_EQ(d["bars"][0]["probability"], 0.9);

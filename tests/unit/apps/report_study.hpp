@@ -252,7 +252,7 @@ inline void write_sample(const std::filesystem::path& dir, const Draws& draws) {
 /// diagnosis.json and diagnosis.nc of a verdict, "named", "none", "ambiguous" or "unknown": the mismatch is at gauge F from 100 us on.
 inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput& in, const std::string& verdict) {
   const bool named = verdict == "named", told = named || verdict == "ambiguous";
-  Json mechanisms = Json::array(), sensors = Json::array(), gauges = Json::array(), windows = Json::array(), bands = Json::array(), map = Json::array(), map_q = Json::array();
+  Json mechanisms = Json::array(), sensors = Json::array(), gauges = Json::array(), windows = Json::array(), bands = Json::array(), map = Json::array(), map_q = Json::array(), band_map = Json::array(), band_map_q = Json::array();
   if (told) mechanisms.push_back("beam_profile");
   if (verdict == "ambiguous") mechanisms.push_back("interface");
   for (int w = 0; w < 8; ++w) windows.push_back({{"begin_s", w * 5e-5}, {"end_s", (w + 1) * 5e-5}, {"score", w < 2 ? 0.9 : 9.0}, {"q_value", w < 2 ? 0.8 : 0.002}});
@@ -265,6 +265,9 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
     Json row = Json::array(), q = Json::array();
     for (int w = 0; w < 8; ++w) row.push_back(bad && w > 1 ? 36.0 : 1.0), q.push_back(bad && w > 1 ? 1e-3 : 0.9);
     map.push_back(row), map_q.push_back(q);
+    Json by_band = Json::array(), of_band = Json::array();
+    for (int b = 0; b < 6; ++b) by_band.push_back(bad && b == 0 ? 25.0 : 1.0), of_band.push_back(bad && b == 0 ? 1e-3 : 0.9);
+    band_map.push_back(by_band), band_map_q.push_back(of_band);
   }
   const auto entry = [&](const char* name, const char* plain, double p, double evidence, double explained, const char* why) {
     return Json{{"name", name}, {"plain_name", plain}, {"probability", p}, {"log_evidence", evidence}, {"explained", explained}, {"fitted", true}, {"heldout_tried", true}, {"heldout_gain", 0.5}, {"size", "offset_z 2.31 \u00b1 0.16 mm in place of 0 mm"},
@@ -285,7 +288,7 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
                  {"status", "done"},
                  {"ranking", ranking},
                  {"gauges", gauges},
-                 {"location", {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", map}, {"map_q_values", map_q}, {"region", {{"first_sensor", in.sensors[2].name}, {"first_time_s", 1e-4}}}}},
+                 {"location", {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", map}, {"map_q_values", map_q}, {"band_map", band_map}, {"band_map_q_values", band_map_q}, {"region", {{"first_sensor", in.sensors[2].name}, {"first_time_s", 1e-4}}}}},
                  {"base_parameters", {{"before", before}, {"after", told ? after : before}, {"handbook", {{"density", {{"mean", 13500.0}, {"sd", 202.5}}}}}}},
                  {"absorbed", {{{"parameter", "density"}, {"prior_sigmas", 2.0}}}},
                  {"separating_measurement", "beam_profile and interface differ most at gauge C"},

@@ -17,10 +17,12 @@ namespace calomel {
 class AnalyticModel : public ForwardModel {
  public:
   using Function = std::function<double(std::span<const double> theta, double time)>;
-  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V") : sensors_(std::move(sensors)) {
+  /// `sensors`: of one condition after the other.
+  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V", std::vector<std::string> conditions = {"default"})
+      : sensors_(std::move(sensors)) {
     shape_.parameters = std::move(parameters);
-    shape_.conditions = {"default"};
-    for (std::size_t s = 0; s < sensors_.size(); ++s) shape_.sensors.push_back(fmt::format("S{}", s));
+    shape_.conditions = std::move(conditions);
+    for (std::size_t s = 0; s < sensors_.size() / shape_.conditions.size(); ++s) shape_.sensors.push_back(fmt::format("S{}", s));
     for (std::size_t t = 0; t < times; ++t) shape_.times.push_back(double(t) * step);
     shape_.unit = std::move(unit);
   }
@@ -81,11 +83,12 @@ inline Recordings pulses_of(const ForwardModel& model, const std::vector<double>
   const double step = shape.times[1] - shape.times[0];
   for (std::size_t p = 0; p < r.pulses.size(); ++p) {
     const double energy = 1 + recipe.energy_sd * random.normal();
-    for (std::size_t s = 0; s < shape.sensors.size(); ++s) {
+    for (std::size_t i = 0; i < shape.conditions.size() * shape.sensors.size(); ++i) {
+      const std::size_t c = i / shape.sensors.size(), s = i % shape.sensors.size();
       const auto e = ou_noise(shape.times.size(), step, recipe.noise_time, random);
       for (std::size_t t = 0; t < r.time.size(); ++t) {
         const auto sd = [&](std::size_t k) { return recipe.noise * (1 + recipe.growth * double(k) / double(r.time.size() - 1)); };
-        r.values[r.at(0, s, p, t)] = energy * truth[shape.at(0, s, t)] + sd(t) * e[t] - (recipe.zeroed ? sd(0) * e[0] + energy * truth[shape.at(0, s, 0)] : 0);
+        r.values[r.at(c, s, p, t)] = energy * truth[shape.at(c, s, t)] + sd(t) * e[t] - (recipe.zeroed ? sd(0) * e[0] + energy * truth[shape.at(c, s, 0)] : 0);
       }
     }
   }

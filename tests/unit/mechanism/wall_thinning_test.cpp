@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -75,4 +78,16 @@ TEST(WallThinning, TheWallIsNoParameter) {
   EXPECT_EQ(small_case(text).echo()["mechanism"]["wall_thinning"]["wall"], "top");
   EXPECT_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.wall\"\nmin = 0\nmax = 1\n"), InputError);
   EXPECT_NO_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.fraction\"\nmin = 0\nmax = 0.5\n"));
+}
+
+// ringing_box has a rear wall; plane strain has no side.
+TEST(WallThinning, IsOfferedOnTheWallsThatThereAre) {
+  const auto walls = [](const ForwardCase& c) {
+    std::set<std::string> names;
+    for (const auto& g : offered_groups(c))
+      if (g.name == "wall_thinning") names.insert(g.place.substr(0, g.place.find(',')));
+    return names;
+  };
+  EXPECT_THAT(walls(small_case()), ::testing::ElementsAre("bottom", "front", "top"));
+  EXPECT_THAT(walls(ringing_box(0.004)), ::testing::ElementsAre("bottom", "front", "rear", "top"));
 }

@@ -28,6 +28,23 @@ TEST(Diagnosis, NothingMissingIsNone) {
   }
 }
 
+// Two conditions of three gauges each.
+TEST(Diagnosis, AConditionIsPredictedByTheOthersBetterWithWhatIsNamed) {
+  const std::vector<std::string> powers{"low", "high"};
+  const auto folder = scratch("diagnosis_conditions");
+  const Diagnosis d = Experiment(0.3, 0, 0, 1, 1, powers).diagnosed(folder);
+  ASSERT_THAT(d.verdict.mechanisms, ElementsAre("echo")) << d.verdict.reason;
+  ASSERT_EQ(d.held_out_conditions.size(), 2u);
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(d.held_out_conditions[c].name, powers[c]);
+    EXPECT_LT(d.held_out_conditions[c].after, 0.5 * d.held_out_conditions[c].before);
+  }
+  EXPECT_EQ(read_json(folder / "diagnosis.json").at("conditions")[1].at("name"), "high");
+  const Diagnosis none = Experiment(0, 0, 0, 1, 1, powers).diagnosed();
+  for (const auto& c : none.held_out_conditions) EXPECT_EQ(c.after, c.before);
+  EXPECT_THAT(Experiment(0, 0, 0, 1, 1).diagnosed().held_out_conditions, IsEmpty());
+}
+
 TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const auto folder = scratch("diagnosis_artefacts");
   const Experiment experiment(0.3, 0, 0, 1, 1);
@@ -107,23 +124,10 @@ TEST(Diagnosis, TwoConcealedEffectsAreNamedTogether) {
 // The evidence of a mechanism that may act on several places is the mean over them.
 TEST(Ask, DividesEvidenceBetweenPlaces) {
   const Experiment experiment(0.04, 0, 0, 1, 1);
-  // Without the numerical noise of a run, which depends on how many numbers are added.
-  const RunAdded smooth = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
-    std::vector<RunRecord> all;
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      const Eigen::VectorXd theta = thetas.col(Eigen::Index(i));
-      double echo = 0, drift = 0;
-      for (std::size_t k = 0; k < added.size(); ++k) (added[k].parameter.name == "echo.strength" ? echo : drift) += theta[Eigen::Index(2 + k)];
-      RunRecord r{.done = true};
-      for (std::size_t s = 0; s < sensors; ++s)
-        for (std::size_t t = 0; t < times; ++t) r.mean.push_back(float(strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0)));
-      all.push_back(std::move(r));
-    }
-    return all;
-  };
+  const RunAdded smooth = Experiment::runs(0);  // the numerical noise of a run depends on how many numbers are added
   const PosteriorInputs base = [&] {
     PosteriorInputs in = experiment.base();
-    in.run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return Experiment::run_all(thetas, level, {}); };
+    in.run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return Experiment::runs()(thetas, level, {}); };
     return in;
   }();
   const PosteriorFit fit = fit_posterior(base);

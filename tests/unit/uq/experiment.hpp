@@ -44,8 +44,8 @@ struct Experiment {
   RecordingOptions recording_options;
   Problem problem;
 
-  explicit Experiment(double echo, double drift, double foreign, double gain, std::uint64_t seed)
-      : model(parameters, functions(echo, drift, foreign, gain), times, 1e-6, "strain"), recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, seed)),
+  explicit Experiment(double echo, double drift, double foreign, double gain, std::uint64_t seed, const std::vector<std::string>& conditions = {"default"})
+      : model(parameters, functions(echo, drift, foreign, gain), times, 1e-6, "strain", conditions), recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, seed)),
         problem(make_problem(model.shape(), recordings, {})) {}
   static std::vector<AnalyticModel::Function> functions(double echo, double drift, double foreign, double gain) {
     std::vector<AnalyticModel::Function> all;
@@ -54,30 +54,32 @@ struct Experiment {
     return all;
   }
 
-  /// The model with what is added, and a numerical noise that the same numbers always repeat.
-  static RunRecord run(const Eigen::VectorXd& theta, int level, std::span<const AddedParameter> added) {
+  /// The model with what is added, numbers of one name together, and a numerical noise that the same numbers always repeat.
+  static RunRecord run(const Eigen::VectorXd& theta, int level, std::span<const AddedParameter> added, double noise) {
     double echo = 0, drift = 0, gain = 1;
     for (std::size_t k = 0; k < added.size(); ++k) {
-      const double v = theta[Eigen::Index(2 + k)];
       const std::string& name = added[k].parameter.name;
-      (name == "echo.strength" ? echo : name == "drift.rate" ? drift : gain) = name == "sensor_response.gain" ? 1 + v : v;
+      (name == "echo.strength" ? echo : name == "drift.rate" ? drift : gain) += theta[Eigen::Index(2 + k)];
     }
     RunRecord r{.done = true};
     std::uint64_t hash = 7 + std::uint64_t(level);
     for (const double v : theta) hash = hash * 1099511628211ull + std::uint64_t(std::llround(1e9 * std::abs(v)));
     RandomStream random(hash, 0);
     for (std::size_t s = 0; s < sensors; ++s) {
-      const auto noise = ou_noise(times, 1e-6, 5e-6, random);
+      const auto error = ou_noise(times, 1e-6, 5e-6, random);
       for (std::size_t t = 0; t < times; ++t)
-        r.mean.push_back(float(gain * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0) * (1 + 0.01 * level) + 1e-7 * noise[t]));
+        r.mean.push_back(float(gain * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0) * (1 + 0.01 * level) + noise * error[t]));
     }
     return r;
   }
 
-  static std::vector<RunRecord> run_all(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> a) {
-    std::vector<RunRecord> all;
-    for (std::size_t i = 0; i < level.size(); ++i) all.push_back(run(thetas.col(Eigen::Index(i)), level[i], a));
-    return all;
+  /// The columns of thetas, with a numerical noise of this sd.
+  static RunAdded runs(double noise = 1e-7) {
+    return [noise](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> a) {
+      std::vector<RunRecord> all;
+      for (std::size_t i = 0; i < level.size(); ++i) all.push_back(run(thetas.col(Eigen::Index(i)), level[i], a, noise));
+      return all;
+    };
   }
   [[nodiscard]] PosteriorInputs base() const {
     PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = {.values = 240, .band = 2e5, .young_sd = 0}, .emulator = {}};
@@ -94,7 +96,7 @@ struct Experiment {
   /// Writes its artefacts to `folder`, where there is one.
   [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}) const {
     const PosteriorInputs fitted = base();
-    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = run_all, .linear = {}, .options = {.leaders = 2}, .say = {}, .round = {}};
+    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = runs(), .linear = {}, .options = {.leaders = 2}, .say = {}, .round = {}};
     Diagnosis d = diagnose(in);
     if (folder.empty()) return d;
     const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};

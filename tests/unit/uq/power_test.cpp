@@ -18,12 +18,12 @@ TEST(Power, IsThatOfTheDiagnosis) {
   const Experiment nothing(0, 0, 0, 1, 1);
   const PosteriorInputs in = [&] {
     PosteriorInputs base = nothing.base();
-    base.run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return Experiment::run_all(thetas, level, {}); };
+    base.run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return Experiment::runs()(thetas, level, {}); };
     return base;
   }();
   const PosteriorFit fit = fit_posterior(in);
   const auto groups = Experiment::groups();
-  const Answers answers = ask({.fit = fit, .problem = nothing.problem, .groups = groups, .level = 1, .run = Experiment::run_all, .linear = {}});
+  const Answers answers = ask({.fit = fit, .problem = nothing.problem, .groups = groups, .level = 1, .run = Experiment::runs(), .linear = {}});
   std::vector<std::size_t> all, few{0};
   for (std::size_t i = 0; i < nothing.problem.observations.size(); ++i) all.push_back(i);
   const auto plans = power(fit, nothing.problem, groups, answers.questions, {{"one gauge", few}, {"all", all}});

@@ -34,6 +34,21 @@ TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
   EXPECT_GT(v.ranking[0].probability, 0.99);
 }
 
+// Each hypothesis has a prior and a tempered evidence of its own. Here one explanation is as likely without anything beside it as with; the base model is out of the question.
+TEST(Verdict, AnExplanationIsAsProbableAsItsEvidenceAndPriorSay) {
+  const Gates g;
+  BaseEvidence base = poor();
+  base.log_plain = base.log_discrepancy = -1000;
+  Explanation one = beam();
+  one.log_plain = one.log_discrepancy = 50;
+  const Verdict v = judge(base, {one});
+  ASSERT_EQ(v.ranking[0].name, "beam_profile");
+  const double name = 1 - g.prior_none - g.prior_unknown, unknown = 0.5 * g.prior_unknown;
+  EXPECT_NEAR(v.ranking[0].probability, name / (name + unknown), 1e-12);
+  EXPECT_EQ(v.ranking[1].name, "unknown");
+  EXPECT_NEAR(v.ranking[1].log_evidence, 50 + std::log(0.5), 1e-9);
+}
+
 TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
   Explanation weak = beam();
   weak.log_bayes_factor = 2;
