@@ -1,12 +1,14 @@
-# The example with one mechanism fitted and with SPE alone, from the records to the expected numbers.
+# The example with one mechanism fitted, from the records to the expected numbers.
 include("${CMAKE_CURRENT_LIST_DIR}/../steps.cmake")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 file(COPY "${CMAKE_CURRENT_LIST_DIR}/bubbly_target.toml" "${CMAKE_CURRENT_LIST_DIR}/recordings.nc" DESTINATION "${WORK}")
 set(case "${WORK}/bubbly_target.toml")
 step("${CALOMEL}" diagnose "${case}" --set diagnosis.leaders=1 --set diagnosis.pairs=false)
-step("${CALOMEL}" calibrate "${case}" --method spe)
 execute_process(COMMAND "${PROGRAM}" numbers "${WORK}/bubbly_target.out/diagnosis.json" OUTPUT_VARIABLE named OUTPUT_STRIP_TRAILING_WHITESPACE)
 string(REPLACE "\n" ";" named "${named}")
-step("${CALOMEL}" calibrate "${case}" --method spe --out "${WORK}/with" ${named})
+foreach(method enc spe)
+  step("${CALOMEL}" calibrate "${case}" --method ${method})
+  step("${CALOMEL}" calibrate "${case}" --method ${method} --out "${WORK}/with" ${named})
+endforeach()
 step("${PROGRAM}" table "${WORK}/bubbly_target.out" "${WORK}/with" "${CMAKE_CURRENT_LIST_DIR}/expected_reduced.csv")
