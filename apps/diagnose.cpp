@@ -15,7 +15,7 @@ void set_defaults(CommandLine& command) {
   // Handbook priors and a discrepancy: what is asked is whether the model is right, not which numbers imitate the records.
   command.overrides.emplace_back("map.product=\"physical\"");
   const StudyCase study = StudyCase::read(command.case_file, command.overrides);
-  if (study.line) return;
+  if (!study.on_mesh()) return;
   const auto sizes = diagnosis_element_sizes(study);
   if (sizes.size() == 2) command.overrides.push_back(fmt::format("emulator.element_sizes=[{},{}]", number_text(sizes[0]), number_text(sizes[1])));
 }

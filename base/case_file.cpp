@@ -9,6 +9,8 @@
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
+#include "base/json.hpp"
+
 namespace calomel {
 
 struct CaseFile::Document {
@@ -160,6 +162,14 @@ std::optional<std::string> CaseFile::text(const std::string& path) const {
 std::optional<double> CaseFile::number(const std::string& path) const {
   const auto* node = node_at(document_->root, path);
   return node && node->is_number() ? node->value<double>() : std::nullopt;
+}
+
+Json CaseFile::json(const std::string& path) const {
+  const auto* node = node_at(document_->root, path);
+  if (!node) return Json::object();
+  std::ostringstream text;
+  node->visit([&](const auto& n) { text << toml::json_formatter(n, toml::format_flags::none); });
+  return Json::parse(text.str());
 }
 
 void CaseFile::accept(const std::string& path) { document_->accepted.insert(path); }

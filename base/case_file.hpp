@@ -45,6 +45,8 @@ class CaseFile {
   [[nodiscard]] std::optional<std::string> text(const std::string& path) const;
   /// The number at `path`, when it is one.
   [[nodiscard]] std::optional<double> number(const std::string& path) const;
+  /// What stands at `path`, an empty object where nothing does.
+  [[nodiscard]] Json json(const std::string& path) const;
   /// Accepts `path` (a key or table read by other means than `read`).
   void accept(const std::string& path);
 

@@ -38,6 +38,12 @@ class NumericsError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A model outside of the program does not answer at all: no run's fault, so that none is told as failed.
+class Unreachable : public NumericsError {
+ public:
+  using NumericsError::NumericsError;
+};
+
 /// The user stopped the program; what was finished is on disk and a second call resumes.
 class Interrupted : public std::runtime_error {
  public:

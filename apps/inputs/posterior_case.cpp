@@ -22,6 +22,7 @@ constexpr double same_size = 1e-9;                      ///< relative difference
 
 std::vector<Parameter> posterior_parameters(const StudyCase& study) {
   const auto& own = study.parameters();
+  if (study.external) return own;  // no handbook knows them
   auto parameters = study.map.product == "physical" ? with_handbook_priors(own) : own;
   if (study.line) return parameters;  // its nuisances are the case's own
   const auto nuisance = [&](const char* name, const char* key, double median, double sd, double widest) {
@@ -37,6 +38,7 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study) {
 }
 
 std::vector<double> element_sizes(const StudyCase& study) {
+  if (!study.on_mesh()) return {0};
   if (!study.emulator.element_sizes.empty()) return study.emulator.element_sizes;
   const auto own = study.forward.geometry.resolved().element_size;
   if (!own) return {0};
@@ -52,11 +54,13 @@ std::vector<double> diagnosis_element_sizes(const StudyCase& study) {
 }
 
 EmulatorMeshes emulator_meshes(const StudyCase& study) {
+  if (!study.on_mesh()) return EmulatorMeshes::one_size;
   if (!study.forward.geometry.resolved().element_size) return EmulatorMeshes::from_file;
   return element_sizes(study).size() > 1 ? EmulatorMeshes::several : EmulatorMeshes::one_size;
 }
 
 std::optional<int> own_level(const StudyCase& study) {
+  if (!study.on_mesh()) return std::nullopt;
   const auto own = study.forward.geometry.resolved().element_size;
   if (!own) return std::nullopt;
   const auto sizes = element_sizes(study);
@@ -70,6 +74,7 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study) {
     for (std::size_t s = 0; s < study.line->stations.size(); ++s) along(Eigen::Index(s), 0) = study.line->stations[s].distance;
     return along;
   }
+  if (study.external) return {};  // they have no places
   Eigen::MatrixXd positions(Eigen::Index(study.forward.sensors.size()), 3);
   for (std::size_t s = 0; s < study.forward.sensors.size(); ++s)
     for (std::size_t i = 0; i < 3; ++i) positions(Eigen::Index(s), Eigen::Index(i)) = study.forward.sensors[s].position[i];
@@ -77,11 +82,12 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study) {
 }
 
 double mesh_error(const StudyCase& study) {
-  if (study.line) return study.errors.mesh.value_or(0);  // characteristics and spectra carry waves without any
+  if (!study.on_mesh()) return study.errors.mesh.value_or(0);  // characteristics and spectra carry waves without any
   return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
 }
 
 std::optional<double> elements_per_front(const StudyCase& study) {
+  if (!study.on_mesh()) return std::nullopt;
   const auto& load = study.forward.load;
   const double finest = element_sizes(study).back(), front = study.forward.mercury.sound_speed * load.pulse_length;
   if (load.kind != "initial_pressure" || front <= 0 || finest <= 0) return std::nullopt;
@@ -89,6 +95,7 @@ std::optional<double> elements_per_front(const StudyCase& study) {
 }
 
 bool basin_on_surrogate(const StudyCase& study) {
+  if (!study.on_mesh()) return false;
   if (study.emulator.start != "auto") return study.emulator.start == "surrogate";
   const auto& own = study.forward.parameters;
   const bool known = study.map.product == "physical" || std::all_of(own.begin(), own.end(), [](const Parameter& p) { return p.prior != "uniform"; });

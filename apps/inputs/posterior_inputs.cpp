@@ -6,6 +6,7 @@
 
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/interrupt.hpp"
+#include "inverse/posterior/direct_start.hpp"
 #include "inverse/data/decimation.hpp"
 
 namespace calomel {
@@ -50,7 +51,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, c
   return out;
 }
 
-std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_line(StudyInputs& inputs) {
+std::unique_ptr<PosteriorInputs> posterior_inputs_without_start(StudyInputs& inputs) {
   const CommandLine& command = inputs.command();
   auto out = without_runs(inputs.study(), inputs.problem(), inputs.recordings(), *inputs.study().recordings, command);
   PosteriorInputs& in = *out;
@@ -59,11 +60,23 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_line(StudyInputs& inputs)
                       .key = "parameter",
                       .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
   expect_times_of_the_records(in);
-  LineRuns* runs = &inputs.line_runs();
+  NumberedRuns* runs = &inputs.numbered_runs();
   const int threads = command.threads;
   in.levels = 1, in.draw_in = true;
   in.errors.arrival_share = in.errors.arrival_share.value_or(0);
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>&) { return runs->run(thetas, {}, threads, {}, &stop_requested()); };
+  return out;
+}
+
+std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& inputs) {
+  auto out = posterior_inputs_without_start(inputs);
+  PosteriorInputs& in = *out;
+  if (inputs.study().external) {
+    for (const auto& p : in.parameters)
+      if (p.prior == "uniform") in.warnings.push_back(fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", p.name));
+    start_directly(in);
+    return out;
+  }
   for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
   return out;
 }

@@ -40,7 +40,7 @@ Provenance map_provenance(const StudyInputs& inputs) {
 
 Provenance simulate_provenance(const StudyInputs& inputs) {
   Provenance p = of_model(inputs, "simulate");
-  if (!inputs.study().line) p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
+  if (inputs.study().on_mesh()) p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
   return p;
 }
 

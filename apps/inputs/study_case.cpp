@@ -14,20 +14,38 @@ const std::vector<std::string>& known_tables() {
   return tables;
 }
 
+namespace {
+
+/// `[errors]` of a model outside, where the case says nothing: the noise of its records alone, on the model's own times; and, of the physical product, a discrepancy on
+/// the scale of the records.
+ErrorOptions errors_of_external(const ExternalCase& external) {
+  constexpr double slack = 1.01;                                                       // of rounding in the times
+  constexpr double short_share = 1.0 / 40, long_share = 1.0 / 10, local_share = 1.0 / 16, least_steps = 1.5;  // of the record's length; of its steps
+  ErrorOptions e;
+  const double step = external.time.step, length = std::max(external.time.count - 1, 1) * step;
+  e.band = slack * 0.5 / step;
+  e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0, e.young_sd = 0, e.gauge_place_sd = 0;
+  e.beyond = 0, e.beyond_sd = 0, e.beyond_rest = 0, e.record_noise = 0, e.mesh = 0, e.arrival_share = 0;
+  e.discrepancy_times = {std::max(short_share * length, least_steps * step), std::max(long_share * length, least_steps * step)};
+  e.amplitude_time = std::max(local_share * length, least_steps * step);
+  return e;
+}
+
+}  // namespace
+
 StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides) {
   CaseFile file(path, overrides);
   file.expect_all_read(known_tables());  // a misspelt table is told before the keys that it leaves missing
   std::optional<LineCase> line;
   if (is_line_case(file)) line = file.locating([&] { return LineCase::read(file); });
-  ForwardCase forward = line ? ForwardCase{} : file.locating([&] { return ForwardCase::read(file); });
-  StudyCase study{.file = std::move(file), .forward = std::move(forward), .line = std::move(line)};
-  for (const char* later : {"model", "output"})
-    if (study.file.has(later) && (std::string(later) != "model" || study.file.text("model.kind") == "umbridge"))
-      throw study.file.located(InputError({.problem = "models outside of the program are not built yet in this version",
-                                           .key = later,
-                                           .suggestion = "leave the table out to run the built-in model"}));
+  std::optional<ExternalCase> external;
+  if (!line && file.text("model.kind") == "umbridge") external = file.locating([&] { return ExternalCase::read(file); });
+  ForwardCase forward = line || external ? ForwardCase{} : file.locating([&] { return ForwardCase::read(file); });
+  StudyCase study{.file = std::move(file), .forward = std::move(forward), .line = std::move(line), .external = std::move(external)};
+  if (!study.external && study.file.has("output"))
+    throw study.file.located(InputError({.problem = "this table belongs to a model outside of the program", .key = "output", .suggestion = "add [model] with kind = \"umbridge\", or take it out"}));
   for (const char* of_a_line : {"line", "drive", "station"})
-    if (!study.line && study.file.has(of_a_line))
+    if (!study.line && !study.external && study.file.has(of_a_line))
       throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh", .key = of_a_line, .suggestion = "add [model] with kind = \"line\", or take it out"}));
   for (const char* later : {"sensitivity"})
     if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
@@ -38,7 +56,9 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("spe", study.spe);
   study.file.read("map", study.map);
   study.file.read("emulator", study.emulator);
+  if (study.external) study.errors = errors_of_external(*study.external);
   study.file.read("errors", study.errors);
+  if (study.external) study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);
@@ -49,7 +69,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
 }
 
 Json StudyCase::echo() const {
-  Json all = line ? line->echo() : forward.echo();
+  Json all = line ? line->echo() : external ? external->echo() : forward.echo();
   if (recordings) all["recordings"] = calomel::echo(*recordings);
   all["campaign"] = calomel::echo(campaign);
   all["floor"] = calomel::echo(floor);
@@ -69,6 +89,7 @@ Json StudyCase::echo() const {
 
 Json StudyCase::model_options() const {
   if (line) return line->echo();
+  if (external) return external->echo();
   Json options = forward.echo();
   for (const char* changes_nothing : {"checkpoint", "energy_balance"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
   if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any

@@ -8,6 +8,7 @@
 
 #include "base/case_file.hpp"
 #include "forward/campaign/campaign.hpp"
+#include "forward/external/external_case.hpp"
 #include "forward/forward_case.hpp"
 #include "forward/line/line_case.hpp"
 #include "forward/surrogate/options.hpp"
@@ -46,8 +47,9 @@ struct FieldOptions {
 
 struct StudyCase {
   CaseFile file;
-  ForwardCase forward;           ///< as it is by default where the model is a line
-  std::optional<LineCase> line;  ///< the model is a line
+  ForwardCase forward;                   ///< as it is by default where the model is another
+  std::optional<LineCase> line;          ///< the model is a line
+  std::optional<ExternalCase> external;  ///< the model is outside of the program
   CampaignOptions campaign;
   FloorOptions floor;
   SurrogateOptions surrogate;
@@ -67,7 +69,9 @@ struct StudyCase {
   static StudyCase read(const std::filesystem::path& path, std::span<const std::string> overrides);
 
   /// The case's own parameters, of whichever model.
-  [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : forward.parameters; }
+  [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : external ? external->parameters : forward.parameters; }
+  /// Whether the model is the explicit solver on a mesh.
+  [[nodiscard]] bool on_mesh() const { return !line && !external; }
   /// The resolved case, table by table.
   [[nodiscard]] Json echo() const;
   /// The tables on which the strains of a run depend; of the parameters what the design sees, not the priors.

@@ -14,7 +14,7 @@ StudyInputs::StudyInputs(const CommandLine& command)
   if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose")
     throw study_.file.located(
         InputError({.problem = "a line is checked, simulated and diagnosed in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate or diagnose"}));
-  if (study_.line && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of a line", .key = "model.kind", .suggestion = "leave out --power"}));
+  if (!study_.on_mesh() && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model", .key = "model.kind", .suggestion = "leave out --power"}));
   if (command.verb != "check" && command.verb != "report") make_directory(command.out);
 }
 
@@ -33,15 +33,30 @@ const LineModel& StudyInputs::line() {
   return *line_;
 }
 
-LineRuns& StudyInputs::line_runs() {
-  if (!line_runs_) line_runs_ = std::make_unique<LineRuns>(line(), runs());
-  return *line_runs_;
+const ExternalModel& StudyInputs::external() {
+  expect(study_.external.has_value(), "only a case with a model outside has one");
+  if (!external_) external_ = study_.file.locating([&] { return std::make_unique<ExternalModel>(*study_.external); });
+  return *external_;
+}
+
+const ForwardModel& StudyInputs::any_model() {
+  if (study_.line) return line();
+  if (study_.external) return external();
+  return model();
+}
+
+NumberedRuns& StudyInputs::numbered_runs() {
+  if (!numbered_runs_) {
+    const NumberedModel& quick = study_.line ? static_cast<const NumberedModel&>(line()) : external();
+    numbered_runs_ = std::make_unique<NumberedRuns>(quick, runs());
+  }
+  return *numbered_runs_;
 }
 
 const Problem& StudyInputs::problem() {
   if (!problem_) {
     std::vector<std::string> warnings;
-    const ModelShape& shape = study_.line ? line().shape() : model().shape();
+    const ModelShape& shape = any_model().shape();
     recordings_ = study_.matched_recordings(shape.sensors, warnings);
     problem_ = study_.file.locating([&] { return make_problem(shape, *recordings_, *study_.recordings); });
     notes_.warn(warnings);

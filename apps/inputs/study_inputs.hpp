@@ -7,6 +7,7 @@
 #include "apps/inputs/study_case.hpp"
 #include "apps/notes.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/external/external_model.hpp"
 #include "forward/level_runs.hpp"
 #include "forward/line/line_runs.hpp"
 #include "forward/runs/run_store.hpp"
@@ -35,8 +36,12 @@ class StudyInputs {
   [[nodiscard]] const BuiltInModel& model();
   /// The case's line, where study().line is there.
   [[nodiscard]] const LineModel& line();
-  /// Its runs, kept in runs().
-  [[nodiscard]] LineRuns& line_runs();
+  /// The case's model outside, where study().external is there; its server is asked what it has. Errors: see ExternalModel.
+  [[nodiscard]] const ExternalModel& external();
+  /// That of the case, whichever it is.
+  [[nodiscard]] const ForwardModel& any_model();
+  /// Runs of a line or of a model outside, kept in runs().
+  [[nodiscard]] NumberedRuns& numbered_runs();
   /// The recordings against the model. What they warn of is told once.
   /// Errors: InputError with its place, see StudyCase::matched_recordings and make_problem.
   [[nodiscard]] const Problem& problem();
@@ -53,11 +58,12 @@ class StudyInputs {
   Notes notes_;
   std::unique_ptr<BuiltInModel> model_;
   std::unique_ptr<LineModel> line_;
+  std::unique_ptr<ExternalModel> external_;
   std::optional<Recordings> recordings_;
   std::optional<Problem> problem_;
   std::unique_ptr<RunStore> runs_;
   std::unique_ptr<LevelRuns> levels_;
-  std::unique_ptr<LineRuns> line_runs_;
+  std::unique_ptr<NumberedRuns> numbered_runs_;
 };
 
 }  // namespace calomel

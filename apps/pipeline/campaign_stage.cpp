@@ -19,7 +19,7 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
   const auto& command = inputs.command();
   const auto& campaign = inputs.study().campaign;
   const auto provenance = campaign_provenance(inputs);
-  const auto& model = inputs.model();
+  const auto& model = inputs.any_model();
   if (call.finished.to_be_set_aside(provenance, asked)) set_campaign_aside(command.out);
   const bool finished = std::filesystem::exists(inputs.artefact("campaign.nc"));
   if (!finished && asked == Asked::upstream) inputs.notes().say(made_first_line("finished campaign", command.out, "running"));

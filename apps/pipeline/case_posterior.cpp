@@ -32,11 +32,14 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
 }  // namespace
 
 CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress& progress, const NestedFit* nested) {
-  CasePosterior out{.inputs = posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); }), .fit = {}};
+  const bool quick = !inputs.study().on_mesh();
+  CasePosterior out{.inputs = quick ? posterior_inputs_of_a_quick_model(inputs)
+                                    : posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); }),
+                    .fit = {}};
   PosteriorInputs& in = *out.inputs;
   const auto& study = inputs.study();
   if (const auto elements = elements_per_front(study); elements && *elements < front_resolved) in.warnings.push_back(front_sentence(*elements, element_sizes(study).back()));
-  put_first_box(in, basin(inputs, in, progress));
+  if (!quick) put_first_box(in, basin(inputs, in, progress));
   in.round_done = [&inputs, &parameters = in.parameters](const PosteriorRound& r) { inputs.notes().say(round_line(r, parameters)); };
   if (nested) {
     in.held = nested->held, in.nested_centre = nested->theta;

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "apps/pipeline/external_stages.hpp"
 #include "apps/pipeline/floor_stage.hpp"
 #include "apps/pipeline/line_stages.hpp"
 #include "apps/pipeline/stage_call.hpp"
@@ -28,6 +29,7 @@ StudyCost cost_of(const StudyCase& study, const BuiltInModel& model, const Model
 ExitStatus check_stage(StageCall& call) {
   auto& inputs = call.inputs;
   if (inputs.study().line) return check_line_stage(call);
+  if (inputs.study().external) return check_external_stage(call);
   const auto& command = inputs.command();
   const auto& study = inputs.study();
   const auto& model = inputs.model();

@@ -31,18 +31,19 @@ ExitStatus diagnose_stage(StageCall& call) {
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
   return study.file.locating([&] {
-    const auto base = study.line ? posterior_inputs_of_a_line(inputs) : posterior_inputs(inputs, {});
-    if (!study.line) put_first_box(*base, nominal(inputs.model().shape()));
+    const bool quick = !study.on_mesh();
+    const auto base = quick ? posterior_inputs_of_a_quick_model(inputs) : posterior_inputs(inputs, {});
+    if (!quick) put_first_box(*base, nominal(inputs.model().shape()));
     base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
     const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
-      if (study.line) return inputs.line_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
+      if (quick) return inputs.numbered_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
       return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
     };
     const auto linear = [&](std::span<const double> theta) {
-      return study.line ? std::vector<MechanismDirections>{} : inputs.levels().linear_mechanisms(theta);
+      return quick ? std::vector<MechanismDirections>{} : inputs.levels().linear_mechanisms(theta);
     };
     const DiagnosisInputs in{.base = *base,
-                             .groups = study.line ? offered_groups(inputs.line()) : offered_groups(study.forward),
+                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? offered_groups(*study.external) : offered_groups(study.forward),
                              .run = run,
                              .linear = linear,
                              .options = study.diagnosis,

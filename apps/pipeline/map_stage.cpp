@@ -24,7 +24,7 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
   if (nested) with_nested = fit_case_posterior(inputs, progress, &*nested);
   const CasePosterior& made = nested ? *with_nested : call.posterior.get(progress);
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
-  if (options.score_tests)
+  if (options.score_tests && inputs.study().on_mesh())
     left_out = [&](std::span<const double>) {
       return inputs.levels().mechanisms(made.fit.modes[0].at.theta, command.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); },
                                         &stop_requested());

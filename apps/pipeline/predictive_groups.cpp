@@ -13,8 +13,28 @@ constexpr std::size_t prior_draws = 1000;
 
 }  // namespace
 
-std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Problem& problem, const std::vector<Parameter>& parameters, const SamplerResult& result,
-                                              std::uint64_t seed) {
+Predicting predicting(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
+  return {.parameters = parameters,
+          .priors = fit.posterior->priors(),
+          .log_likelihood = [&fit](const Eigen::VectorXd& q) { return fit.posterior->density(fit.posterior->point(q)).log_likelihood; },
+          .history = [&fit](const Eigen::VectorXd& q) {
+            const auto at = fit.posterior->point(q);
+            return fit.history(at.u, at.beyond);
+          }};
+}
+
+PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::vector<Prior>& priors, std::uint64_t seed) {
+  PosteriorGroup prior{.name = "prior", .chains = 1, .draws = prior_draws, .coordinates = {}, .variables = {}};
+  RandomStream random(seed, 0x9107);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    PosteriorVariable v{.name = parameters[k].name, .unit = "", .dims = {}, .values = {}};
+    for (std::size_t i = 0; i < prior_draws; ++i) v.values.push_back(priors[k].quantile(std::clamp(random.uniform(), 1e-12, 1 - 1e-12)));
+    prior.variables.push_back(std::move(v));
+  }
+  return prior;
+}
+
+std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Problem& problem, const SamplerResult& result, std::uint64_t seed) {
   const auto& shape = problem.shape;
   const PosteriorCoordinate sensor{.name = "sensor", .unit = "", .numbers = {}, .words = shape.sensors}, time{.name = "time", .unit = "s", .numbers = shape.times, .words = {}},
       record_time{.name = "record_time", .unit = "s", .numbers = problem.time, .words = {}}, condition{.name = "condition", .unit = "", .numbers = {}, .words = shape.conditions};
@@ -25,7 +45,7 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
   const auto point_at = [&](std::size_t chain, std::size_t draw) {
     Eigen::VectorXd q(Eigen::Index(result.coordinates.names.size()));
     for (Eigen::Index k = 0; k < q.size(); ++k) q[k] = result.coordinates.at(chain, draw, std::size_t(k));
-    return fit.posterior->point(q);
+    return q;
   };
 
   PosteriorGroup predictive{.name = "posterior_predictive", .chains = result.coordinates.chains, .draws = std::min(predictive_draws, result.coordinates.draws), .coordinates = coordinates(time), .variables = {}};
@@ -33,8 +53,7 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
   for (std::size_t c = 0; c < predictive.chains; ++c)
     for (std::size_t i = 0; i < predictive.draws; ++i) {
       const std::size_t draw = (i + 1) * result.coordinates.draws / predictive.draws - 1;
-      const auto at = point_at(c, draw);
-      const Eigen::VectorXd y = fit.history(at.u, at.beyond);
+      const Eigen::VectorXd y = of.history(point_at(c, draw));
       strain.values.insert(strain.values.end(), y.begin(), y.end());
     }
   predictive.variables.push_back(std::move(strain));
@@ -42,22 +61,16 @@ std::vector<PosteriorGroup> predictive_groups(const PosteriorFit& fit, const Pro
   PosteriorGroup observed{.name = "observed_data", .coordinates = coordinates(record_time), .variables = {}};
   observed.variables.push_back({.name = "strain", .unit = unit, .dims = dims("record_time"), .values = band_arrays(problem).mean});
 
-  PosteriorGroup prior{.name = "prior", .chains = 1, .draws = prior_draws, .coordinates = {}, .variables = {}};
-  RandomStream random(seed, 0x9107);
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    PosteriorVariable v{.name = parameters[k].name, .unit = "", .dims = {}, .values = {}};
-    for (std::size_t i = 0; i < prior_draws; ++i) v.values.push_back(fit.posterior->priors()[k].quantile(std::clamp(random.uniform(), 1e-12, 1 - 1e-12)));
-    prior.variables.push_back(std::move(v));
+  std::vector<PosteriorGroup> out;
+  if (of.log_likelihood) out.push_back({.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}});
+  if (of.log_likelihood) {
+    PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = {}};
+    for (std::size_t c = 0; c < result.coordinates.chains; ++c)
+      for (std::size_t i = 0; i < result.coordinates.draws; ++i) records.values.push_back(of.log_likelihood(point_at(c, i)));
+    out[0].variables.push_back(std::move(records));
   }
-
-  PosteriorGroup likelihood{.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}};
-  PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = {}};
-  for (std::size_t c = 0; c < likelihood.chains; ++c)
-    for (std::size_t i = 0; i < likelihood.draws; ++i) {
-      records.values.push_back(fit.posterior->density(point_at(c, i)).log_likelihood);
-    }
-  likelihood.variables.push_back(std::move(records));
-  return {std::move(likelihood), std::move(predictive), std::move(observed), std::move(prior)};
+  out.push_back(std::move(predictive)), out.push_back(std::move(observed)), out.push_back(prior_group(of.parameters, of.priors, seed));
+  return out;
 }
 
 }  // namespace calomel

@@ -1,11 +1,11 @@
 #include "apps/pipeline/sample_stage.hpp"
 
-#include <cmath>
-
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
+#include "apps/pipeline/sample_model_stage.hpp"
+#include "apps/pipeline/sample_parts.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
 #include "apps/presentation/posterior_lines.hpp"
@@ -25,20 +25,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double alarming = 2;  ///< prior standard deviations from the handbook beyond which something else is taken to be missing
-
-/// A sentence for every parameter whose posterior lies more than `alarming` prior standard deviations from its prior's middle.
-std::vector<std::string> absorption(const std::vector<Parameter>& parameters, const Convergence& convergence) {
-  std::vector<std::string> out;
-  for (const auto& p : parameters)
-    for (const auto& s : convergence.parameters) {
-      if (s.name != p.name) continue;
-      const auto z = prior_deviation(p, p.prior == "lognormal" ? s.q50 : s.mean);
-      if (z && std::abs(*z) > alarming) out.push_back(absorption_sentence(p.name, *z));
-    }
-  return out;
-}
-
 /// At the mode, with Laplace's covariance carried to q: du/dq = (1 - u^2) / 2.
 SamplerStart start_at_mode(const PosteriorFit& fit) {
   const auto& best = fit.modes[0];
@@ -48,12 +34,6 @@ SamplerStart start_at_mode(const PosteriorFit& fit) {
   return {.mean = fit.posterior->q(best.at.theta, best.at.beyond), .covariance = by_u.asDiagonal() * best.covariance * by_u.asDiagonal(), .points = {}};
 }
 
-Convergence assessed(const SamplerResult& result, int thin) {
-  double acceptance = 0;
-  for (const double a : result.summary.acceptance) acceptance += a / double(result.summary.acceptance.size());
-  return assess(result.quantities, {.acceptance = acceptance, .thin = thin});
-}
-
 }  // namespace
 
 ExitStatus sample_stage(StageCall& call) {
@@ -61,6 +41,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& command = inputs.command();
   const auto& study = inputs.study();
   const auto& notes = inputs.notes();
+  if (study.external && !study.file.has("surrogate")) return sample_model_stage(call);
   (void)inputs.problem();  // before any long work, so that wrong recordings are told at once
   need_basin(call);
   const auto provenance = posterior_provenance(inputs);
@@ -84,7 +65,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto alarms = absorption(parameters, convergence);
 
   auto groups = posterior_groups(density, result);
-  for (auto& g : predictive_groups(fit, inputs.problem(), parameters, result, command.seed)) groups.push_back(std::move(g));
+  for (auto& g : predictive_groups(predicting(fit, parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
   const bool trusted = convergence.converged && fit.settled && check.holds;
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";

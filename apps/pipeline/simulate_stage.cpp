@@ -8,6 +8,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/histories_file.hpp"
+#include "apps/pipeline/external_stages.hpp"
 #include "apps/pipeline/line_stages.hpp"
 #include "apps/pipeline/run_fields.hpp"
 #include "apps/pipeline/stage_call.hpp"
@@ -125,6 +126,7 @@ void tell_nominals_left_out(const StudyInputs& inputs) {
 ExitStatus simulate_stage(StageCall& call) {
   auto& inputs = call.inputs;
   if (inputs.study().line) return simulate_line_stage(call);
+  if (inputs.study().external) return simulate_external_stage(call);
   tell_nominals_left_out(inputs);
   const auto& model = inputs.model();
   const auto description = model.describe();

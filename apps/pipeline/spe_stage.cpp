@@ -12,7 +12,7 @@ namespace {
 
 /// Runs on the case's own mesh at the columns of thetas, (n_parameters, n).
 std::vector<RunRecord> own_runs(StudyInputs& inputs, const Eigen::MatrixXd& thetas, const CalibrationProgress& progress) {
-  const auto& model = inputs.model();
+  const auto& model = inputs.any_model();
   const auto& parameters = model.shape().parameters;
   std::vector<RunPoint> points;
   for (Eigen::Index i = 0; i < thetas.cols(); ++i) points.push_back(point_at(parameters, {thetas.col(i).data(), parameters.size()}));
@@ -31,7 +31,7 @@ SpeSummary spe_stage(StageCall& call, const Provenance& provenance, const Calibr
   inputs.notes().say(failure_lines(archive, Feasibility(archive)));
   const MeshCorrection* correction = call.correction.get("spe", options.mesh_correction, progress);
   const auto make_runs = [&](const Eigen::MatrixXd& thetas) { return own_runs(inputs, thetas, progress); };
-  auto summary = run_spe(inputs.problem(), archive, inputs.model(), options, command.seed, command.threads, progress, make_runs, correction);
+  auto summary = run_spe(inputs.problem(), archive, inputs.any_model(), options, command.seed, command.threads, progress, make_runs, correction);
   write_spe(summary, inputs.problem(), provenance, command.out);
   inputs.notes().say(spe_lines(summary));
   return summary;

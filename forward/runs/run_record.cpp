@@ -52,6 +52,8 @@ RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta,
     throw;
   } catch (const Interrupted&) {
     throw;
+  } catch (const Unreachable&) {
+    throw;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {

@@ -1,0 +1,177 @@
+#include "forward/external/external_case.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/json.hpp"
+#include "forward/forward_case.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// A parameter of a mechanism: that of any other, and the value that switches it off.
+struct MechanismParameter {
+  Parameter parameter;
+  double off = 0;
+  template <class V>
+  void visit(V& v) {
+    parameter.visit(v);
+    v("off", off, {.doc = "value at which the mechanism does nothing", .required = true});
+  }
+};
+
+struct MechanismSwitch {
+  bool enabled = false;
+  template <class V>
+  void visit(V& v) {
+    v("enabled", enabled, {.doc = "part of the base model: its parameters are fitted like any other"});
+  }
+};
+
+ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
+  const std::string path = "mechanism." + name;
+  ExternalMechanism m{.name = name};
+  MechanismSwitch on;
+  const std::vector<std::string> others{"parameter"};
+  file.read(path, on, others);
+  m.enabled = on.enabled;
+  for (const auto& p : file.names(path + ".parameter")) {
+    const std::string at = path + ".parameter." + p;
+    MechanismParameter one;
+    file.read(at, one);
+    one.parameter.name = name + '.' + p, one.parameter.key = at;
+    if (!one.parameter.nominal) one.parameter.nominal = one.off;
+    one.parameter.min = std::min(one.parameter.min, one.off), one.parameter.max = std::max(one.parameter.max, one.off);
+    try {
+      one.parameter.validate();
+    } catch (const InputError& e) {
+      auto parts = e.parts();
+      parts.key = at + '.' + parts.key;
+      throw file.located(InputError(parts));
+    }
+    m.parameters.push_back(std::move(one.parameter)), m.off.push_back(one.off);
+  }
+  if (m.parameters.empty())
+    throw file.located(InputError({.problem = "a mechanism of a model outside is a group of its inputs, and this one has none",
+                                   .key = path,
+                                   .suggestion = fmt::format("add [{}.parameter.NAME] with off, min and max", path)}));
+  return m;
+}
+
+/// Values at which the effect of a number is first looked at: small, middling and great by its prior.
+std::vector<double> strengths_of(const Parameter& p, double off) {
+  std::vector<double> out;
+  const auto put = [&](double x) {
+    if (x != off && x >= p.min && x <= p.max && std::find(out.begin(), out.end(), x) == out.end()) out.push_back(x);
+  };
+  if (p.prior == "half_cauchy")
+    for (const double part : {0.3, 1.0, 3.0}) put(part * *p.scale);
+  else if (p.prior == "lognormal")
+    for (const double z : {-1.0, 0.0, 1.0}) put(std::exp(*p.mu + z * *p.sigma));
+  else if (p.prior == "normal" || p.prior == "truncated_normal")
+    for (const double z : {-1.0, 0.0, 1.0}) put(*p.mean + z * *p.sd);
+  if (!out.empty()) return out;
+  for (const double part : {0.02, 0.1, 0.4}) put(off + part * (p.max - off)), put(off + part * (p.min - off));
+  return out;
+}
+
+}  // namespace
+
+ExternalCase ExternalCase::read(CaseFile& file) {
+  ExternalCase c;
+  for (const char* other : {"geometry", "material", "load", "time", "solver", "sensor", "sensors", "condition", "fields", "line", "drive", "station", "floor"})
+    if (file.has(other))
+      throw file.located(InputError({.problem = "this table belongs to a model of the program, the case has one outside", .key = other, .suggestion = "take it out"}));
+  CaseName title;
+  file.read("case", title);
+  c.name = title.name.empty() ? file.path().stem().string() : title.name;
+  c.unit = title.sensor_unit;
+  ServerOptions server;
+  const std::vector<std::string> config{"config"};
+  file.read("model", server, config);
+  c.server = {.url = server.url, .name = server.name, .timeout = server.timeout, .retries = server.retries, .pause = server.pause, .config = file.json("model.config")};
+  if (!file.has("output"))
+    throw file.located(InputError({.problem = "the table [output] is missing: what the model's first output block is",
+                                   .key = "model.kind",
+                                   .suggestion = "add [output] with sensors = [\"A\"] and time = { start = 0.0, step = 1e-3, count = 40 }, or kind = \"log_density\""}));
+  const std::vector<std::string> time{"time"};
+  file.read("output", c.output, time);
+  if (c.is_log_density()) {
+    for (const char* of_records : {"output.sensors", "output.time"})
+      if (file.has(of_records)) throw file.located(InputError({.problem = "a log density has no records", .key = of_records, .suggestion = "take it out"}));
+    if (file.has("recordings")) throw file.located(InputError({.problem = "a log density holds its own data", .key = "recordings", .suggestion = "take the table out"}));
+    c.output.sensors = {"log_density"}, c.time = {.start = 0, .step = 1, .count = 1};
+  } else {
+    if (!file.has("output.time")) throw file.located(InputError({.problem = "the times of the records are missing", .key = "output", .suggestion = "add time = { start = 0.0, step = 1e-3, count = 40 }"}));
+    file.read("output.time", c.time);
+    if (c.output.sensors.empty()) throw file.located(InputError({.problem = "the model needs the names of what it records", .key = "output", .suggestion = "add sensors = [\"A\"]"}));
+    std::set<std::string> names;
+    for (const auto& s : c.output.sensors)
+      if (!names.insert(s).second) throw file.located(InputError({.problem = "two sensors have the same name", .key = "output.sensors", .value = '"' + s + '"', .suggestion = "give each its own"}));
+  }
+  c.parameters = read_parameters(file, "parameter");
+  for (const auto& p : c.parameters)
+    if (file.has("parameter." + p.name + ".key"))
+      throw file.located(InputError({.problem = "the inputs of a model outside have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
+  bind_parameters(file, c.parameters, [](const Parameter& p) -> double {
+    if (p.nominal) return *p.nominal;
+    if (p.prior == "normal" || p.prior == "truncated_normal") return p.mean ? *p.mean : 0.5 * (p.min + p.max);
+    if (p.prior == "lognormal" && p.mu) return std::exp(*p.mu);
+    return 0.5 * (p.min + p.max);
+  });
+  c.own = c.parameters.size();
+  if (c.parameters.empty())
+    throw file.located(InputError({.problem = "the case has no parameter", .key = "model.kind", .suggestion = "add [parameter.NAME] tables with min and max, in the order of the model's inputs"}));
+  for (const auto& name : file.names("mechanism")) {
+    c.mechanisms.push_back(read_mechanism(file, name));
+    const auto& m = c.mechanisms.back();
+    if (m.enabled) c.parameters.insert(c.parameters.end(), m.parameters.begin(), m.parameters.end());
+  }
+  file.accept("mechanism");
+  return c;
+}
+
+std::size_t ExternalCase::inputs() const {
+  std::size_t n = own;
+  for (const auto& m : mechanisms) n += m.parameters.size();
+  return n;
+}
+
+Json ExternalCase::echo() const {
+  Json j;
+  j["model"] = {{"kind", "umbridge"}, {"url", server.url}, {"name", server.name}, {"config", server.config}};
+  j["case"] = {{"sensor_unit", unit}};
+  j["output"] = calomel::echo(output);
+  if (!is_log_density()) j["output"]["time"] = calomel::echo(time);
+  for (std::size_t i = 0; i < own; ++i) j["parameter"][parameters[i].name] = calomel::echo(parameters[i]);
+  for (const auto& m : mechanisms) {
+    j["mechanism"][m.name]["enabled"] = m.enabled;
+    for (std::size_t i = 0; i < m.parameters.size(); ++i) {
+      Json& p = j["mechanism"][m.name]["parameter"][m.parameters[i].name];
+      p = calomel::echo(m.parameters[i]), p["off"] = m.off[i];
+    }
+  }
+  return j;
+}
+
+std::vector<ParameterGroup> offered_groups(const ExternalCase& external) {
+  std::vector<ParameterGroup> groups;
+  for (const auto& m : external.mechanisms) {
+    if (m.enabled) continue;
+    ParameterGroup g{.name = m.name};
+    for (std::size_t i = 0; i < m.parameters.size(); ++i) {
+      AddedParameter a{.parameter = m.parameters[i]};
+      a.parameter.nominal = m.off[i];
+      a.strengths = strengths_of(a.parameter, m.off[i]);
+      g.added.push_back(std::move(a));
+    }
+    groups.push_back(std::move(g));
+  }
+  return groups;
+}
+
+}  // namespace calomel

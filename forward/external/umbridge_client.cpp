@@ -1,0 +1,240 @@
+#include "forward/external/umbridge_client.hpp"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <chrono>
+#include <cmath>
+#include <regex>
+#include <thread>
+
+#include "base/errors.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t largest_answer = std::size_t(1) << 29;  ///< [bytes]
+constexpr std::size_t shown = 160;                            ///< characters of a server's own words
+
+std::string shortened(const std::string& text) {
+  std::string out;
+  for (const char c : text.substr(0, shown)) out += (unsigned char)(c) < 32 ? ' ' : c;
+  return out + (text.size() > shown ? " ..." : "");
+}
+
+/// The numbers of a JSON array, or why they are none.
+Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
+  if (!list.is_array()) return {std::nullopt, "answers something that is no list of numbers"};
+  if (list.size() != size) return {std::nullopt, fmt::format("answers {} numbers where {} were announced", list.size(), size)};
+  std::vector<double> out;
+  out.reserve(size);
+  for (const auto& x : list) {
+    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", shortened(x.dump()))};
+    out.push_back(x.get<double>());
+  }
+  return {std::move(out), ""};
+}
+
+/// The JSON of an answer, or what is said of a body that is none. NaN and Infinity, which are no JSON, are named.
+Answered<Json> json_of(const std::string& body) {
+  Json json = Json::parse(body, nullptr, false);
+  if (!json.is_discarded()) return {std::move(json), ""};
+  static const std::regex not_finite("[\\[, ](-?Infinity|NaN|nan|-?inf)[\\], ]");
+  if (std::regex_search(body.substr(0, std::size_t(1) << 16), not_finite)) return {std::nullopt, "answers NaN or Infinity where a finite number is due"};
+  return {std::nullopt, "answers what is no JSON: " + shortened(body)};
+}
+
+}  // namespace
+
+/// What one attempt came to.
+struct UmbridgeClient::Reply {
+  int status = 0;  ///< 0: none
+  std::string body;
+  std::string problem;  ///< where there is no answer
+};
+
+/// Connections that are kept open, one for each request under way.
+class UmbridgeClient::Connections {
+ public:
+  explicit Connections(const UmbridgeOptions& options) : options_(options) {}
+
+  Reply send(const std::string& path, const std::optional<Json>& body) {
+    auto client = take();
+    Reply reply;
+    httplib::Request request;
+    request.method = body ? "POST" : "GET";
+    request.path = path;
+    if (body) request.body = body->dump(), request.headers.emplace("Content-Type", "application/json");
+    const auto start = std::chrono::steady_clock::now();
+    bool late = false, large = false;
+    request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t, std::uint64_t) {
+      late = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > options_.timeout;
+      large = reply.body.size() + size > largest_answer;
+      if (late || large) return false;
+      reply.body.append(data, size);
+      return true;
+    };
+    const auto result = client->send(request);
+    if (result) {
+      reply.status = result->status;
+      give_back(std::move(client));
+      return reply;
+    }
+    reply.body.clear();
+    reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), late);
+    return reply;
+  }
+
+ private:
+  std::string problem_of(httplib::Error error, bool late) const {
+    if (late) return fmt::format("no whole answer within {:g} s", options_.timeout);
+    if (error == httplib::Error::Connection) return "no connection";
+    if (error == httplib::Error::ConnectionTimeout) return fmt::format("no connection within {:g} s", options_.connect_timeout);
+    if (error == httplib::Error::Read) return fmt::format("the connection was closed or silent for {:g} s before the answer was whole", options_.timeout);
+    return "the exchange broke off (" + httplib::to_string(error) + ")";
+  }
+
+  std::unique_ptr<httplib::Client> take() {
+    {
+      const std::lock_guard guard(lock_);
+      if (!idle_.empty()) {
+        auto client = std::move(idle_.back());
+        idle_.pop_back();
+        return client;
+      }
+    }
+    auto client = std::make_unique<httplib::Client>(options_.url);
+    const auto parts = [](double seconds) { return std::pair{time_t(seconds), time_t(1e6 * (seconds - std::floor(seconds)))}; };
+    const auto [wait, wait_us] = parts(options_.timeout);
+    const auto [connect, connect_us] = parts(options_.connect_timeout);
+    client->set_connection_timeout(connect, connect_us);
+    client->set_read_timeout(wait, wait_us), client->set_write_timeout(wait, wait_us);
+    client->set_keep_alive(true), client->set_tcp_nodelay(true);
+    return client;
+  }
+  void give_back(std::unique_ptr<httplib::Client> client) {
+    const std::lock_guard guard(lock_);
+    idle_.push_back(std::move(client));
+  }
+
+  const UmbridgeOptions& options_;
+  std::mutex lock_;
+  std::vector<std::unique_ptr<httplib::Client>> idle_;
+};
+
+UmbridgeClient::UmbridgeClient(UmbridgeOptions options) : options_(std::move(options)) {
+  while (options_.url.ends_with('/')) options_.url.pop_back();
+  static const std::regex form("http://[A-Za-z0-9.\\-\\[\\]:]+");
+  if (!std::regex_match(options_.url, form))
+    throw InputError({.problem = "names no server", .key = "model.url", .value = '"' + options_.url + '"', .range = "http://HOST:PORT", .suggestion = "e.g. \"http://localhost:4242\""});
+  connections_ = std::make_unique<Connections>(options_);
+}
+
+UmbridgeClient::~UmbridgeClient() = default;
+
+Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<Json>& body) const {
+  Reply reply;
+  double pause = options_.pause;
+  for (int attempt = 0;; ++attempt, pause *= 2) {
+    reply = connections_->send(path, body);
+    const bool busy = reply.status == 502 || reply.status == 503 || reply.status == 504;  // of something between the server and us
+    if (reply.status != 0 && !busy) break;
+    if (attempt < options_.retries) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+      continue;
+    }
+    if (busy) reply.problem = fmt::format("status {}", reply.status);
+    // A server that answers other questions has lost this one: then the model fails there, and the run with it.
+    if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200) return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem)};
+    throw Unreachable(fmt::format("the server {} does not answer {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
+  }
+  auto json = json_of(reply.body);
+  if (json.value && json.value->is_object() && json.value->contains("error")) {
+    const Json& error = (*json.value)["error"];
+    const auto word = [&](const char* key) { return error.is_object() && error.contains(key) && error[key].is_string() ? error[key].get<std::string>() : std::string(); };
+    return {std::nullopt, fmt::format("refuses {} with status {}, {}: {}", path, reply.status, word("type").empty() ? "an error without a type" : word("type"), shortened(word("message")))};
+  }
+  if (reply.status != 200) return {std::nullopt, fmt::format("refuses {} with status {}: {}", path, reply.status, shortened(reply.body))};
+  if (json.value && !json.value->is_object()) return {std::nullopt, "answers " + path + " with what is no JSON object: " + shortened(reply.body)};
+  return json;
+}
+
+Json UmbridgeClient::about(const std::string& path) const {
+  Json body{{"name", options_.name}};
+  if (!options_.config.empty()) body["config"] = options_.config;
+  auto answer = path == "/Info" ? ask(path, std::nullopt) : ask(path, body);
+  if (!answer.value) throw NumericsError(fmt::format("the model \"{}\" at {} {}", options_.name, options_.url, answer.message));
+  return std::move(*answer.value);
+}
+
+std::vector<std::string> UmbridgeClient::models() const {
+  const Json info = about("/Info");
+  const auto version = info.find("protocolVersion");
+  if (version == info.end() || !version->is_number() || version->get<double>() != 1.0)
+    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url, shortened(info.dump())));
+  std::vector<std::string> names;
+  if (const auto list = info.find("models"); list != info.end() && list->is_array())
+    for (const auto& m : *list)
+      if (m.is_string()) names.push_back(m.get<std::string>());
+  return names;
+}
+
+UmbridgeSupport UmbridgeClient::support() const {
+  const Json answer = about("/ModelInfo");
+  const auto support = answer.find("support");
+  const auto has = [&](const char* key) { return support != answer.end() && support->is_object() && support->contains(key) && (*support)[key].is_boolean() && (*support)[key].get<bool>(); };
+  return {has("Evaluate"), has("Gradient"), has("ApplyJacobian"), has("ApplyHessian")};
+}
+
+std::vector<std::size_t> UmbridgeClient::sizes(const std::string& path, const char* key) const {
+  const Json answer = about(path);
+  const auto list = answer.find(key);
+  std::vector<std::size_t> out;
+  const bool is_list = list != answer.end() && list->is_array();
+  if (is_list)
+    for (const auto& x : *list)
+      if (x.is_number_integer() && x.get<std::int64_t>() > 0) out.push_back(x.get<std::size_t>());
+  if (!is_list || out.empty() || out.size() != list->size())
+    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path, shortened(answer.dump())));
+  return out;
+}
+
+std::vector<std::size_t> UmbridgeClient::input_sizes() const { return sizes("/InputSizes", "inputSizes"); }
+std::vector<std::size_t> UmbridgeClient::output_sizes() const { return sizes("/OutputSizes", "outputSizes"); }
+
+Answered<Blocks> UmbridgeClient::evaluate(const Blocks& input, std::span<const std::size_t> sizes) const {
+  Json body{{"name", options_.name}, {"input", input}};
+  if (!options_.config.empty()) body["config"] = options_.config;
+  auto answer = ask("/Evaluate", body);
+  if (!answer.value) return {std::nullopt, answer.message};
+  const auto output = answer.value->find("output");
+  if (output == answer.value->end() || !output->is_array()) return {std::nullopt, "answers /Evaluate without output"};
+  if (output->size() != sizes.size()) return {std::nullopt, fmt::format("answers {} output blocks where {} were announced", output->size(), sizes.size())};
+  Blocks blocks;
+  for (std::size_t b = 0; b < sizes.size(); ++b) {
+    auto block = numbers_of((*output)[b], sizes[b]);
+    if (!block.value) return {std::nullopt, fmt::format("{} (output block {})", block.message, b)};
+    blocks.push_back(std::move(*block.value));
+  }
+  return {std::move(blocks), ""};
+}
+
+Answered<std::vector<double>> UmbridgeClient::action(const std::string& path, Json body, const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::size_t size) const {
+  body.update({{"name", options_.name}, {"input", input}, {"outWrt", out_wrt}, {"inWrt", in_wrt}});
+  if (!options_.config.empty()) body["config"] = options_.config;
+  auto answer = ask(path, body);
+  if (!answer.value) return {std::nullopt, answer.message};
+  const auto output = answer.value->find("output");
+  return output == answer.value->end() ? Answered<std::vector<double>>{std::nullopt, "answers " + path + " without output"} : numbers_of(*output, size);
+}
+
+Answered<std::vector<double>> UmbridgeClient::gradient(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> sens) const {
+  return action("/Gradient", {{"sens", sens}}, input, out_wrt, in_wrt, input.at(in_wrt).size());
+}
+
+Answered<std::vector<double>> UmbridgeClient::apply_jacobian(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> vec, std::size_t size) const {
+  return action("/ApplyJacobian", {{"vec", vec}}, input, out_wrt, in_wrt, size);
+}
+
+}  // namespace calomel

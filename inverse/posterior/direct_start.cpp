@@ -1,0 +1,204 @@
+#include "inverse/posterior/direct_start.hpp"
+
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/linear_algebra.hpp"
+#include "forward/campaign/design.hpp"
+#include "inverse/posterior/prior.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr std::size_t design_runs = 32, design_runs_a_parameter = 24;
+constexpr std::size_t descents = 5;         ///< from the best points of the design
+constexpr double difference = 1e-3;         ///< of a finite difference, in prior widths; runs are kept to seven digits
+constexpr double tail = 0.01;               ///< of the priors, left out of the design
+constexpr int most_iterations = 60;
+constexpr double box_sds = 4;               ///< half width of the box, in the deviations found
+constexpr double box_of_prior = 2;          ///< and at most, in prior deviations
+constexpr double least_box = 0.01;          ///< and at least, of these
+constexpr double no_answer = 1e6;           ///< residual where the model has none
+
+class Search {
+ public:
+  explicit Search(const PosteriorInputs& in)
+      : in_(in), errors_(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh}, in.positions),
+        priors_(priors_of(in.parameters)), factor_(errors_.covariance()), wanted_(errors_.data()) {
+    if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
+    for (std::size_t k = 0; k < in.parameters.size(); ++k) {
+      const auto& p = in.parameters[k];
+      width_.push_back(p.coordinate_width(std::min(priors_[k].scale(), p.max - p.min), std::clamp(*p.nominal, p.min, p.max)));
+    }
+  }
+
+  [[nodiscard]] Eigen::Index dimension() const { return Eigen::Index(in_.parameters.size()); }
+  [[nodiscard]] Eigen::Index values() const { return wanted_.size(); }
+  [[nodiscard]] double width(Eigen::Index k) const { return width_[std::size_t(k)]; }
+  [[nodiscard]] const Parameter& parameter(Eigen::Index k) const { return in_.parameters[std::size_t(k)]; }
+  [[nodiscard]] int runs() const { return runs_; }
+
+  /// Whitened residuals, (values, n), at coordinates x (n_parameters, n); NaN where a run failed.
+  Eigen::MatrixXd residuals(const Eigen::MatrixXd& x) {
+    Eigen::MatrixXd thetas(x.rows(), x.cols());
+    for (Eigen::Index i = 0; i < x.cols(); ++i)
+      for (Eigen::Index k = 0; k < x.rows(); ++k) thetas(k, i) = std::clamp(parameter(k).natural(x(k, i)), parameter(k).min, parameter(k).max);
+    const auto records = in_.run(thetas, std::vector<int>(std::size_t(x.cols()), 0));
+    runs_ += int(records.size());
+    Eigen::MatrixXd out(values(), x.cols());
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      if (records[i].done)
+        out.col(Eigen::Index(i)) = factor_.solve_lower(Eigen::VectorXd(errors_.grid().apply(records[i].history()) - wanted_));
+      else
+        out.col(Eigen::Index(i)).setConstant(std::numeric_limits<double>::quiet_NaN()), message_ = records[i].message;
+    }
+    return out;
+  }
+  /// Density of theta as a residual each, and its slope by the coordinate.
+  [[nodiscard]] double prior_residual(Eigen::Index k, double x) const {
+    const auto& p = priors_[std::size_t(k)];
+    const double lowest = log_top(k) - p.log_density(parameter(k).natural(x));
+    return std::isfinite(lowest) ? std::copysign(std::sqrt(std::max(0.0, 2 * lowest)), parameter(k).natural(x) - top(k)) : no_answer;
+  }
+  /// Points of the design in coordinates, (n_parameters, n): the nominal first.
+  [[nodiscard]] Eigen::MatrixXd design() const {
+    const std::size_t n = design_runs + design_runs_a_parameter * in_.parameters.size();
+    const Eigen::MatrixXd unit = sobol_points(in_.parameters.size(), n, in_.seed);
+    Eigen::MatrixXd x(dimension(), Eigen::Index(n) + 1);
+    for (Eigen::Index k = 0; k < dimension(); ++k) {
+      const auto& p = parameter(k);
+      x(k, 0) = p.coordinate(*p.nominal);
+      for (std::size_t i = 0; i < n; ++i) x(k, Eigen::Index(i) + 1) = p.coordinate(std::clamp(priors_[std::size_t(k)].quantile(tail + (1 - 2 * tail) * unit(k, Eigen::Index(i))), p.min, p.max));
+    }
+    return x;
+  }
+  [[nodiscard]] const std::string& message() const { return message_; }
+
+ private:
+  /// Value of greatest density, within the bounds.
+  [[nodiscard]] double top(Eigen::Index k) const {
+    const auto& p = parameter(k);
+    const double middle = p.prior == "lognormal" ? std::exp(*p.mu - *p.sigma * *p.sigma) : p.mean ? *p.mean : p.prior == "half_cauchy" ? 0.0 : *p.nominal;
+    return std::clamp(middle, p.min, p.max);
+  }
+  [[nodiscard]] double log_top(Eigen::Index k) const {
+    const double at_top = priors_[std::size_t(k)].log_density(top(k));
+    return std::isfinite(at_top) ? at_top : 0;
+  }
+
+  const PosteriorInputs& in_;
+  ErrorModel errors_;
+  std::vector<Prior> priors_;
+  Cholesky factor_;
+  Eigen::VectorXd wanted_;
+  std::vector<double> width_;
+  std::string message_;
+  int runs_ = 0;
+};
+
+/// The residuals for Ceres: of the records, then of the priors.
+class Residuals : public ceres::CostFunction {
+ public:
+  explicit Residuals(Search& search) : search_(search) {
+    set_num_residuals(int(search.values() + search.dimension()));
+    mutable_parameter_block_sizes()->push_back(int(search.dimension()));
+  }
+  bool Evaluate(double const* const* at, double* residuals, double** jacobians) const override {
+    const Eigen::Index d = search_.dimension(), n = search_.values();
+    const Eigen::Map<const Eigen::VectorXd> x(at[0], d);
+    const bool slopes = jacobians && jacobians[0];
+    Eigen::MatrixXd points = x.replicate(1, slopes ? d + 1 : 1);
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(d);
+    if (slopes)
+      for (Eigen::Index k = 0; k < d; ++k) {
+        step[k] = difference * search_.width(k);
+        if (x[k] + step[k] > search_.parameter(k).coordinate(search_.parameter(k).max)) step[k] = -step[k];
+        points(k, k + 1) += step[k];
+      }
+    const Eigen::MatrixXd r = search_.residuals(points);
+    if (!r.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd> out(residuals, n + d);
+    out.head(n) = r.col(0);
+    for (Eigen::Index k = 0; k < d; ++k) out[n + k] = search_.prior_residual(k, x[k]);
+    if (!slopes) return true;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[0], n + d, d);
+    j.setZero();
+    for (Eigen::Index k = 0; k < d; ++k) {
+      j.col(k).head(n) = (r.col(k + 1) - r.col(0)) / step[k];
+      j(n + k, k) = (search_.prior_residual(k, x[k] + step[k]) - out[n + k]) / step[k];
+    }
+    return true;
+  }
+
+ private:
+  Search& search_;
+};
+
+}  // namespace
+
+DirectStart find_direct_start(const PosteriorInputs& in) {
+  Search search(in);
+  const Eigen::Index d = search.dimension();
+  const Eigen::MatrixXd design = search.design();
+  const Eigen::MatrixXd r = search.residuals(design);
+  std::vector<std::pair<double, Eigen::Index>> order;
+  for (Eigen::Index i = 0; i < design.cols(); ++i) {
+    double cost = r.col(i).squaredNorm();
+    for (Eigen::Index k = 0; k < d; ++k) cost += std::pow(search.prior_residual(k, design(k, i)), 2);
+    if (std::isfinite(cost)) order.emplace_back(cost, i);
+  }
+  if (order.empty()) throw NumericsError("no run of the model came through: " + search.message());
+  std::sort(order.begin(), order.end());
+
+  DirectStart out{.theta = {}, .covariance = {}, .chi2 = 0, .values = search.values(), .runs = 0};
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < std::min(descents, order.size()); ++s) {
+    Eigen::VectorXd x = design.col(order[s].second);
+    ceres::Problem problem;
+    problem.AddResidualBlock(new Residuals(search), nullptr, x.data());
+    for (Eigen::Index k = 0; k < d; ++k) {
+      problem.SetParameterLowerBound(x.data(), int(k), search.parameter(k).coordinate(search.parameter(k).min));
+      problem.SetParameterUpperBound(x.data(), int(k), search.parameter(k).coordinate(search.parameter(k).max));
+    }
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR, options.logging_type = ceres::SILENT, options.max_num_iterations = most_iterations;
+    options.function_tolerance = 1e-9;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    if (!(summary.final_cost < best)) continue;
+    best = summary.final_cost;
+    Eigen::VectorXd residuals(search.values() + d);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(residuals.size(), d);
+    const double* at = x.data();
+    double* slopes = jacobian.data();
+    if (!Residuals(search).Evaluate(&at, residuals.data(), &slopes)) continue;
+    out.theta.clear();
+    for (Eigen::Index k = 0; k < d; ++k) out.theta.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
+    // A direction that neither data nor prior know is as wide as the prior.
+    Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+    for (Eigen::Index k = 0; k < d; ++k) information(k, k) += 1 / std::pow(box_of_prior * search.width(k), 2);
+    out.covariance = inverse_symmetric(information), out.chi2 = residuals.head(search.values()).squaredNorm();
+  }
+  if (out.theta.empty()) throw NumericsError("no descent of the model's fit came to an end: " + search.message());
+  out.runs = search.runs();
+  return out;
+}
+
+void start_directly(PosteriorInputs& in) {
+  const DirectStart start = find_direct_start(in);
+  const double scale = std::sqrt(std::max(1.0, start.chi2 / std::max<double>(1, double(start.values) - double(start.theta.size()))));
+  const auto priors = priors_of(in.parameters);
+  in.centre = start.theta, in.half_width.clear();
+  for (std::size_t k = 0; k < in.parameters.size(); ++k) {
+    const auto& p = in.parameters[k];
+    const double widest = p.coordinate_width(box_of_prior * std::min(priors[k].scale(), p.max - p.min), std::clamp(*p.nominal, p.min, p.max));
+    in.half_width.push_back(std::clamp(box_sds * scale * std::sqrt(start.covariance(Eigen::Index(k), Eigen::Index(k))), least_box * widest, widest));
+  }
+}
+
+}  // namespace calomel

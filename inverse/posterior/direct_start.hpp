@@ -1,0 +1,22 @@
+#pragma once
+/// Where a quick model fits its records, found by runs of the model itself: the first box of its emulator, and the starts of its chains.
+#include "inverse/posterior/posterior_fit.hpp"
+
+namespace calomel {
+
+struct DirectStart {
+  std::vector<double> theta;    ///< of least |whitened residual|^2 - 2 log prior
+  Eigen::MatrixXd covariance;   ///< of the parameters' coordinates (Parameter::coordinate), of Gauss and Newton
+  double chi2 = 0;              ///< of the records' errors without a discrepancy
+  Eigen::Index values = 0;      ///< records' values compared
+  int runs = 0;                 ///< that were asked for
+};
+
+/// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it. Errors: NumericsError when no
+/// run comes through; those of in.run.
+[[nodiscard]] DirectStart find_direct_start(const PosteriorInputs& in);
+
+/// Puts the first box of `in` about that start: as wide as the data alone would leave it, with errors as large as the residuals, and no wider than the priors.
+void start_directly(PosteriorInputs& in);
+
+}  // namespace calomel
