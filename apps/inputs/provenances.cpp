@@ -17,7 +17,8 @@ Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
 }
 
 Json posterior_options(const StudyCase& study) {
-  Json options{{"product", study.map.product}, {"recordings", echo(*study.recordings)}, {"emulator", echo(study.emulator)}, {"errors", echo(study.errors)}, {"sampler", echo(study.sampler)}};
+  Json options{{"product", study.map.product}, {"emulator", echo(study.emulator)}, {"errors", echo(study.errors)}, {"sampler", echo(study.sampler)}};
+  if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
 }
@@ -82,10 +83,17 @@ Provenance on_posterior(const StudyInputs& inputs, std::string stage) {
           .inputs = {{"model", runs_provenance(study).identity()}, {"recordings", hash_file(study.recordings_file())}}};
 }
 
+/// Of a log density, which holds its own data.
+Provenance of_density(const StudyInputs& inputs, std::string stage) {
+  const auto& study = inputs.study();
+  return {.stage = std::move(stage), .options = posterior_options(study), .seed = inputs.command().seed, .inputs = {{"model", runs_provenance(study).identity()}}};
+}
+
 }  // namespace
 
 Provenance posterior_provenance(const StudyInputs& inputs) {
-  Provenance p = on_posterior(inputs, "posterior");
+  const auto& external = inputs.study().external;
+  Provenance p = external && external->is_log_density() ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
   add_basin(p, inputs);
   return p;
 }

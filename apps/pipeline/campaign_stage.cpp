@@ -27,7 +27,7 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
   {
     std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command.quiet || finished), std::cerr);
     FloorSource floor;
-    if (campaign.floor && (asked == Asked::by_user || !finished)) floor = [&] {
+    if (campaign.floor && inputs.study().on_mesh() && (asked == Asked::by_user || !finished)) floor = [&] {
       display.reset();
       need_floor(call);
       return read_floor(read_json(inputs.artefact("floor.json")));
