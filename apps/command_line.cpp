@@ -108,6 +108,10 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
       return;
+    case Extra::serve:
+      verb.add_option("--port", command.port, "port (default: 4242; 0: any that is free)")->type_name("PORT")->check(CLI::Range(0, 65535));
+      verb.add_option("--host", command.host, "address to listen at (default: 127.0.0.1, this machine alone)")->type_name("HOST");
+      return;
     case Extra::unit:
       verb.add_option("--unit", command.unit, "unit of the values (default: strain)")->type_name("strain|microstrain");
       return;
@@ -123,6 +127,7 @@ std::vector<Extra> extras_of(const std::string& verb) {
   if (verb == "report") return {Extra::csv};
   if (verb == "diagnose") return {Extra::power};
   if (verb == "import") return {Extra::unit};
+  if (verb == "serve") return {Extra::serve};
   return {};
 }
 

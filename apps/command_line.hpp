@@ -50,6 +50,8 @@ struct CommandLine {
   bool floor = false;                        ///< check
   bool resolved = false;                     ///< check
   bool power = false;                        ///< diagnose
+  int port = 4242;                           ///< serve
+  std::string host = "127.0.0.1";            ///< serve
   std::filesystem::path write_mesh;          ///< check; empty: none
   ChallengeWords challenge;                  ///< challenge
 };
@@ -66,7 +68,7 @@ struct Verb {
 };
 
 /// Options of `verb` beyond the shared ones.
-enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh, power };
+enum class Extra { method, fields, mean, csv, unit, floor, resolved, write_mesh, power, serve };
 std::vector<Extra> extras_of(const std::string& verb);
 
 /// Parses the words after the program's name. Returns false when they asked for --help or --version, which is then printed

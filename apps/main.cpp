@@ -17,6 +17,7 @@ std::vector<Verb> verbs() {
           {"report", "one self-contained page of what was found", Takes::case_file, run_report},
           {"study", "the stages of [study], reusing finished ones", Takes::case_file, run_study},
           {"import", "recordings in CSV or text to recordings.nc", Takes::files, run_import},
+          {"serve", "the case's model behind HTTP, UM-Bridge 1.0", Takes::case_file, run_serve},
           {"challenge", "make, diagnose and score cases with concealed physics: how far a diagnosis is to be believed", Takes::suite, run_challenge},
           {"list", "laws, mechanisms, optimisers, surrogates, designs, loads", Takes::nothing, run_list}};
 }

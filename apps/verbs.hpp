@@ -16,6 +16,7 @@ ExitStatus run_diagnose(const CommandLine& command);
 ExitStatus run_report(const CommandLine& command);
 ExitStatus run_study(const CommandLine& command);
 ExitStatus run_import(const CommandLine& command);
+ExitStatus run_serve(const CommandLine& command);
 ExitStatus run_challenge(const CommandLine& command);
 ExitStatus run_list(const CommandLine& command);
 

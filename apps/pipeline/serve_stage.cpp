@@ -1,0 +1,152 @@
+#include "apps/pipeline/serve_stage.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <mutex>
+
+#include "apps/interrupt.hpp"
+#include "base/json.hpp"
+#include "base/linear_algebra.hpp"
+#include "forward/external/umbridge_server.hpp"
+#include "forward/surrogate/surrogate.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr int most_pulses = 1000;  ///< of an ensemble that a request may ask for
+
+/// The pulses that a request's config asks for; 1 where it asks for none. Errors: InputError for any other key.
+int pulses_of(const Json& config) {
+  int pulses = 1;
+  for (const auto& [key, value] : config.items()) {
+    if (key != "pulses") throw InputError({.problem = "unknown key of config", .key = key, .suggestion = "the model knows \"pulses\": the ensemble mean over so many energies"});
+    if (!value.is_number_integer() || value.get<std::int64_t>() < 1 || value.get<std::int64_t>() > most_pulses)
+      throw InputError({.problem = "must be a whole number", .key = "config.pulses", .value = value.dump().substr(0, 40), .range = fmt::format("1 to {}", most_pulses)});
+    pulses = value.get<int>();
+  }
+  return pulses;
+}
+
+void expect_no_config(const Json& config) {
+  if (!config.empty()) throw InputError({.problem = "this model takes no config", .key = config.begin().key()});
+}
+
+std::vector<double> answer_of(Prediction prediction) {
+  if (!prediction.ok) throw NumericsError(prediction.message);
+  return std::move(prediction.mean);
+}
+
+/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. Models of so many pulses are made once.
+class MeshModels {
+ public:
+  MeshModels(const ForwardCase& forward, EnsembleOptions ensemble) : forward_(forward), ensemble_(ensemble) {}
+  const BuiltInModel& of(int pulses) {
+    const std::lock_guard guard(lock_);
+    auto& model = models_[pulses];
+    if (!model) {
+      EnsembleOptions ensemble = ensemble_;
+      ensemble.pulses = pulses;
+      if (pulses == 1) ensemble.energy_sd = 0;
+      model = std::make_unique<BuiltInModel>(forward_, ensemble, 1);
+    }
+    return *model;
+  }
+
+ private:
+  const ForwardCase& forward_;
+  EnsembleOptions ensemble_;
+  std::mutex lock_;
+  std::map<int, std::unique_ptr<BuiltInModel>> models_;
+};
+
+ServedModel described(const std::string& name, const ModelShape& shape) {
+  ServedModel out{.name = name, .input_sizes = {shape.parameters.size()}, .output_sizes = {shape.values()}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
+  return out;
+}
+
+ServedModel served(StudyInputs& inputs) {
+  const auto& study = inputs.study();
+  if (study.on_mesh()) {
+    const auto models = std::make_shared<MeshModels>(study.forward, inputs.ensemble());
+    ServedModel out = described("forward", models->of(1).shape());
+    out.evaluate = [models](const Blocks& input, const Json& config) { return Blocks{answer_of(models->of(pulses_of(config)).evaluate(input[0]))}; };
+    return out;
+  }
+  const ForwardModel* model = &inputs.any_model();
+  ServedModel out = described("forward", model->shape());
+  out.evaluate = [model](const Blocks& input, const Json& config) {
+    expect_no_config(config);
+    return Blocks{answer_of(model->evaluate(input[0]))};
+  };
+  return out;
+}
+
+/// J v of a surrogate from as many gradients as it has directions, or values where it is not of that form.
+std::vector<double> jacobian_action(const Surrogate& surrogate, const std::vector<double>& theta, const std::vector<double>& v) {
+  const HistoryBasis basis = surrogate.basis();
+  const Eigen::Map<const Eigen::VectorXd> direction(v.data(), Eigen::Index(v.size()));
+  const auto slope = [&](const Eigen::VectorXd& weights) { return surrogate.vector_jacobian_product(theta, {weights.data(), std::size_t(weights.size())}).dot(direction); };
+  const auto values = Eigen::Index(surrogate.shape().values());
+  Eigen::VectorXd out(values);
+  if (basis.empty()) {
+    for (Eigen::Index i = 0; i < values; ++i) out[i] = slope(Eigen::VectorXd::Unit(values, i));
+  } else {  // the weights D (D'D)^-1 e_j give the slope of the j-th coefficient
+    const Eigen::MatrixXd d = basis.directions.cast<double>();
+    const Eigen::MatrixXd weights = d * inverse_symmetric(d.transpose() * d);
+    Eigen::VectorXd coefficients(d.cols());
+    for (Eigen::Index j = 0; j < d.cols(); ++j) coefficients[j] = slope(weights.col(j));
+    out = d * coefficients;
+  }
+  return {out.begin(), out.end()};
+}
+
+/// Points beyond the bounds are refused: nothing was learnt there.
+void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
+  for (std::size_t k = 0; k < theta.size(); ++k)
+    if (const auto& p = shape.parameters[k]; theta[k] < p.min || theta[k] > p.max)
+      throw InputError({.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
+}
+
+std::optional<ServedModel> served_surrogate(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  const std::shared_ptr<const Surrogate> surrogate = load_surrogate(file);
+  ServedModel out = described("surrogate", surrogate->shape());
+  out.evaluate = [surrogate](const Blocks& input, const Json& config) {
+    expect_no_config(config);
+    expect_within(surrogate->shape(), input[0]);
+    return Blocks{answer_of(surrogate->evaluate(input[0]))};
+  };
+  if (!surrogate->has_gradient()) return out;
+  out.gradient = [surrogate](const Blocks& input, std::size_t, std::size_t, const std::vector<double>& sens, const Json& config) {
+    expect_no_config(config);
+    expect_within(surrogate->shape(), input[0]);
+    const Eigen::VectorXd g = surrogate->vector_jacobian_product(input[0], sens);
+    return std::vector<double>(g.begin(), g.end());
+  };
+  out.apply_jacobian = [surrogate](const Blocks& input, std::size_t, std::size_t, const std::vector<double>& vec, const Json& config) {
+    expect_no_config(config);
+    expect_within(surrogate->shape(), input[0]);
+    return jacobian_action(*surrogate, input[0], vec);
+  };
+  return out;
+}
+
+}  // namespace
+
+ExitStatus serve_stage(StageCall& call) {
+  auto& inputs = call.inputs;
+  const auto& command = inputs.command();
+  std::vector<ServedModel> models{served(inputs)};
+  if (auto surrogate = served_surrogate(inputs.artefact("surrogate.nc"))) models.push_back(std::move(*surrogate));
+  std::vector<std::string> names;
+  for (const auto& m : models) names.push_back(fmt::format("{} ({} -> {})", m.name, m.input_sizes[0], m.output_sizes[0]));
+  UmbridgeServer server(std::move(models), {.host = command.host, .port = command.port, .threads = command.threads});
+  inputs.notes().say(fmt::format("serve: {} at http://{}:{}, {} at a time; stop with Ctrl-C", join(names), command.host, server.port(), command.threads));
+  server.run(stop_requested());
+  inputs.notes().say(fmt::format("serve: stopped after {} requests", server.answered()));
+  return ExitStatus::done;
+}
+
+}  // namespace calomel

@@ -1,0 +1,9 @@
+#pragma once
+#include "apps/pipeline/stage_call.hpp"
+
+namespace calomel {
+
+/// serve: the case's model as "forward" and, where --out holds one, its surrogate with gradients as "surrogate", until the program is told to stop.
+ExitStatus serve_stage(StageCall& call);
+
+}  // namespace calomel

@@ -1,0 +1,236 @@
+#include "forward/external/umbridge_server.hpp"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <thread>
+
+#include "base/errors.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr int connections_a_thread = 8;  ///< that are kept open for each evaluation under way
+
+/// Counts evaluations under way and those that wait.
+class Turnstile {
+ public:
+  Turnstile(int threads, int waiting) : free_(threads), room_(waiting) {}
+  /// False where too many wait already.
+  bool enter() {
+    std::unique_lock guard(lock_);
+    if (free_ == 0 && waiting_ >= room_) return false;
+    ++waiting_;
+    changed_.wait(guard, [&] { return free_ > 0; });
+    --waiting_, --free_;
+    return true;
+  }
+  void leave() {
+    {
+      const std::lock_guard guard(lock_);
+      ++free_;
+    }
+    changed_.notify_one();
+  }
+
+ private:
+  std::mutex lock_;
+  std::condition_variable changed_;
+  int free_, room_, waiting_ = 0;
+};
+
+}  // namespace
+
+/// What a request is refused with.
+struct UmbridgeServer::Refusal {
+  int status;
+  std::string type, message;
+};
+
+struct UmbridgeServer::Http {
+  Http(int threads, int waiting) : turnstile(threads, waiting) {}
+  httplib::Server server;
+  Turnstile turnstile;
+};
+
+namespace {
+
+using Refuse = std::function<void(const std::string& message)>;
+
+/// Numbers of a list that must have `size` of them.
+std::vector<double> numbers_of(const Json& list, std::size_t size, const std::string& what, const Refuse& refuse) {
+  if (!list.is_array() || list.size() != size) refuse(fmt::format("{} must be a list of {} numbers", what, size));
+  std::vector<double> out;
+  for (const auto& x : list) {
+    if (!x.is_number() || !std::isfinite(x.get<double>())) refuse(fmt::format("{} must be finite numbers", what));
+    out.push_back(x.get<double>());
+  }
+  return out;
+}
+
+Blocks input_of(const Json& body, const std::vector<std::size_t>& sizes, const Refuse& refuse) {
+  const auto input = body.find("input");
+  if (input == body.end()) refuse("the request has no input");
+  if (!input->is_array() || input->size() != sizes.size()) refuse(fmt::format("input must be a list of {} blocks", sizes.size()));
+  Blocks out;
+  for (std::size_t b = 0; b < sizes.size(); ++b) out.push_back(numbers_of((*input)[b], sizes[b], fmt::format("input block {}", b), refuse));
+  return out;
+}
+
+Json config_of(const Json& body, const Refuse& refuse) {
+  const auto config = body.find("config");
+  if (config == body.end()) return Json::object();
+  if (!config->is_object()) refuse("config must be an object");
+  return *config;
+}
+
+std::size_t index_of(const Json& body, const char* key, std::size_t size, const Refuse& refuse) {
+  const auto at = body.find(key);
+  if (at == body.end() || !at->is_number_integer() || at->get<std::int64_t>() < 0 || std::size_t(at->get<std::int64_t>()) >= size) refuse(fmt::format("{} must be a whole number from 0 to {}", key, size - 1));
+  return at->get<std::size_t>();
+}
+
+Json given(const std::vector<double>& values) {
+  for (const double x : values)
+    if (!std::isfinite(x)) throw NumericsError("the model's answer is not finite");
+  return values;
+}
+
+}  // namespace
+
+const ServedModel& UmbridgeServer::model_of(const Json& body) const {
+  const auto name = body.find("name");
+  if (name == body.end() || !name->is_string()) throw Refusal{400, "InvalidInput", "the request names no model"};
+  for (const auto& m : models_)
+    if (m.name == name->get<std::string>()) return m;
+  std::vector<std::string> known;
+  for (const auto& m : models_) known.push_back(m.name);
+  throw Refusal{400, "ModelNotFound", fmt::format("there is no model \"{}\"; there are: {}", name->get<std::string>().substr(0, 100), join(known))};
+}
+
+namespace {
+
+template <class Refusal>
+Refuse invalid() {
+  return [](const std::string& message) { throw Refusal{400, "InvalidInput", message}; };
+}
+
+}  // namespace
+
+Json UmbridgeServer::evaluate(const Json& body) {
+  const auto& m = model_of(body);
+  const auto refuse = invalid<Refusal>();
+  const auto config = config_of(body, refuse);
+  const Blocks out = m.evaluate(input_of(body, m.input_sizes, refuse), config);
+  Json output = Json::array();
+  for (const auto& block : out) output.push_back(given(block));
+  return {{"output", std::move(output)}};
+}
+
+Json UmbridgeServer::gradient(const Json& body) {
+  const auto& m = model_of(body);
+  if (!m.gradient) throw Refusal{400, "UnsupportedFeature", "the model has no gradient"};
+  const auto refuse = invalid<Refusal>();
+  const auto out_wrt = index_of(body, "outWrt", m.output_sizes.size(), refuse), in_wrt = index_of(body, "inWrt", m.input_sizes.size(), refuse);
+  const auto input = input_of(body, m.input_sizes, refuse);
+  const auto sens = numbers_of(body.contains("sens") ? body["sens"] : Json(), m.output_sizes[out_wrt], "sens", refuse);
+  return {{"output", given(m.gradient(input, out_wrt, in_wrt, sens, config_of(body, refuse)))}};
+}
+
+Json UmbridgeServer::apply_jacobian(const Json& body) {
+  const auto& m = model_of(body);
+  if (!m.apply_jacobian) throw Refusal{400, "UnsupportedFeature", "the model has no action of its Jacobian"};
+  const auto refuse = invalid<Refusal>();
+  const auto out_wrt = index_of(body, "outWrt", m.output_sizes.size(), refuse), in_wrt = index_of(body, "inWrt", m.input_sizes.size(), refuse);
+  const auto input = input_of(body, m.input_sizes, refuse);
+  const auto vec = numbers_of(body.contains("vec") ? body["vec"] : Json(), m.input_sizes[in_wrt], "vec", refuse);
+  return {{"output", given(m.apply_jacobian(input, out_wrt, in_wrt, vec, config_of(body, refuse)))}};
+}
+
+void UmbridgeServer::route() {
+  auto& server = http_->server;
+  const auto send = [this](httplib::Response& response, int status, const Json& body) {
+    ++answered_;
+    response.status = status;
+    response.set_content(body.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
+  };
+  const auto refuse = [send](httplib::Response& response, const Refusal& r) { send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}}); };
+  // The body is JSON whatever its Content-Type says; what is no JSON, NaN and Infinity included, is refused.
+  const auto answer = [this, send, refuse](const std::string& path, bool heavy, std::function<Json(const Json&)> make) {
+    http_->server.Post(path, [this, send, refuse, heavy, make](const httplib::Request& request, httplib::Response& response) {
+      try {
+        const Json body = Json::parse(request.body, nullptr, false);
+        if (!body.is_object()) throw Refusal{400, "InvalidInput", "the body is not a JSON object"};
+        if (!heavy) return send(response, 200, make(body));
+        if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already"};
+        const std::shared_ptr<void> leaving(nullptr, [this](void*) { http_->turnstile.leave(); });
+        send(response, 200, make(body));
+      } catch (const Refusal& r) {
+        refuse(response, r);
+      } catch (const InputError& e) {
+        refuse(response, {400, "InvalidInput", e.what()});
+      } catch (const std::exception& e) {
+        refuse(response, {500, "InvalidOutput", e.what()});
+      }
+    });
+  };
+  server.Get("/Info", [this, send](const httplib::Request&, httplib::Response& response) {
+    Json names = Json::array();
+    for (const auto& m : models_) names.push_back(m.name);
+    send(response, 200, {{"protocolVersion", 1.0}, {"models", names}});
+  });
+  answer("/ModelInfo", false, [this](const Json& body) -> Json {
+    const auto& m = model_of(body);
+    return {{"support", {{"Evaluate", true}, {"Gradient", bool(m.gradient)}, {"ApplyJacobian", bool(m.apply_jacobian)}, {"ApplyHessian", false}}}};
+  });
+  answer("/InputSizes", false, [this](const Json& body) -> Json { return {{"inputSizes", model_of(body).input_sizes}}; });
+  answer("/OutputSizes", false, [this](const Json& body) -> Json { return {{"outputSizes", model_of(body).output_sizes}}; });
+  answer("/Evaluate", true, [this](const Json& body) { return evaluate(body); });
+  answer("/Gradient", true, [this](const Json& body) { return gradient(body); });
+  answer("/ApplyJacobian", true, [this](const Json& body) { return apply_jacobian(body); });
+  answer("/ApplyHessian", false, [this](const Json& body) -> Json {
+    (void)model_of(body);
+    throw Refusal{400, "UnsupportedFeature", "no model of this server has a Hessian"};
+  });
+  server.set_error_handler([refuse](const httplib::Request& request, httplib::Response& response) {
+    if (!response.body.empty()) return;  // already said
+    const int status = response.status;
+    refuse(response, {status, status == 404 ? "NotFound" : status == 413 ? "InvalidInput" : "InvalidRequest",
+                      status == 404 ? fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100)) : status == 413 ? "the body is too large" : "the request cannot be read"});
+  });
+}
+
+UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions options) : models_(std::move(models)), options_(std::move(options)), http_(std::make_unique<Http>(options_.threads, options_.waiting)) {
+  auto& server = http_->server;
+  const int workers = options_.threads * connections_a_thread + options_.waiting;
+  server.new_task_queue = [workers] { return new httplib::ThreadPool(std::size_t(workers)); };
+  server.set_payload_max_length(options_.largest_body);
+  const auto seconds = time_t(options_.timeout);
+  server.set_read_timeout(seconds), server.set_write_timeout(seconds);
+  server.set_keep_alive_max_count(1000000), server.set_keep_alive_timeout(seconds);
+  server.set_tcp_nodelay(true);
+  route();
+  port_ = options_.port == 0 ? server.bind_to_any_port(options_.host) : server.bind_to_port(options_.host, options_.port) ? options_.port : -1;
+  if (port_ < 0)
+    throw InputError({.problem = fmt::format("nothing can be served at {}", options_.host), .key = "--port", .value = std::to_string(options_.port),
+                      .suggestion = "another program has the port, or the host is not of this machine; take another, or --port 0 for any that is free"});
+}
+
+UmbridgeServer::~UmbridgeServer() = default;
+
+void UmbridgeServer::run(const std::atomic<bool>& stop) {
+  std::atomic<bool> over = false;
+  std::thread watcher([&] {
+    while (!stop && !over) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    http_->server.stop();
+  });
+  http_->server.listen_after_bind();
+  over = true;
+  watcher.join();
+}
+
+}  // namespace calomel
