@@ -15,6 +15,7 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t largest_answer = std::size_t(1) << 29;  ///< [bytes]
+constexpr double nearly_all = 0.98;                           ///< of a timeout: clocks differ
 constexpr std::size_t shown = 160;                            ///< characters of a server's own words
 
 std::string shortened(const std::string& text) {
@@ -52,6 +53,7 @@ struct UmbridgeClient::Reply {
   int status = 0;  ///< 0: none
   std::string body;
   std::string problem;  ///< where there is no answer
+  bool too_slow = false;  ///< the whole timeout has passed: no retry
 };
 
 /// Connections that are kept open, one for each request under way.
@@ -82,6 +84,7 @@ class UmbridgeClient::Connections {
       return reply;
     }
     reply.body.clear();
+    reply.too_slow = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= nearly_all * options_.timeout;
     reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), late);
     return reply;
   }
@@ -140,7 +143,7 @@ Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<
     reply = connections_->send(path, body);
     const bool busy = reply.status == 502 || reply.status == 503 || reply.status == 504;  // of something between the server and us
     if (reply.status != 0 && !busy) break;
-    if (attempt < options_.retries) {
+    if (attempt < options_.retries && !reply.too_slow) {
       std::this_thread::sleep_for(std::chrono::duration<double>(pause));
       continue;
     }

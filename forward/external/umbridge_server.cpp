@@ -14,6 +14,7 @@ namespace calomel {
 
 namespace {
 
+constexpr time_t idle = 2;              ///< that a connection without a request is kept [s]; the server's end waits for it
 constexpr int connections_a_thread = 8;  ///< that are kept open for each evaluation under way
 
 /// Counts evaluations under way and those that wait.
@@ -211,8 +212,12 @@ UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions opt
   server.set_payload_max_length(options_.largest_body);
   const auto seconds = time_t(options_.timeout);
   server.set_read_timeout(seconds), server.set_write_timeout(seconds);
-  server.set_keep_alive_max_count(1000000), server.set_keep_alive_timeout(seconds);
+  server.set_keep_alive_max_count(1000000), server.set_keep_alive_timeout(idle);
   server.set_tcp_nodelay(true);
+  server.set_socket_options([](socket_t socket) {  // httplib's own let two servers share a port
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   route();
   port_ = options_.port == 0 ? server.bind_to_any_port(options_.host) : server.bind_to_port(options_.host, options_.port) ? options_.port : -1;
   if (port_ < 0)
@@ -225,8 +230,10 @@ UmbridgeServer::~UmbridgeServer() = default;
 void UmbridgeServer::run(const std::atomic<bool>& stop) {
   std::atomic<bool> over = false;
   std::thread watcher([&] {
-    while (!stop && !over) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    http_->server.stop();
+    while (!over) {
+      if (stop) http_->server.stop();  // again and again: it does nothing before the server listens
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   });
   http_->server.listen_after_bind();
   over = true;

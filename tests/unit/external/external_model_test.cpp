@@ -1,0 +1,78 @@
+#include "forward/external/external_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/provenance.hpp"
+#include "tests/scratch.hpp"
+#include "tests/unit/external/served.hpp"
+
+namespace calomel {
+namespace {
+
+ExternalCase line_case(const std::string& url, const std::string& more = "", const std::string& count = "4") {
+  auto file = CaseFile::from_text("[case]\nname = \"x\"\n[model]\nkind = \"umbridge\"\nurl = \"" + url + "\"\nname = \"line\"\nretries = 0\n[output]\nsensors = [\"y\"]\ntime = { step = 1.0, count = " + count +
+                                  " }\n[parameter.a]\nmin = -1000.0\nmax = 1000.0\nnominal = 0.0\n" + more);
+  return ExternalCase::read(file);
+}
+
+const std::string slope = "[mechanism.slope.parameter.b]\noff = 0.5\nmin = 0.0\nmax = 2.0\n";
+
+TEST(ExternalModel, AMechanismIsAtItsOffValueUntilItIsSet) {
+  const Served served({straight_line()});
+  const ExternalModel model(line_case(served.url(), slope));
+  const std::vector<double> a{1.0};
+  EXPECT_EQ(model.evaluate(a).mean, (std::vector<double>{1.0, 1.5, 2.0, 2.5}));
+  EXPECT_EQ(model.evaluate(a, {{"mechanism.slope.parameter.b", 2.0}}).mean, (std::vector<double>{1.0, 3.0, 5.0, 7.0}));
+  EXPECT_THROW((void)model.evaluate(a, {{"mechanism.slope.parameter.c", 2.0}}), InputError);
+  const std::vector<double> w{1, 1, 1, 1};
+  EXPECT_EQ(model.vector_jacobian_product(a, w)[0], 4.0);
+}
+
+TEST(ExternalModel, AFailureIsAPredictionWithItsReasonAndPlace) {
+  const Served served({straight_line()});
+  const ExternalModel model(line_case(served.url(), slope));
+  const std::vector<double> a{200.0};
+  const auto p = model.evaluate(a);
+  EXPECT_FALSE(p.ok);
+  EXPECT_NE(p.message.find("the solver stopped"), std::string::npos) << p.message;
+  EXPECT_NE(p.message.find("a = 200"), std::string::npos) << p.message;
+}
+
+TEST(ExternalModel, WhatDoesNotFitTheServerIsRefused) {
+  const Served served({straight_line()});
+  EXPECT_THROW(ExternalModel(line_case(served.url())), InputError) << "one parameter, two inputs";
+  EXPECT_THROW(ExternalModel(line_case(served.url(), slope, "5")), InputError) << "five times, four outputs";
+  auto other = line_case(served.url(), slope);
+  other.server.name = "lime";
+  try {
+    ExternalModel{other};
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("did you mean \"line\""), std::string::npos) << e.what();
+  }
+}
+
+TEST(ExternalModel, AServerThatGoesAwayLosesNoRun) {
+  const ScratchFolder scratch;
+  const Provenance provenance{.stage = "runs"};
+  Eigen::MatrixXd thetas(1, 3);
+  thetas << 1, 2, 3;
+  auto served = std::make_unique<Served>(std::vector{straight_line()});
+  const ExternalModel model(line_case(served->url(), slope));
+  {
+    RunStore store(provenance, scratch.path() / "runs.journal");
+    NumberedRuns runs(model, store);
+    EXPECT_TRUE(runs.run(thetas, {}, 2)[2].done);
+    served.reset();
+    Eigen::MatrixXd more(1, 1);
+    more << 4;
+    EXPECT_THROW((void)runs.run(more, {}, 1), Unreachable) << "no run is told as failed";
+  }
+  RunStore store(provenance, scratch.path() / "runs.journal");
+  NumberedRuns runs(model, store);
+  EXPECT_EQ(runs.run(thetas, {}, 1)[1].mean[0], 2.0f) << "what was finished is there, without a server";
+  EXPECT_EQ(store.reused(), 3u);
+}
+
+}  // namespace
+}  // namespace calomel
