@@ -13,6 +13,7 @@ std::vector<Verb> verbs() {
           {"train", "train surrogates on the campaign", Takes::case_file, run_train},
           {"calibrate", "fit the parameters to the recordings", Takes::case_file, run_calibrate},
           {"sample", "the posterior of the parameters by Markov chains on the multilevel emulator", Takes::case_file, run_sample},
+          {"sensitivity", "which parameters the records depend on", Takes::case_file, run_sensitivity},
           {"diagnose", "where simulation and recordings differ, and which physics was left out", Takes::case_file, run_diagnose},
           {"report", "one self-contained page of what was found", Takes::case_file, run_report},
           {"study", "the stages of [study], reusing finished ones", Takes::case_file, run_study},

@@ -2,6 +2,7 @@
 #include "apps/pipeline/campaign_stage.hpp"
 #include "apps/pipeline/report_stage.hpp"
 #include "apps/pipeline/sample_stage.hpp"
+#include "apps/pipeline/sensitivity_stage.hpp"
 #include "apps/pipeline/simulate_stage.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
@@ -19,6 +20,7 @@ ExitStatus run_study(const CommandLine& command) {
     if (stage == "train") status = worse(status, train_stage(call));
     if (stage == "calibrate") status = worse(status, calibrate_stage(call, options.methods));
     if (stage == "sample") status = worse(status, sample_stage(call));
+    if (stage == "sensitivity") status = worse(status, sensitivity_stage(call));
     if (stage == "report") status = worse(status, report_stage(call));
   }
   return status;

@@ -12,6 +12,7 @@ ExitStatus run_campaign_verb(const CommandLine& command);
 ExitStatus run_train(const CommandLine& command);
 ExitStatus run_calibrate(const CommandLine& command);
 ExitStatus run_sample(const CommandLine& command);
+ExitStatus run_sensitivity(const CommandLine& command);
 ExitStatus run_diagnose(const CommandLine& command);
 ExitStatus run_report(const CommandLine& command);
 ExitStatus run_study(const CommandLine& command);

@@ -98,6 +98,17 @@ Provenance posterior_provenance(const StudyInputs& inputs) {
   return p;
 }
 
+Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) {
+  const auto& study = inputs.study();
+  Provenance p{.stage = "sensitivity", .options = {{"sensitivity", echo(study.sensitivity)}}, .seed = inputs.command().seed, .inputs = {}};
+  for (const auto& q : study.parameters()) p.options["parameter"][q.name] = echo(q);
+  if (by_surrogate)
+    p.inputs["surrogate.nc"] = hash_file(inputs.artefact("surrogate.nc")), p.inputs["campaign.nc"] = hash_file(inputs.artefact("campaign.nc"));
+  else
+    p.inputs["model"] = runs_provenance(study).identity();
+  return p;
+}
+
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
   p.options.erase("sampler");

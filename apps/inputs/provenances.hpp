@@ -17,6 +17,8 @@ struct Provenance;  // base/provenance.hpp
 [[nodiscard]] Provenance runs_provenance(const StudyCase& study);
 /// surrogate.nc stands where the basin is sought on it, and is then an input.
 [[nodiscard]] Provenance posterior_provenance(const StudyInputs& inputs);
+/// Of sensitivity.json; surrogate.nc stands where it is the surrogate that is analysed.
+[[nodiscard]] Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate);
 /// Of diagnosis.json.
 [[nodiscard]] Provenance diagnosis_provenance(const StudyInputs& inputs);
 /// power.json: the same of what is planned; no recordings.

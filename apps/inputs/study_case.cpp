@@ -47,8 +47,6 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   for (const char* of_a_line : {"line", "drive", "station"})
     if (!study.line && !study.external && study.file.has(of_a_line))
       throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh", .key = of_a_line, .suggestion = "add [model] with kind = \"line\", or take it out"}));
-  for (const char* later : {"sensitivity"})
-    if (study.file.has(later)) study.forward.notes.push_back(fmt::format("[{}]: this stage is not built yet in this version, the table is not read", later));
   study.file.read("campaign", study.campaign);
   study.file.read("floor", study.floor);
   study.file.read("surrogate", study.surrogate);
@@ -62,6 +60,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("sampler", study.sampler);
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);
+  study.file.read("sensitivity", study.sensitivity);
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
@@ -82,6 +81,7 @@ Json StudyCase::echo() const {
   all["sampler"] = calomel::echo(sampler);
   all["diagnosis"] = calomel::echo(diagnosis);
   all["power"] = calomel::echo(power);
+  all["sensitivity"] = calomel::echo(sensitivity);
   all["study"] = calomel::echo(study);
   all["fields"] = calomel::echo(fields);
   return all;

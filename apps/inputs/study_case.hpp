@@ -20,6 +20,7 @@
 #include "uq/diagnosis/diagnosis.hpp"
 #include "uq/power/power.hpp"
 #include "uq/sampler/sampler.hpp"
+#include "uq/sensitivity/sensitivity.hpp"
 
 namespace calomel {
 
@@ -31,7 +32,7 @@ struct StudyOptions {
   template <class V>
   void visit(V& v) {
     v("stages", stages,
-      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "sample", "report"}, .least_size = 1});
+      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "sample", "sensitivity", "report"}, .least_size = 1});
     v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
   }
 };
@@ -61,6 +62,7 @@ struct StudyCase {
   SamplerOptions sampler;
   DiagnosisOptions diagnosis;
   PowerOptions power;
+  SensitivityOptions sensitivity;
   std::optional<RecordingOptions> recordings;  ///< empty when the case has no [recordings]
   StudyOptions study;
   FieldOptions fields;

@@ -1,0 +1,103 @@
+#include "apps/pipeline/sensitivity_stage.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "apps/inputs/provenances.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/run_lines.hpp"
+#include "apps/presentation/stage_progress.hpp"
+#include "base/artefact.hpp"
+#include "base/provenance.hpp"
+#include "forward/campaign/archive.hpp"
+#include "forward/surrogate/surrogate.hpp"
+#include "inverse/posterior/prior.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// u with the prior's quantile(u) = x.
+double probability_below(const Prior& prior, double x) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (middle > 0 && prior.quantile(std::max(middle, 1e-300)) < x ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Points of the unit cube as parameters: evenly between the bounds, or by the priors there.
+std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::vector<Parameter>& parameters, bool by_prior) {
+  const auto priors = priors_of(parameters);
+  std::vector<std::pair<double, double>> range;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    range.emplace_back(by_prior ? probability_below(priors[k], parameters[k].min) : parameters[k].min, by_prior ? probability_below(priors[k], parameters[k].max) : parameters[k].max);
+  return [=](const Eigen::MatrixXd& unit) {
+    Eigen::MatrixXd out = unit;
+    for (Eigen::Index k = 0; k < unit.rows(); ++k) {
+      const auto& p = parameters[std::size_t(k)];
+      const auto [low, high] = range[std::size_t(k)];
+      for (Eigen::Index i = 0; i < unit.cols(); ++i) {
+        const double x = low + (high - low) * unit(k, i);
+        out(k, i) = std::clamp(by_prior ? priors[std::size_t(k)].quantile(std::clamp(x, 1e-12, 1 - 1e-12)) : x, p.min, p.max);
+      }
+    }
+    return out;
+  };
+}
+
+std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parameter>& parameters) {
+  const auto& whole = s.quantities.back();
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto &f = whole.sobol.first_order[k], &t = whole.sobol.total_order[k];
+    lines.push_back(fmt::format("sensitivity: {}: {:.3g} of the variance of all records alone ({:.3g} to {:.3g}), {:.3g} with the others ({:.3g} to {:.3g})", parameters[k].name, f.value, f.low, f.high, t.value, t.low, t.high));
+  }
+  lines.push_back(fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
+  return lines;
+}
+
+}  // namespace
+
+ExitStatus sensitivity_stage(StageCall& call) {
+  auto& inputs = call.inputs;
+  const auto& study = inputs.study();
+  const auto& command = inputs.command();
+  const bool by_surrogate = study.on_mesh() || study.file.has("surrogate");
+  const ExitStatus upstream = by_surrogate ? train_stage(call, Asked::upstream) : ExitStatus::done;
+  const auto provenance = sensitivity_provenance(inputs, by_surrogate);
+  if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Asked::by_user)) {
+    inputs.notes().say(reused_line("sensitivity"));
+    return upstream;
+  }
+  std::unique_ptr<Surrogate> surrogate;
+  std::optional<KnownRuns> runs;
+  if (by_surrogate) {
+    surrogate = load_surrogate(inputs.artefact("surrogate.nc"));
+    const Archive archive = read_archive(inputs.artefact("campaign.nc"));
+    runs = KnownRuns{.thetas = archive.theta, .means = archive.mean.cast<double>()};
+  }
+  const ForwardModel& model = surrogate ? static_cast<const ForwardModel&>(*surrogate) : inputs.any_model();
+  const auto& parameters = study.parameters();
+  const auto progress = stage_progress("sensitivity", command.quiet);
+  const SensitivityInputs in{.model = model,
+                             .options = study.sensitivity,
+                             .seed = command.seed,
+                             .threads = command.threads,
+                             .theta = parameters_at(parameters, study.sensitivity.measure == "prior"),
+                             .runs = std::move(runs),
+                             .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
+                             .stop = &stop_requested()};
+  const Sensitivity s = analyse_sensitivity(in);
+  const std::string source = by_surrogate ? "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model" : "all by the model itself";
+  write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), provenance);
+  std::ofstream(inputs.artefact("sensitivity.csv")) << sensitivity_csv(s, parameters);
+  write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, source, provenance));
+  inputs.notes().say(lines_of(s, parameters));
+  return upstream;
+}
+
+}  // namespace calomel

@@ -1,0 +1,82 @@
+#pragma once
+/// Which parameters a model's records depend on: by variance, by elementary effects and by a polynomial.
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/options.hpp"
+#include "forward/model.hpp"
+#include "uq/sensitivity/chaos_indices.hpp"
+#include "uq/sensitivity/morris.hpp"
+#include "uq/sensitivity/sobol_indices.hpp"
+
+namespace calomel {
+
+struct Provenance;
+
+/// `[sensitivity]` of a case file.
+struct SensitivityOptions {
+  int samples = 2048;
+  std::string measure = "uniform";
+  int trajectories = 64;
+  template <class V>
+  void visit(V& v) {
+    v("samples", samples, {.range = between(16, 1000000), .doc = "rows of the design of Sobol' indices; each is two evaluations and one more a parameter"});
+    v("measure", measure, {.doc = "how parameters vary: evenly between their bounds, or by their priors there", .choices = {"uniform", "prior"}});
+    v("trajectories", trajectories, {.range = between(2, 100000), .doc = "of elementary effects; each is one evaluation and one more a parameter"});
+  }
+};
+
+/// Runs that are there already: of the model itself where indices are those of its surrogate.
+struct KnownRuns {
+  Eigen::MatrixXd thetas;  ///< (n_parameters, n)
+  Eigen::MatrixXd means;   ///< (values, n), NaN columns where a run failed
+};
+
+struct SensitivityInputs {
+  const ForwardModel& model;
+  SensitivityOptions options;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  /// Values of the parameters at points of the unit cube, (n_parameters, n) both.
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd& unit)> theta;
+  std::optional<KnownRuns> runs;  ///< what the polynomial is fitted to; without any the points of the design
+  std::function<void(std::size_t done, std::size_t all)> progress;
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// One number of a run, or a whole record ("record"), whose indices are the generalised ones.
+struct QuantitySensitivity {
+  std::string name;    ///< "peak", "time_of_peak", "rms", "record"; "value" of a model with one value
+  std::string sensor;  ///< empty: all records together
+  std::string condition;
+  std::string unit;
+  double mean = 0, sd = 0;             ///< of a number; NaN for a record
+  SobolIndices sobol;
+  std::vector<MorrisEffect> morris;    ///< empty for a record
+  std::optional<LegendreChaos> chaos;  ///< of a number, with the uniform measure
+};
+
+struct Sensitivity {
+  std::vector<QuantitySensitivity> quantities;  ///< all records together last
+  Eigen::MatrixXd first_order, total_order;     ///< (values, n_parameters)
+  Eigen::VectorXd sd;                           ///< (values)
+  std::size_t evaluations = 0, failed = 0;
+};
+
+/// Errors: NumericsError when more than a fifth of the evaluations fail; Interrupted.
+[[nodiscard]] Sensitivity analyse_sensitivity(const SensitivityInputs& in);
+
+/// The contents of sensitivity.json. `source`: a sentence on what was evaluated.
+[[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance);
+/// One line a quantity and parameter.
+[[nodiscard]] std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters);
+/// sensitivity.nc: indices (condition, sensor, time, parameter).
+void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const Provenance& provenance);
+
+}  // namespace calomel

@@ -1,0 +1,83 @@
+#include "uq/sensitivity/sobol_indices.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/errors.hpp"
+#include "base/random.hpp"
+#include "forward/campaign/design.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double outside = 0.025;  ///< of the bootstrap's draws, on either side of the interval
+
+double quantile(std::vector<double>& sorted, double u) {
+  std::sort(sorted.begin(), sorted.end());
+  return sorted[std::size_t(std::lround(u * double(sorted.size() - 1)))];
+}
+
+}  // namespace
+
+SobolIndices sobol_indices(const SobolRows& rows, std::uint64_t seed, int resamples) {
+  const Eigen::Index n = rows.variance.size(), d = rows.alone.cols();
+  expect(rows.alone.rows() == n && rows.total.rows() == n && rows.total.cols() == d, "rows of one design");
+  SobolIndices out;
+  out.variance = n ? rows.variance.mean() : 0;
+  out.first_order.assign(std::size_t(d), {nan, nan, nan}), out.total_order = out.first_order;
+  if (!(out.variance > 0)) return out;
+  // The same resampled rows for all parameters.
+  RandomStream random(seed, 0x50b0);
+  std::vector<std::vector<double>> first(static_cast<std::size_t>(d)), total(static_cast<std::size_t>(d));
+  for (int r = 0; r < resamples; ++r) {
+    double v = 0;
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(d), t = a;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto k = std::min(n - 1, Eigen::Index(random.uniform() * double(n)));
+      v += rows.variance[k], a += rows.alone.row(k).transpose(), t += rows.total.row(k).transpose();
+    }
+    if (!(v > 0)) continue;
+    for (Eigen::Index k = 0; k < d; ++k) first[std::size_t(k)].push_back(1 - a[k] / v), total[std::size_t(k)].push_back(t[k] / v);
+  }
+  for (Eigen::Index k = 0; k < d; ++k) {
+    const auto i = std::size_t(k);
+    out.first_order[i].value = 1 - rows.alone.col(k).mean() / out.variance, out.total_order[i].value = rows.total.col(k).mean() / out.variance;
+    if (first[i].empty()) continue;
+    out.first_order[i].low = quantile(first[i], outside), out.first_order[i].high = quantile(first[i], 1 - outside);
+    out.total_order[i].low = quantile(total[i], outside), out.total_order[i].high = quantile(total[i], 1 - outside);
+  }
+  return out;
+}
+
+Eigen::MatrixXd sobol_rows_design(std::size_t dimensions, std::size_t n, std::uint64_t seed) {
+  const auto d = Eigen::Index(dimensions);
+  const Eigen::MatrixXd both = sobol_points(2 * dimensions, n, seed);
+  Eigen::MatrixXd out(d, Eigen::Index(n) * (d + 2));
+  for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
+    const Eigen::Index at = i * (d + 2);
+    out.col(at) = both.col(i).head(d), out.col(at + 1) = both.col(i).tail(d);
+    for (Eigen::Index k = 0; k < d; ++k) out.col(at + 2 + k) = both.col(i).head(d), out(k, at + 2 + k) = both(d + k, i);
+  }
+  return out;
+}
+
+SobolCurves::SobolCurves(Eigen::Index values, Eigen::Index dimensions)
+    : variance_(Eigen::VectorXd::Zero(values)), alone_(Eigen::MatrixXd::Zero(values, dimensions)), total_(Eigen::MatrixXd::Zero(values, dimensions)) {}
+
+void SobolCurves::add(const Eigen::MatrixXd& f) {
+  if (!f.allFinite()) return;
+  ++rows_;
+  variance_ += 0.5 * (f.col(0) - f.col(1)).cwiseAbs2();
+  for (Eigen::Index k = 0; k < alone_.cols(); ++k) {
+    alone_.col(k) += 0.5 * (f.col(1) - f.col(2 + k)).cwiseAbs2();
+    total_.col(k) += 0.5 * (f.col(0) - f.col(2 + k)).cwiseAbs2();
+  }
+}
+
+Eigen::MatrixXd SobolCurves::first_order() const { return 1 - (alone_.array().colwise() / variance_.array()); }
+Eigen::MatrixXd SobolCurves::total_order() const { return total_.array().colwise() / variance_.array(); }
+
+}  // namespace calomel
