@@ -97,6 +97,16 @@ std::string line_page() {
   return s + line_mechanism_page("bar") + line_mechanism_page("pipe");
 }
 
+std::string outside_page() {
+  std::string s = "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). The case has `[case]`, `[model]`, "
+                  "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "
+                  "has `enabled`. `[model.config]` is handed to the model as it stands.\n";
+  s += table<ServerOptions>("[model] outside", "model", "Where the model is.");
+  s += table<OutputOptions>("[output]", "output", "What the model's first output block is.");
+  s += table<OutputTime>("[output.time]", "output.time", "The times of every record.");
+  return s;
+}
+
 template <class Entry>
 std::string catalogue(const std::string& heading, const Registry<Entry>& registry) {
   std::string s = "\n### " + heading + "\n\n| name | what it is |\n|---|---|\n";
@@ -107,7 +117,7 @@ std::string catalogue(const std::string& heading, const Registry<Entry>& registr
 /// Tables whose names are kept for stages to come: nothing reads their keys yet.
 std::string reserved_tables() {
   std::vector<std::string> reserved;
-  for (const char* name : {"output", "sensitivity", "diagnosis", "report"})
+  for (const char* name : {"report"})
     if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
   return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
 }
@@ -150,6 +160,7 @@ std::string case_reference() {
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
   s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += table<DiagnosisOptions>("[diagnosis]", "diagnosis", "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
+  s += table<SensitivityOptions>("[sensitivity]", "sensitivity", "Which parameters the records depend on, see [theory/sensitivity.md](theory/sensitivity.md).");
   s += table<PowerOptions>("[power]", "power", "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
   s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
@@ -164,6 +175,7 @@ std::string case_reference() {
   s += catalogue("Optimisers (`enc.optimizers`)", optimizers());
   s += reserved_tables();
   s += line_page();
+  s += outside_page();
   return s;
 }
 

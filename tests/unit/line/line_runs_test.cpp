@@ -76,7 +76,7 @@ TEST(LineGroups, ActOnEachStationWhereThereAreSeveral) {
   for (const auto& g : offered_groups(LineModel(line_case(one)))) EXPECT_FALSE(g.by_sensor);
 }
 
-TEST(LineRuns, AreTheModelWithWhatIsAddedAndAreMadeOnce) {
+TEST(NumberedRuns, AreTheModelWithWhatIsAddedAndAreMadeOnce) {
   const LineModel model(line_case(pipe_text("[parameter.wave_speed]\nmin = 1000\nmax = 1500\n")));
   const auto groups = offered_groups(model);
   std::vector<AddedParameter> added;
@@ -94,7 +94,7 @@ TEST(LineRuns, AreTheModelWithWhatIsAddedAndAreMadeOnce) {
   std::vector<RunRecord> first;
   {
     RunStore store(of_test, path);
-    first = LineRuns(model, store).run(thetas, added, 2);
+    first = NumberedRuns(model, store).run(thetas, added, 2);
     EXPECT_EQ(store.made(), 3u);
   }
   ASSERT_TRUE(first[0].done && first[1].done && first[2].done);
@@ -104,16 +104,16 @@ TEST(LineRuns, AreTheModelWithWhatIsAddedAndAreMadeOnce) {
   EXPECT_EQ(first[1].mean, std::vector<float>(cut.mean.begin(), cut.mean.end()));
   EXPECT_NE(first[0].mean, first[1].mean);
   RunStore again(of_test, path);
-  EXPECT_EQ(LineRuns(model, again).run(thetas, added, 1), first);
+  EXPECT_EQ(NumberedRuns(model, again).run(thetas, added, 1), first);
   EXPECT_EQ(again.made(), 0u);
 }
 
-TEST(LineRuns, TellWhyOneFailed) {
+TEST(NumberedRuns, TellWhyOneFailed) {
   const LineModel model(line_case(pipe_text("[parameter.velocity]\nmin = 0\nmax = 100\n", "viscosity = 0\nfriction_factor = 0.9")));
   RunStore store({.stage = "runs", .seed = 3}, scratch("line_runs_failed") / "runs.journal");
   Eigen::MatrixXd theta(1, 1);
   theta << 50;
-  const auto r = LineRuns(model, store).run(theta, {}, 1);
+  const auto r = NumberedRuns(model, store).run(theta, {}, 1);
   EXPECT_FALSE(r[0].done);
   EXPECT_FALSE(r[0].message.empty());
 }
