@@ -10,6 +10,7 @@
 #include "apps/report/emulator_tables.hpp"
 #include "apps/report/floor_tables.hpp"
 #include "apps/report/posterior.hpp"
+#include "apps/report/sensitivity.hpp"
 #include "apps/report/spe_tables.hpp"
 #include "apps/report/tables.hpp"
 #include "base/artefact.hpp"
@@ -141,6 +142,7 @@ std::string what_was_run(const Study& study) {
   if (study.sample) done.push_back("sampling of the posterior" + (study.posterior ? fmt::format(" ({} chains of {} draws)", study.posterior->chains, study.posterior->draws) : std::string()));
   if (!methods.empty()) done.push_back("calibration by " + enumeration(methods));
   if (study.diagnosis) done.push_back("a diagnosis of omitted physics (" + count(study.diagnosis->summary, "runs") + " runs of the model)");
+  if (study.sensitivity) done.push_back("an analysis of sensitivity (" + count(study.sensitivity->summary, "evaluations") + " evaluations)");
   return done.empty() ? "" : "<p>What was run: " + enumeration(done) + ".</p>\n";
 }
 
@@ -340,6 +342,7 @@ std::string provenance_section(const Study& study, const ReportInput& input) {
   for (const auto& c : study.calibrations) add(c.method, c.summary);
   add("sample", study.sample);
   if (study.diagnosis) add("diagnosis", study.diagnosis->summary);
+  if (study.sensitivity) add("sensitivity", study.sensitivity->summary);
   return fmt::format("<p>Written by calomel {}; seed {}. Equal options, seed and inputs give equal artefacts.</p>\n", escape_html(version), input.seed) +
          (t.empty() ? missing("No stage has written an artefact yet.", "Run them all with " + command(input, "study") + ".") : t.html()) +
          "<details><summary>Resolved options of the case</summary><pre>" + escape_html(input.options.dump(2)) + "</pre></details>\n" + details;
@@ -385,6 +388,7 @@ std::string sections_html(const Study& study, const ReportInput& input) {
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +
          section("candidates", "Candidates and the \u03c1\u2013c ridge", candidate_section(study, input)) +
          section("posterior", "Posterior", posterior_section(study, input)) +
+         section("sensitivity", "Sensitivity", sensitivity_section(study, input)) +
          section("surrogate", "Surrogate quality", surrogate_section(study, input)) + section("campaign", "Campaign", campaign_section(study, input)) +
          section("floor", "Repeatability floor", floor_section(study, input, "Measure it with " + command(input, "check", "--floor") + ".")) +
          section("provenance", "Provenance", provenance_section(study, input));

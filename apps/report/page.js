@@ -23,6 +23,9 @@
   (data.decay || []).forEach((figure, i) => attempt(`decay-plot-${i}`, () => draw_lines(document.getElementById(`decay-plot-${i}`), figure, false)));
   attempt('ridge-plot', () => draw_ridge(document.getElementById('ridge-plot'), data.ridge));
   attempt('corner-plot', () => draw_corner(document.getElementById('corner-plot'), data.corner));
+  attempt('sensitivity-map', () => draw_sensitivity_map(document.getElementById('sensitivity-map'), data.sensitivity));
+  attempt('sensitivity-curves', () => draw_sensitivity_curves(document.getElementById('sensitivity-curves'), document.getElementById('sensitivity-controls'), data.sensitivity));
+  attempt('sensitivity-morris', () => draw_morris(document.getElementById('sensitivity-morris'), data.sensitivity));
   attempt('design-plot', () => draw_design(document.getElementById('design-plot'), data.design));
   attempt('target-view', () => draw_target(document.getElementById('target-view'), document.getElementById('target-note'), data.target));
   document.documentElement.setAttribute('data-drawn', 'yes');

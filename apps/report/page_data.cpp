@@ -7,6 +7,7 @@
 #include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/page.hpp"
 #include "apps/report/posterior.hpp"
+#include "apps/report/sensitivity.hpp"
 #include "apps/report/surface.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
@@ -164,7 +165,8 @@ Json page_data(const Study& study, const ReportInput& input, std::size_t samples
             {"loss", nullptr},
             {"decay", decay_json(study)},
             {"design", design_json(study, input, points)},
-            {"corner", corner_json(study, input, points * 3 / 4)}};
+            {"corner", corner_json(study, input, points * 3 / 4)},
+            {"sensitivity", sensitivity_drawings(study, input)}};
   if (!data["histories"].is_null()) data["histories"]["scores"] = score_lines(study, input);
   if (const Table t = convergence_table(study); !t.empty()) {
     data["convergence"] = {{"lines", lines_json(t, {2})}, {"x_label", "generation"}, {"y_label", "best objective so far"}};

@@ -103,6 +103,23 @@ std::optional<DiagnosisArtefacts> diagnosis_artefacts(const std::filesystem::pat
   return d;
 }
 
+std::optional<SensitivityArtefacts> sensitivity_artefacts(const std::filesystem::path& dir) {
+  auto summary = json_if_there(dir / "sensitivity.json");
+  if (!summary) return std::nullopt;
+  SensitivityArtefacts s{.summary = std::move(*summary), .conditions = {}, .sensors = {}, .parameters = {}, .time = {}, .sd = {}, .first_order = {}, .total_order = {}};
+  const auto path = dir / "sensitivity.nc";
+  if (!std::filesystem::exists(path)) return s;
+  const NetcdfReader file(path);
+  const Json provenance = Json::parse(file.attribute("provenance"), nullptr, false);
+  if (text_at(provenance, "identity") != text_at(part_at(s.summary, "provenance"), "identity")) return s;
+  const Histories h = axes(file);
+  s.conditions = h.conditions, s.sensors = h.sensors, s.time = h.time, s.parameters = file.strings("parameter");
+  s.sd = values(file, "sd", h, h.time.size(), path);
+  s.first_order = values(file, "first_order", h, h.time.size() * s.parameters.size(), path);
+  s.total_order = values(file, "total_order", h, h.time.size() * s.parameters.size(), path);
+  return s;
+}
+
 std::optional<Histories> simulation_histories(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   const NetcdfReader file(path);
@@ -161,6 +178,7 @@ Study read_study(const std::filesystem::path& out_dir) {
   if (const auto path = out_dir / "posterior.nc"; std::filesystem::exists(path)) study.posterior = draws_of(read_posterior(path, {"posterior"}).at(0));
   study.simulation = simulation_histories(out_dir / "simulate.nc");
   study.diagnosis = diagnosis_artefacts(out_dir);
+  study.sensitivity = sensitivity_artefacts(out_dir);
   return study;
 }
 

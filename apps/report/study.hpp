@@ -44,6 +44,15 @@ struct DiagnosisArtefacts {
   std::string explanation;             ///< whose histories `explained` are; empty where there are none
 };
 
+struct SensitivityArtefacts {
+  Json summary;  ///< sensitivity.json
+  /// sensitivity.nc, where it is of the same identity; else empty. Arrays are (condition, sensor, time), indices (condition, sensor, time, parameter).
+  std::vector<std::string> conditions, sensors, parameters;
+  std::vector<double> time;                     ///< [s]
+  std::vector<double> sd;                       ///< of the values [data's unit]
+  std::vector<double> first_order, total_order;  ///< [-], NaN where a value does not vary
+};
+
 struct Study {
   std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
@@ -54,11 +63,12 @@ struct Study {
   std::optional<Draws> posterior;   ///< posterior.nc, its group of that name
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
   std::optional<DiagnosisArtefacts> diagnosis;
+  std::optional<SensitivityArtefacts> sensitivity;
 
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
   /// No artefact of any stage was there.
   [[nodiscard]] bool empty() const {
-    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior && !diagnosis;
+    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior && !diagnosis && !sensitivity;
   }
 };
 

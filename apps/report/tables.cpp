@@ -52,9 +52,13 @@ std::string unit_of(const ReportInput& input, const std::string& parameter) {
 }
 
 std::string with_unit(const std::string& name, const std::string& unit) { return unit.empty() ? name : name + " [" + unit + "]"; }
+}  // namespace
 
+std::string parameter_label(const ReportInput& input, const std::string& parameter) { return with_unit(parameter, unit_of(input, parameter)); }
+
+namespace {
 void add_parameter_columns(Table& table, const std::vector<std::string>& names, const ReportInput& input) {
-  for (const auto& n : names) table.columns.push_back({n, with_unit(n, unit_of(input, n)), 5});
+  for (const auto& n : names) table.columns.push_back({n, parameter_label(input, n), 5});
 }
 
 /// theta is {NAME: value}, or a list in declared order.

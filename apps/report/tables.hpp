@@ -13,6 +13,8 @@ struct DisplayUnit {
 };
 DisplayUnit display_unit(const ReportInput& input);
 
+/// A parameter's name with its unit, "density [kg/m3]".
+std::string parameter_label(const ReportInput& input, const std::string& parameter);
 /// Names of the parameters: those of the case, else those of the first calibration.
 std::vector<std::string> parameter_names(const Study& study, const ReportInput& input);
 

@@ -74,7 +74,8 @@ struct Sensitivity {
 
 /// The contents of sensitivity.json. `source`: a sentence on what was evaluated.
 [[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance);
-/// One line a quantity and parameter.
+/// One line a quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices with their intervals, elementary effects, the polynomial's
+/// indices and left-out R2. A field is empty where a quantity has no such number.
 [[nodiscard]] std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters);
 /// sensitivity.nc: indices (condition, sensor, time, parameter).
 void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const Provenance& provenance);

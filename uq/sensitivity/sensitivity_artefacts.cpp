@@ -33,6 +33,14 @@ Json chaos_json(const LegendreChaos& chaos, const std::vector<Parameter>& parame
   return j;
 }
 
+/// A name as a field of a CSV line (RFC 4180).
+std::string field(const std::string& name) {
+  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 }  // namespace
 
 Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance) {
@@ -63,13 +71,14 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
 }
 
 std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters) {
-  std::string out = "quantity,condition,sensor,unit,mean,sd,parameter,first_order,first_low,first_high,total_order,total_low,total_high,morris_mu_star,morris_sigma,polynomial_first,polynomial_total,polynomial_left_out_r2\n";
+  std::string out = "quantity,condition,sensor,unit,mean,sd,parameter,parameter_min,parameter_max,first_order,first_low,first_high,total_order,total_low,total_high,morris_mu,morris_mu_star,morris_mu_star_se,morris_sigma,polynomial_first,polynomial_total,polynomial_left_out_r2\n";
   const auto text = [](double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string(); };
   for (const auto& q : s.quantities)
     for (std::size_t k = 0; k < parameters.size(); ++k) {
       const auto &f = q.sobol.first_order[k], &t = q.sobol.total_order[k];
-      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", q.name, q.condition, q.sensor, q.unit, text(q.mean), text(q.sd), parameters[k].name, text(f.value), text(f.low), text(f.high), text(t.value), text(t.low), text(t.high));
-      out += q.morris.empty() ? ",," : fmt::format(",{},{}", text(q.morris[k].mu_star), text(q.morris[k].sigma));
+      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", q.name, field(q.condition), field(q.sensor), q.unit, text(q.mean), text(q.sd), field(parameters[k].name), text(parameters[k].min),
+                         text(parameters[k].max), text(f.value), text(f.low), text(f.high), text(t.value), text(t.low), text(t.high));
+      out += q.morris.empty() ? ",,,," : fmt::format(",{},{},{},{}", text(q.morris[k].mu), text(q.morris[k].mu_star), text(q.morris[k].mu_star_se), text(q.morris[k].sigma));
       if (q.chaos) {
         const auto indices = indices_of(*q.chaos);
         out += fmt::format(",{},{},{}\n", text(indices.first_order[Eigen::Index(k)]), text(indices.total_order[Eigen::Index(k)]), text(q.chaos->left_out_r2));

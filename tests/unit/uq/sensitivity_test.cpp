@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 namespace calomel {
 namespace {
@@ -154,6 +156,41 @@ TEST(Sensitivity, IntervalsCover) {
     for (std::size_t k = 0; k < total.size(); ++k) count(s.total_order[k], total[k]);
   }
   EXPECT_GT(held, 0.9 * all) << held << " of " << all;  // Sobol' points are better than random ones: the intervals err on the wide side
+}
+
+/// The table to hand in: every line has every column, bounds stand beside the parameter, a gauge's name cannot break a line.
+TEST(Sensitivity, CsvHasEveryColumnInEveryLine) {
+  const Function f(2, 0, 2, 3, [](std::span<const double> x) { return std::vector{x[0], x[0] + x[1], 2 * x[1]}; });
+  Sensitivity s = analysed(f, 64);
+  for (auto& q : s.quantities)
+    if (!q.sensor.empty()) q.sensor = "left, \"low\"";
+  std::istringstream lines(sensitivity_csv(s, f.shape().parameters));
+  const auto fields = [](const std::string& line) {
+    std::vector<std::string> out{""};
+    bool quoted = false;
+    for (const char c : line)
+      if (c == '"')
+        quoted = !quoted;
+      else if (c == ',' && !quoted)
+        out.emplace_back();
+      else
+        out.back() += c;
+    return out;
+  };
+  std::string line;
+  std::getline(lines, line);
+  const auto header = fields(line);
+  const auto column = [&](const char* name) { return std::size_t(std::find(header.begin(), header.end(), name) - header.begin()); };
+  ASSERT_LT(column("total_order"), header.size());
+  std::size_t rows = 0;
+  for (; std::getline(lines, line); ++rows) {
+    const auto row = fields(line);
+    ASSERT_EQ(row.size(), header.size()) << line;
+    EXPECT_EQ(row[column("parameter_min")], "0");
+    EXPECT_EQ(row[column("parameter_max")], "2");
+    EXPECT_EQ(row[column("morris_mu_star")].empty(), row[column("quantity")] == "record") << line;
+  }
+  EXPECT_EQ(rows, 2 * s.quantities.size());
 }
 
 TEST(Sensitivity, AModelThatMostlyFailsIsToldSo) {
