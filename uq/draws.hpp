@@ -9,6 +9,7 @@ struct Draws {
   std::vector<std::string> names;  ///< (name)
   std::size_t chains = 0, draws = 0;
   std::vector<double> values;  ///< (chain, draw, name), row-major
+  std::size_t walkers = 1;     ///< chains that move together, one after another: those of an ensemble. Divides `chains`
 
   [[nodiscard]] double at(std::size_t chain, std::size_t draw, std::size_t name) const { return values[(chain * draws + draw) * names.size() + name]; }
   /// One name's draws: (chain, draw).

@@ -102,6 +102,8 @@ Draws draws_of(const PosteriorGroup& group) {
 std::vector<PosteriorGroup> posterior_groups(const LogDensity& density, const SamplerResult& result) {
   PosteriorGroup stats{.name = "sample_stats", .chains = result.quantities.chains, .draws = result.quantities.draws};
   stats.variables = {{"lp", "", {}, result.log_density}, {"acceptance_rate", "", {}, result.acceptance}};
+  if (!result.energy.empty())
+    for (const auto& [name, values] : {std::pair{"energy", &result.energy}, {"diverging", &result.diverging}, {"tree_depth", &result.depth}}) stats.variables.push_back({name, "", {}, *values});
   return {group_of("posterior", result.quantities, density.quantities()), group_of("unconstrained_posterior", result.coordinates), std::move(stats)};
 }
 
@@ -135,6 +137,9 @@ Json posterior_json(const Convergence& convergence, const std::string& kind, con
                      {"evaluations", s.evaluations},
                      {"transitions", s.transitions},
                      {"wall_s", s.wall_s}};
+  if (result.quantities.walkers > 1) json["sampler"]["walkers"] = result.quantities.walkers;
+  if (s.log_evidence) json["sampler"]["log_evidence"] = *s.log_evidence;
+  if (s.log_evidence_error) json["sampler"]["log_evidence_standard_error"] = *s.log_evidence_error;
   json["provenance"] = provenance.json();
   return json;
 }

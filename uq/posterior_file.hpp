@@ -48,7 +48,7 @@ PosteriorGroup group_of(const std::string& name, const Draws& draws, const std::
 /// Back to draws: the variables of a group that have no other dimension than chain and draw.
 Draws draws_of(const PosteriorGroup& group);
 
-/// posterior (quantities), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate) of a sampler's result.
+/// posterior (quantities), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate; energy, diverging, tree_depth of a sampler along trajectories) of a sampler's result.
 std::vector<PosteriorGroup> posterior_groups(const LogDensity& density, const SamplerResult& result);
 
 /// Writes the groups in this order, each with inference_library = "calomel" and its version; the provenance stands at the root. The file depends on its content
@@ -58,7 +58,8 @@ void write_posterior(const std::filesystem::path& path, const std::vector<Poster
 /// All groups, or those named. Errors: InputError when the file is absent or not of this form.
 std::vector<PosteriorGroup> read_posterior(const std::filesystem::path& path, const std::vector<std::string>& names = {});
 
-/// posterior.json: convergence_json and {sampler: {kind, chains, draws, acceptance, evaluations, transitions, wall_s}, provenance}.
+/// posterior.json: convergence_json and {sampler: {kind, chains, draws, acceptance, evaluations, transitions, wall_s; walkers of ensembles; log_evidence and
+/// log_evidence_standard_error where there is one}, provenance}.
 Json posterior_json(const Convergence& convergence, const std::string& kind, const SamplerResult& result, const Provenance& provenance);
 
 }  // namespace calomel

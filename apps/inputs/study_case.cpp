@@ -24,7 +24,7 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
   ErrorOptions e;
   const double step = external.time.step, length = std::max(external.time.count - 1, 1) * step;
   e.band = slack * 0.5 / step;
-  e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0, e.young_sd = 0, e.gauge_place_sd = 0;
+  e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0, e.young_sd = 0, e.wall_film_sd = 0, e.gauge_place_sd = 0;
   e.beyond = 0, e.beyond_sd = 0, e.beyond_rest = 0, e.record_noise = 0, e.mesh = 0, e.arrival_share = 0;
   e.discrepancy_times = {std::max(short_share * length, least_steps * step), std::max(long_share * length, least_steps * step)};
   e.amplitude_time = std::max(local_share * length, least_steps * step);
@@ -56,7 +56,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("emulator", study.emulator);
   if (study.external) study.errors = errors_of_external(*study.external);
   study.file.read("errors", study.errors);
-  if (study.external) study.sampler.warmup = 4000, study.sampler.draws = 4000;
+  if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
+  if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);

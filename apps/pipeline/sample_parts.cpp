@@ -24,10 +24,6 @@ std::vector<std::string> absorption(const std::vector<Parameter>& parameters, co
   return out;
 }
 
-Convergence assessed(const SamplerResult& result, int thin) {
-  double acceptance = 0;
-  for (const double a : result.summary.acceptance) acceptance += a / double(result.summary.acceptance.size());
-  return assess(result.quantities, {.acceptance = acceptance, .thin = thin});
-}
+Convergence assessed(const SamplerResult& result, int thin) { return assess(result.quantities, sampling_facts(result, thin)); }
 
 }  // namespace calomel

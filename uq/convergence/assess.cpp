@@ -41,6 +41,7 @@ ParameterSummary summary_of(const std::string& name, ChainDraws x) {
     s.mean = mean(x.values), s.sd = sd(x.values), s.q05 = quantile(x.values, 0.05), s.q50 = quantile(x.values, 0.5), s.q95 = quantile(x.values, 0.95);
   s.r_hat = split_r_hat(x), s.ess_bulk = ess_bulk(x), s.ess_tail = ess_tail(x);
   s.mcse_mean = mcse_mean(x), s.mcse_sd = mcse_sd(x);
+  s.mcse_q05 = mcse_quantile(x, 0.05), s.mcse_q50 = mcse_quantile(x, 0.5), s.mcse_q95 = mcse_quantile(x, 0.95);
   return s;
 }
 
@@ -110,9 +111,26 @@ bool drifts(ChainDraws x) {
   return 4 * drifting >= 3 * x.chains;
 }
 
+constexpr double telling_share = 0.001;  ///< of trajectories that diverge, from which on they are the likely cause
+
+/// Chains whose energies change too slowly.
+std::vector<std::size_t> slow_energies(const SamplingFacts& facts, const ConvergenceLimits& limits) {
+  std::vector<std::size_t> chains;
+  for (std::size_t c = 0; c < facts.e_bfmi.size(); ++c)
+    if (facts.e_bfmi[c] < limits.e_bfmi) chains.push_back(c);
+  return chains;
+}
+
+std::string slow_energy_sentence(const std::vector<std::size_t>& low, const SamplingFacts& facts, const std::string& name) {
+  return fmt::format(
+      "the energy changes too slowly in {} {} (E-BFMI {:.2f}), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and {} is the parameter known "
+      "worst; infer it on a logarithmic scale or give it a prior that bounds it",
+      low.size() > 1 ? "chains" : "chain", chain_numbers(low), facts.e_bfmi[low[0]], name);
+}
+
 std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary& s, const SamplingFacts& facts, const ConvergenceLimits& limits) {
   const auto values = draws.of(worst);
-  const ChainDraws x{values, draws.chains};
+  const ChainDraws x{values, draws.chains, draws.walkers};
   const std::string& name = s.name;
   if (draws.draws < 4) return fmt::format("{} cannot be judged by {} draws a chain; set sampler.draws to some thousands", name, draws.draws);
   if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
@@ -145,6 +163,17 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
           "compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
           name, g->low_at, g->low.size() > 1 ? "chains" : "chain", chain_numbers(g->low), g->high_at, g->high.size() > 1 ? "chains" : "chain",
           chain_numbers(g->high), s.r_hat, name);
+  const double kept = double(std::max<std::size_t>(1, facts.transitions));
+  if (double(facts.divergences) > telling_share * kept)
+    return fmt::format(
+        "{} is not known ({}) and {} of {} trajectories diverged: the density bends more sharply somewhere than their steps can follow, as in a funnel, or ends at an edge; "
+        "raise sampler.nuts.target to 0.95, or infer {} on a logarithmic scale",
+        name, numbers(s), facts.divergences, facts.transitions, name);
+  if (double(facts.cut) > 0.1 * kept)
+    return fmt::format(
+        "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; double "
+        "sampler.warmup, so that it is learnt, or raise sampler.nuts.depth",
+        name, numbers(s), 100 * double(facts.cut) / kept);
   if (facts.acceptance && *facts.acceptance < 0.05)
     return fmt::format(
         "{} mixes slowly ({}) because only {:.1f} % of the transitions move: the frozen proposal does not fit the density; raise sampler.warmup, or start from "
@@ -162,6 +191,8 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} mixes slowly ({}) along the narrow ridge that it forms with {} (correlation {:.3f}); give one of the two a prior from elsewhere, or let the "
         "proposal learn the ridge: start from the covariance of calibrate --method map and double sampler.warmup",
         name, numbers(s), draws.names[partner], strongest);
+  if (const auto low = slow_energies(facts, limits); !low.empty())
+    return slow_energy_sentence(low, facts, name);
   if (s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess)
     return fmt::format(
         "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
@@ -186,14 +217,24 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   Convergence c;
   for (std::size_t k = 0; k < draws.names.size(); ++k) {
     const auto values = draws.of(k);
-    c.parameters.push_back(summary_of(draws.names[k], {values, draws.chains}));
+    c.parameters.push_back(summary_of(draws.names[k], {values, draws.chains, draws.walkers}));
   }
   const auto worst =
       std::max_element(c.parameters.begin(), c.parameters.end(), [&](const auto& a, const auto& b) { return lack(a, limits) < lack(b, limits); });
   c.parameter = worst->name;
-  c.converged = std::all_of(c.parameters.begin(), c.parameters.end(), [&](const auto& s) { return within(s, limits); });
-  c.message = c.converged ? fmt::format("converged: {} is the least well known, with {}", worst->name, numbers(*worst))
-                          : cause(draws, std::size_t(worst - c.parameters.begin()), *worst, facts, limits);
+  c.e_bfmi = facts.e_bfmi, c.divergences = facts.divergences;
+  const bool known = std::all_of(c.parameters.begin(), c.parameters.end(), [&](const auto& s) { return within(s, limits); });
+  const auto slow = slow_energies(facts, limits);
+  c.converged = known && slow.empty();
+  if (!known)
+    c.message = cause(draws, std::size_t(worst - c.parameters.begin()), *worst, facts, limits);
+  else if (!slow.empty())
+    c.message = slow_energy_sentence(slow, facts, worst->name);
+  else
+    c.message = fmt::format("converged: {} is the least well known, with {}", worst->name, numbers(*worst));
+  if (c.converged && facts.divergences > 0)
+    c.message += fmt::format("; {} of {} trajectories diverged: draws may be missing where the density bends sharply, raise sampler.nuts.target to 0.95 to see", facts.divergences,
+                             facts.transitions);
   return c;
 }
 
@@ -211,8 +252,15 @@ Json convergence_json(const Convergence& convergence) {
                           {"ess_bulk", number(s.ess_bulk)},
                           {"ess_tail", number(s.ess_tail)},
                           {"mcse_mean", number(s.mcse_mean)},
-                          {"mcse_sd", number(s.mcse_sd)}});
-  return {{"parameters", parameters}, {"converged", convergence.converged}, {"message", convergence.message}};
+                          {"mcse_sd", number(s.mcse_sd)},
+                          {"mcse_q05", number(s.mcse_q05)},
+                          {"mcse_q50", number(s.mcse_q50)},
+                          {"mcse_q95", number(s.mcse_q95)}});
+  Json json{{"parameters", parameters}, {"converged", convergence.converged}, {"message", convergence.message}};
+  if (convergence.e_bfmi.empty()) return json;
+  json["divergences"] = convergence.divergences, json["e_bfmi"] = Json::array();
+  for (const double e : convergence.e_bfmi) json["e_bfmi"].push_back(number(e));
+  return json;
 }
 
 }  // namespace calomel

@@ -10,23 +10,28 @@
 namespace calomel {
 
 /// Converged is: R-hat < r_hat and bulk and tail effective sample size >= ess for every parameter (Vehtari et al. 2021, section 4: 1.01, and 100 a chain of
-/// four chains).
+/// four chains), and E-BFMI >= e_bfmi in every chain that has one (Betancourt 2016; Stan's limit).
 struct ConvergenceLimits {
   double r_hat = 1.01;
   double ess = 400;
+  double e_bfmi = 0.3;
 };
 
 struct ParameterSummary {
   std::string name;
   double mean = 0, sd = 0, q05 = 0, q50 = 0, q95 = 0;  ///< over all draws [unit of the parameter]
   double r_hat = 0, ess_bulk = 0, ess_tail = 0;        ///< NaN where the draws give no answer
-  double mcse_mean = 0, mcse_sd = 0;
+  double mcse_mean = 0, mcse_sd = 0, mcse_q05 = 0, mcse_q50 = 0, mcse_q95 = 0;
 };
 
 /// What the run knows beside its draws; it sharpens the cause that is named.
 struct SamplingFacts {
   std::optional<double> acceptance;  ///< mean acceptance of the kept transitions, [0, 1]
   int thin = 1;                      ///< transitions a kept draw
+  std::vector<double> e_bfmi;        ///< (chain), see EnergyChanges; empty where the sampler has no momenta
+  std::size_t divergences = 0;       ///< of the kept transitions: trajectories given up
+  std::size_t cut = 0;               ///< of the kept transitions: trajectories that the greatest number of doublings ended
+  std::size_t transitions = 0;       ///< kept
 };
 
 struct Convergence {
@@ -34,14 +39,18 @@ struct Convergence {
   std::string message = "not assessed";      ///< one sentence
   std::string parameter;                     ///< the worst one
   std::vector<ParameterSummary> parameters;  ///< in the order of the draws
+  std::vector<double> e_bfmi;                ///< as in the facts
+  std::size_t divergences = 0;               ///< as in the facts
 };
 
 /// Summaries of all parameters and the verdict. Not converged: the message names the worst parameter, the likely cause, in this order of suspicion:
-/// draws that are not finite or do not move; chains in different modes; chains that still drift; hardly any proposal accepted; a narrow ridge between two
-/// parameters; rare visits to the tails; too few draws; and what to do about it.
+/// draws that are not finite or do not move; chains that still drift; chains in different modes; trajectories that diverge, or that end too early; hardly any proposal
+/// accepted; a narrow ridge between two parameters; energies that change too slowly; rare visits to the tails; too few draws; and what to do about it. Divergences of a
+/// converged run are told behind the sentence.
 Convergence assess(const Draws& draws, const SamplingFacts& facts = {}, const ConvergenceLimits& limits = {});
 
-/// {parameters: [{name, mean, sd, q05, q50, q95, r_hat, ess_bulk, ess_tail, mcse_mean, mcse_sd}], converged, message}; null for what is NaN or infinite.
+/// {parameters: [{name, mean, sd, q05, q50, q95, r_hat, ess_bulk, ess_tail, mcse_mean, mcse_sd, mcse_q05, mcse_q50, mcse_q95}], converged, message}, and
+/// {e_bfmi: [chain], divergences} where the sampler has momenta; null for what is NaN or infinite.
 Json convergence_json(const Convergence& convergence);
 
 }  // namespace calomel

@@ -127,6 +127,27 @@ double ess_of(const Halves& h) {
   return total / std::max(tau, 1 / std::log10(total));
 }
 
+/// Means over the walkers that move together: (ensemble, draw).
+std::vector<double> ensemble_means(ChainDraws x) {
+  const std::size_t n = x.draws();
+  std::vector<double> means(x.chains / x.walkers * n, 0.0);
+  for (std::size_t c = 0; c < x.chains; ++c)
+    for (std::size_t i = 0; i < n; ++i) means[c / x.walkers * n + i] += x.values[c * n + i] / double(x.walkers);
+  return means;
+}
+
+/// Of values, (chain, draw), laid out as x is.
+double ess_of(std::span<const double> values, ChainDraws x) {
+  const double own = ess_of(halves(values, x.chains));
+  if (x.walkers == 1) return own;
+  expect(x.chains % x.walkers == 0, "ensembles have equally many walkers");
+  const auto means = ensemble_means({values, x.chains, x.walkers});
+  const double spread = variance(means);
+  if (!(spread > 0)) return own;
+  const double together = ess_of(halves(means, x.chains / x.walkers)) * variance(values) / spread;
+  return std::isnan(together) ? own : std::min(own, together);
+}
+
 }  // namespace
 
 double split_r_hat(ChainDraws x) {
@@ -139,15 +160,15 @@ double split_r_hat(ChainDraws x) {
   return std::max(bulk, r_hat_of(halves(normal_scores(folded), x.chains)));
 }
 
-double ess_mean(ChainDraws x) { return answerable(x) ? ess_of(halves(x.values, x.chains)) : nan; }
+double ess_mean(ChainDraws x) { return answerable(x) ? ess_of(x.values, x) : nan; }
 
-double ess_bulk(ChainDraws x) { return answerable(x) ? ess_of(halves(normal_scores(x.values), x.chains)) : nan; }
+double ess_bulk(ChainDraws x) { return answerable(x) ? ess_of(normal_scores(x.values), x) : nan; }
 
 double ess_indicator(ChainDraws x, double bound) {
   if (!answerable(x)) return nan;
   std::vector<double> below(x.values.size());
   for (std::size_t i = 0; i < below.size(); ++i) below[i] = x.values[i] <= bound ? 1 : 0;
-  return ess_mean({below, x.chains});
+  return ess_mean({below, x.chains, x.walkers});
 }
 
 double ess_quantile(ChainDraws x, double p) { return answerable(x) ? ess_indicator(x, quantile(x.values, p)) : nan; }
@@ -167,7 +188,7 @@ double mcse_sd(ChainDraws x) {
   const double m2 = mean(square);
   double m4 = 0;
   for (const double v : square) m4 += v * v / double(square.size());
-  const double ess = ess_mean({square, x.chains});
+  const double ess = ess_mean({square, x.chains, x.walkers});
   return std::sqrt((m4 - m2 * m2) / ess / m2) / 2;
 }
 
@@ -184,6 +205,16 @@ double mcse_quantile(ChainDraws x, double p) {
   const double high = at(std::ceil(total * boost::math::quantile(beta, boost::math::cdf(normal, 1))));
   return 0.5 * (high - low);
 }
+
+void EnergyChanges::add(double energy) {
+  if (n_ > 0) changes_ += (energy - last_) * (energy - last_);
+  n_ += 1, last_ = energy;
+  const double before = energy - mean_;
+  mean_ += before / n_;
+  squares_ += before * (energy - mean_);
+}
+
+double EnergyChanges::e_bfmi() const { return n_ >= 4 && squares_ > 0 ? changes_ / squares_ : nan; }
 
 double quantile(std::span<const double> values, double p) {
   expect(!values.empty(), "a quantile is of at least one value");

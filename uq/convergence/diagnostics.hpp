@@ -11,6 +11,7 @@ namespace calomel {
 struct ChainDraws {
   std::span<const double> values;  ///< (chain, draw)
   std::size_t chains = 1;
+  std::size_t walkers = 1;  ///< chains that move together, one after another
   [[nodiscard]] std::size_t draws() const { return chains > 0 ? values.size() / chains : 0; }
 };
 
@@ -20,7 +21,9 @@ struct ChainDraws {
 double split_r_hat(ChainDraws x);
 
 /// Effective sample size of the mean: S / tau, tau from autocorrelations combined over halves of chains (equation 10), summed in pairs while these are
-/// positive and made monotone (Geyer 1992, section 3.3). Above the number of draws where they alternate; at most S log10 S.
+/// positive and made monotone (Geyer 1992, section 3.3). Above the number of draws where they alternate; at most S log10 S. Walkers that move together are not independent
+/// of one another from one draw to the next, which their own autocorrelations do not tell: given is the smaller of that size and var(x) over the variance of the mean
+/// that follows from the autocorrelations of the walkers' mean (Goodman and Weare 2010, section 3).
 double ess_mean(ChainDraws x);
 /// The same of the normal scores of the ranks: how well the bulk is known.
 double ess_bulk(ChainDraws x);
@@ -38,6 +41,20 @@ double mcse_sd(ChainDraws x);
 /// Of a quantile: half the distance of the order statistics at the 15.9 and 84.1 % points of Beta(n p + 1, n (1 - p) + 1), n = ess_quantile
 /// (section 4.4) [unit of x].
 double mcse_quantile(ChainDraws x, double p);
+
+/// Sums of a chain's energies E_n, one after another, for
+///   E-BFMI = sum (E_n - E_(n-1))^2 / sum (E_n - mean E)^2,
+/// the share of the energy's spread that fresh momenta reach in a transition (Betancourt 2016, arXiv:1604.00695): about 1 where they do, below 0.3 where
+/// tails are so heavy that the chain explores them by diffusion.
+class EnergyChanges {
+ public:
+  void add(double energy);
+  /// NaN of fewer than four energies, or of energies that are all equal.
+  [[nodiscard]] double e_bfmi() const;
+
+ private:
+  double n_ = 0, mean_ = 0, squares_ = 0, changes_ = 0, last_ = 0;
+};
 
 /// Quantile of finite values by linear interpolation between order statistics (type 7 of Hyndman and Fan 1996).
 double quantile(std::span<const double> values, double p);

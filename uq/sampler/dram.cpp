@@ -1,13 +1,12 @@
 #include "uq/sampler/dram.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
+#include "uq/sampler/start.hpp"
 
 namespace calomel {
 
@@ -103,10 +102,8 @@ class DramChain final : public MarkovChain {
       const double length = std::pow(options_.shrink, double(i - 1));
       for (Eigen::Index k = 0; k < d_; ++k) whitened(k, Eigen::Index(i)) = length * random.normal();
       const Eigen::VectorXd y = x_ + factor_.triangularView<Eigen::Lower>() * whitened.col(Eigen::Index(i));
-      const double value = density_.log_density({y.data(), std::size_t(d_)});
+      const double value = checked_log_density(density_, y);
       ++result.evaluations;
-      if (std::isnan(value) || value == -never)
-        throw NumericsError(fmt::format("the log density is {} at {}", std::isnan(value) ? "NaN" : "infinite", place(y)));
       values.push_back(value);
       order.push_back(i);
       const double a = std::exp(log_acceptance_of(order, values, whitened, options_.shrink));
@@ -124,11 +121,11 @@ class DramChain final : public MarkovChain {
   }
 
   void freeze() override { frozen_ = true; }
-  [[nodiscard]] std::span<const double> position() const override { return {x_.data(), std::size_t(d_)}; }
-  [[nodiscard]] double log_density() const override { return log_density_; }
+  [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override { return {x_.data(), std::size_t(d_)}; }
+  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return log_density_; }
 
   void save(ByteWriter& out) const override {
-    out.values(position());
+    out.values(position(0));
     out.value(log_density_), out.value(log_scale_), out.value(learned_), out.value(doubling_), out.value(frozen_);
     for (const auto* m : {&shape_, &former_, &factor_}) out.values(std::span<const double>(m->data(), std::size_t(m->size())));
     older_.save(out), newer_.save(out);
@@ -146,12 +143,6 @@ class DramChain final : public MarkovChain {
   }
 
  private:
-  [[nodiscard]] std::string place(const Eigen::VectorXd& y) const {
-    std::string s;
-    for (Eigen::Index k = 0; k < d_; ++k) s.append(k ? ", " : "").append(density_.coordinates()[std::size_t(k)]).append(" = ").append(number_text(y[k]));
-    return s;
-  }
-
   /// The factor of s (2.38^2 / d) S; false, and the factor as it was, when S is not positive definite.
   bool factorise() {
     const Cholesky cholesky(shape_);

@@ -3,39 +3,53 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
-#include "base/linear_algebra.hpp"
+#include "base/log_sum.hpp"
+#include "base/nan.hpp"
 #include "base/parallel.hpp"
+#include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/start.hpp"
 
 namespace calomel {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr double never = -std::numeric_limits<double>::infinity();
+const std::string two_densities = "delayed_acceptance";
 
 /// What a chain has done so far.
 struct ChainRecord {
   std::size_t transitions = 0, evaluations = 0;
-  std::vector<double> coordinates;  ///< (draw, d)
-  std::vector<double> log_density;  ///< (draw)
-  std::vector<double> acceptance;   ///< (draw)
-  double pending = 0;               ///< acceptance summed over the transitions since the last kept draw
-  std::string state;                ///< of its stream and its chain, after `transitions`; empty before the start
+  std::vector<double> coordinates;                 ///< (draw, walker, d)
+  std::vector<double> log_density;                 ///< (draw, walker)
+  std::vector<double> acceptance;                  ///< (draw)
+  std::vector<double> energy, diverging, depth;    ///< (draw), empty without trajectories
+  double pending = 0;                              ///< acceptance summed over the transitions since the last kept draw
+  double pending_divergences = 0;                  ///< divergent transitions since then
+  EnergyChanges energies;                          ///< of the kept transitions
+  std::uint64_t divergences = 0, cut = 0;          ///< kept transitions
+  double log_evidence = nan;                       ///< where the sampler makes one, at the end
+  std::string state;                               ///< of its stream and its chain, after `transitions`; empty before the start
+
+  [[nodiscard]] std::array<std::vector<double>*, 6> lists() { return {&coordinates, &log_density, &acceptance, &energy, &diverging, &depth}; }
 };
 
-/// A frame of the journal: the chain, what it did since its last frame, and where it stands.
-std::string frame_of(std::size_t chain, const ChainRecord& record, std::size_t first_draw, std::size_t d) {
+/// A frame of the journal: the chain, what it did since its last frame, and where it stands. saved: lengths of the lists at the last frame.
+std::string frame_of(std::size_t chain, ChainRecord& record, const std::array<std::size_t, 6>& saved) {
   ByteWriter out;
-  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)),
-      out.value(std::uint64_t(first_draw));
-  out.values(std::span(record.coordinates).subspan(first_draw * d));
-  out.values(std::span(record.log_density).subspan(first_draw));
-  out.values(std::span(record.acceptance).subspan(first_draw));
-  out.value(record.pending);
+  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations));
+  const auto lists = record.lists();
+  for (std::size_t k = 0; k < lists.size(); ++k) out.value(std::uint64_t(saved[k])), out.values(std::span<const double>(*lists[k]).subspan(saved[k]));
+  out.value(record.pending), out.value(record.pending_divergences), out.value(record.energies), out.value(record.divergences), out.value(record.cut);
+  out.value(record.log_evidence);
   out.text(record.state);
   return out.bytes;
 }
@@ -46,62 +60,70 @@ void take_frame(std::string_view payload, std::vector<ChainRecord>& records) {
   expect(chain < records.size(), "a journal holds no more chains than are run");
   ChainRecord& r = records[chain];
   r.transitions = in.value<std::uint64_t>(), r.evaluations = in.value<std::uint64_t>();
-  expect(in.value<std::uint64_t>() == r.log_density.size(), "the frames of a chain follow one another");
-  for (auto* list : {&r.coordinates, &r.log_density, &r.acceptance}) {
+  for (auto* list : r.lists()) {
+    expect(in.value<std::uint64_t>() == list->size(), "the frames of a chain follow one another");
     const auto more = in.values<double>();
     list->insert(list->end(), more.begin(), more.end());
   }
-  r.pending = in.value<double>();
+  in.into(r.pending), in.into(r.pending_divergences), in.into(r.energies), in.into(r.divergences), in.into(r.cut), in.into(r.log_evidence);
   r.state = in.text();
 }
 
-/// A point where the density is positive, its log density with it.
-struct Beginning {
-  Eigen::VectorXd x;
-  double log_density = 0;
-};
-Beginning beginning(const LogDensity& density, const SamplerStart& start, double dispersion, std::size_t chain, RandomStream& random) {
-  const auto d = Eigen::Index(density.dimension());
-  const auto value_at = [&](const Eigen::VectorXd& x) {
-    const double v = density.log_density({x.data(), std::size_t(d)});
-    if (std::isnan(v)) throw NumericsError(fmt::format("the log density is NaN at the start of chain {}", chain + 1));
-    return v;
-  };
-  if (start.points.size() > 0) {
-    Beginning b{start.points.col(Eigen::Index(chain)), 0};
-    b.log_density = value_at(b.x);
-    if (!std::isfinite(b.log_density)) throw NumericsError(fmt::format("the density is zero at the start that was given for chain {}", chain + 1));
-    return b;
+/// Counts a kept transition, and the draw when it is one.
+void keep(ChainRecord& r, const MarkovChain::Transition& step, const MarkovChain& chain, bool draw, std::size_t thin) {
+  r.pending += step.acceptance;
+  if (step.trajectory) {
+    r.energies.add(step.trajectory->energy);
+    r.divergences += step.trajectory->divergent, r.cut += step.trajectory->cut;
+    r.pending_divergences += step.trajectory->divergent;
   }
-  Eigen::MatrixXd factor = Eigen::MatrixXd::Identity(d, d);
-  if (start.covariance.size() > 0) factor = Cholesky(start.covariance).lower();
-  double width = dispersion;
-  for (int attempt = 0; attempt < 200; ++attempt, width *= 0.95) {
-    Eigen::VectorXd z(d);
-    for (double& v : z) v = random.normal();
-    Beginning b{start.mean + width * (factor * z), 0};
-    b.log_density = value_at(b.x);
-    if (std::isfinite(b.log_density)) return b;
+  if (!draw) return;
+  for (std::size_t w = 0; w < chain.walkers(); ++w) {
+    const auto x = chain.position(w);
+    r.coordinates.insert(r.coordinates.end(), x.begin(), x.end());
+    r.log_density.push_back(chain.log_density(w));
   }
-  throw NumericsError(fmt::format("no start of chain {} has a positive density: 200 points about the given mean were tried, ever nearer to it", chain + 1));
+  r.acceptance.push_back(r.pending / double(thin));
+  if (step.trajectory) r.energy.push_back(step.trajectory->energy), r.diverging.push_back(r.pending_divergences), r.depth.push_back(step.trajectory->depth);
+  r.pending = 0, r.pending_divergences = 0;
 }
 
-}  // namespace
+/// ln of the mean of exp(estimates), and its standard error by the delta method: that of the mean of Z over that mean.
+void tell_evidence(std::span<const double> estimates, SamplerSummary& summary) {
+  const double n = double(estimates.size()), value = log_mean(estimates);
+  summary.log_evidence = value;
+  if (estimates.size() < 2) return;
+  double squares = 0;
+  for (const double e : estimates) squares += std::pow(std::exp(e - value) - 1, 2);
+  summary.log_evidence_error = std::sqrt(squares / (n - 1) / n);
+}
 
-SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
+/// The run; exact is null for a sampler of one density.
+SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
   const auto began = Clock::now();
+  const LogDensity& told_density = exact ? *exact : density;
   const std::size_t d = density.dimension(), chains = std::size_t(options.chains), kept = std::size_t(options.draws), thin = std::size_t(options.thin),
                     warmup = std::size_t(options.warmup), transitions = warmup + kept * thin;
   const Eigen::Index n = Eigen::Index(d);
   expect(d > 0 && chains > 0 && thin > 0, "a sampler has coordinates, chains and draws");
+  expect(told_density.dimension() == d, "both densities have the same coordinates");
   expect(start.points.size() > 0 ? start.points.rows() == n && start.points.cols() == Eigen::Index(chains) : start.mean.size() == n,
          "a start has the dimension of the density");
-  const auto& entry = samplers().get(options.kind, "sampler.kind");
+  const auto& entry = samplers().get(options.kind, "sampler.kind").chain;
   const Eigen::MatrixXd covariance = start.covariance.size() > 0 ? start.covariance : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd factor = covariance_factor(covariance, d);
+  const auto mean_of = [&](std::size_t c) -> Eigen::VectorXd { return start.points.size() > 0 ? Eigen::VectorXd(start.points.col(Eigen::Index(c))) : start.mean; };
+  // Zero where either density is: a chain begins where both are positive.
+  const auto value_at = [&](const Eigen::VectorXd& x) {
+    const double value = checked_log_density(density, x);
+    return exact && value != never ? checked_log_density(*exact, x) : value;
+  };
+  const Eigen::VectorXd first_mean = mean_of(0);
+  const std::size_t walkers = entry({density, exact, options, first_mean, covariance})->walkers();
 
   std::vector<ChainRecord> records(chains);
   std::optional<FrameFile> journal;
-  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 1", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
+  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 2", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
   SamplerResult result;
   for (const auto& r : records) result.summary.resumed += r.transitions;
 
@@ -121,9 +143,16 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
     ChainRecord& r = records[c];
     if (r.transitions == transitions) return;
     RandomStream random(run.seed, c);
-    const auto chain = entry(density, options, covariance);
+    const Eigen::VectorXd mean = mean_of(c);
+    const auto chain = entry({density, exact, options, mean, covariance});
     if (r.state.empty()) {
-      const Beginning b = beginning(density, start, options.dispersion, c, random);
+      Beginning b{mean, 0};
+      if (start.points.size() > 0) {
+        b.log_density = value_at(b.x);
+        if (!std::isfinite(b.log_density)) throw NumericsError(fmt::format("the density is zero at the start that was given for chain {}", c + 1));
+      } else {
+        b = drawn_beginning(value_at, mean, factor, options.dispersion, random, fmt::format("chain {}", c + 1));
+      }
       chain->begin({b.x.data(), d}, b.log_density);
       ++r.evaluations;
     } else {
@@ -131,16 +160,18 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
       in.into(random);
       chain->restore(in);
     }
-    std::size_t saved = r.log_density.size();
-    auto saved_at = Clock::now();
+    std::array<std::size_t, 6> saved{};
+    const auto note_saved = [&] { std::ranges::transform(r.lists(), saved.begin(), [](const auto* list) { return list->size(); }); };
+    note_saved();
+    auto saved_at = Clock::now(), looked = saved_at;
     const auto save = [&] {
       if (!journal) return;
       ByteWriter state;
       state.value(random);
       chain->save(state);
       r.state = std::move(state.bytes);
-      journal->append(frame_of(c, r, saved, d));
-      saved = r.log_density.size(), saved_at = Clock::now();
+      journal->append(frame_of(c, r, saved));
+      note_saved(), saved_at = Clock::now();
     };
     for (; r.transitions < transitions;) {
       if (run.stop && run.stop->load()) {
@@ -151,49 +182,79 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
       const auto step = chain->step(random, r.transitions < warmup);
       ++r.transitions, r.evaluations += std::size_t(step.evaluations);
       done.fetch_add(1, std::memory_order_relaxed);
-      if (r.transitions > warmup) {
-        r.pending += step.acceptance;
-        if ((r.transitions - warmup) % thin == 0) {
-          const auto x = chain->position();
-          r.coordinates.insert(r.coordinates.end(), x.begin(), x.end());
-          r.log_density.push_back(chain->log_density());
-          r.acceptance.push_back(r.pending / double(thin));
-          r.pending = 0;
-        }
-      }
-      if (r.transitions % 32 == 0 || step.evaluations == 0) tell(false);
-      if (journal && Clock::now() - saved_at > std::chrono::duration<double>(run.save_every)) save();
+      if (r.transitions > warmup) keep(r, step, *chain, (r.transitions - warmup) % thin == 0, thin);
+      if (r.transitions == transitions) r.log_evidence = chain->log_evidence().value_or(nan);
+      const auto now = Clock::now();
+      if (now - looked > std::chrono::milliseconds(100)) looked = now, tell(false);
+      if (journal && now - saved_at > std::chrono::duration<double>(run.save_every)) save();
     }
     save();
   });
   tell(true);
 
-  result.coordinates = {.names = density.coordinates(), .chains = chains, .draws = kept};
-  result.quantities = {.chains = chains, .draws = kept};
-  for (const auto& q : density.quantities()) result.quantities.names.push_back(q.name);
+  const std::size_t told_chains = chains * walkers;
+  result.coordinates = {.names = told_density.coordinates(), .chains = told_chains, .draws = kept, .walkers = walkers};
+  result.quantities = {.chains = told_chains, .draws = kept, .walkers = walkers};
+  for (const auto& q : told_density.quantities()) result.quantities.names.push_back(q.name);
   const std::size_t reported = result.quantities.names.size();
-  result.quantities.values.resize(chains * kept * reported);
+  result.quantities.values.resize(told_chains * kept * reported);
   auto& s = result.summary;
   std::vector<std::size_t> still;
+  std::vector<double> evidences;
   for (std::size_t c = 0; c < chains; ++c) {
     const ChainRecord& r = records[c];
-    for (std::size_t i = 0; i < kept; ++i)
-      density.constrain(std::span(r.coordinates).subspan(i * d, d), std::span(result.quantities.values).subspan((c * kept + i) * reported, reported));
-    result.coordinates.values.insert(result.coordinates.values.end(), r.coordinates.begin(), r.coordinates.end());
-    result.log_density.insert(result.log_density.end(), r.log_density.begin(), r.log_density.end());
-    result.acceptance.insert(result.acceptance.end(), r.acceptance.begin(), r.acceptance.end());
+    for (std::size_t w = 0; w < walkers; ++w) {
+      const auto place = [&](std::size_t i) { return std::span(r.coordinates).subspan((i * walkers + w) * d, d); };
+      bool moved = kept == 1;
+      for (std::size_t i = 0; i < kept; ++i) {
+        const auto x = place(i);
+        told_density.constrain(x, std::span(result.quantities.values).subspan(((c * walkers + w) * kept + i) * reported, reported));
+        result.coordinates.values.insert(result.coordinates.values.end(), x.begin(), x.end());
+        result.log_density.push_back(r.log_density[i * walkers + w]);
+        moved = moved || x[0] != place(0)[0];
+      }
+      for (const auto& [from, to] : {std::pair{&r.acceptance, &result.acceptance}, {&r.energy, &result.energy}, {&r.diverging, &result.diverging}, {&r.depth, &result.depth}})
+        to->insert(to->end(), from->begin(), from->end());
+      if (!moved) still.push_back(c * walkers + w);
+    }
     s.acceptance.push_back(std::accumulate(r.acceptance.begin(), r.acceptance.end(), 0.0) / double(kept));
     s.evaluations += r.evaluations, s.transitions += r.transitions;
-    const auto same = [&](double v) { return v == r.coordinates[0]; };
-    bool moved = kept == 1;
-    for (std::size_t i = 0; i < kept && !moved; ++i) moved = !same(r.coordinates[i * d]);
-    if (!moved) still.push_back(c);
+    if (!r.energy.empty()) s.e_bfmi.push_back(r.energies.e_bfmi()), s.divergences += r.divergences, s.cut += r.cut;
+    if (!std::isnan(r.log_evidence)) evidences.push_back(r.log_evidence);
   }
+  if (evidences.size() == chains) tell_evidence(evidences, s);
   s.wall_s = std::chrono::duration<double>(Clock::now() - began).count();
   s.status = still.empty() ? ExitStatus::done : ExitStatus::not_to_be_trusted;
-  s.message = still.empty() ? fmt::format("{} chains of {} draws", chains, kept)
-                            : fmt::format("chain {} has not moved since the warm-up: every proposal was refused", still[0] + 1);
+  s.message = !still.empty()  ? fmt::format("chain {} has not moved since the warm-up: every proposal was refused", still[0] + 1)
+              : walkers > 1 ? fmt::format("{} ensembles of {} walkers, {} draws each", chains, walkers, kept)
+                            : fmt::format("{} chains of {} draws", chains, kept);
   return result;
+}
+
+}  // namespace
+
+SamplerOptions default_sampler_options(const std::string& kind) {
+  const SamplerEntry& entry = samplers().get(kind, "sampler.kind");
+  SamplerOptions options;
+  options.kind = kind, options.warmup = entry.warmup, options.draws = entry.draws, options.thin = entry.thin;
+  return options;
+}
+
+SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
+  return run_chains(density, nullptr, start, options, run);
+}
+
+SamplerResult run_sampler(const LogDensity& cheap, const LogDensity& exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
+  if (options.kind != two_densities)
+    throw InputError({.problem = "samples one density, and two were given", .key = "sampler.kind", .value = '"' + options.kind + '"', .suggestion = fmt::format("take \"{}\"", two_densities)});
+  return run_chains(cheap, &exact, start, options, run);
+}
+
+SamplingFacts sampling_facts(const SamplerResult& result, int thin) {
+  const auto& s = result.summary;
+  const std::size_t kept = result.coordinates.chains / std::max<std::size_t>(1, result.coordinates.walkers) * result.coordinates.draws * std::size_t(thin);
+  return {.acceptance = std::accumulate(s.acceptance.begin(), s.acceptance.end(), 0.0) / double(s.acceptance.size()),
+          .thin = thin, .e_bfmi = s.e_bfmi, .divergences = s.divergences, .cut = s.cut, .transitions = kept};
 }
 
 void remove_journal(const std::filesystem::path& journal) {

@@ -123,6 +123,65 @@ TEST(Convergence, QuantilesInterpolateBetweenOrderStatistics) {
   EXPECT_DOUBLE_EQ(quantile(x, 0.05), 1.15);
 }
 
+// Betancourt 2016; by hand: energies 1, 2, 4, 3: changes 1, 4, 1, squares about 2.5: 2.25 + 0.25 + 2.25 + 0.25.
+TEST(Convergence, EnergyFractionIsTheFormula) {
+  EnergyChanges e;
+  for (const double v : {1.0, 2.0, 4.0}) e.add(v);
+  EXPECT_TRUE(std::isnan(e.e_bfmi()));
+  e.add(3);
+  EXPECT_DOUBLE_EQ(e.e_bfmi(), 6.0 / 5.0);
+  EnergyChanges same;
+  for (int i = 0; i < 10; ++i) same.add(3);
+  EXPECT_TRUE(std::isnan(same.e_bfmi()));
+  // An autoregression has 2 (1 - a); its standard error is 2 (1 - a^2)^1/2 / n^1/2 or less.
+  for (const double a : {0.0, 0.5, 0.95}) {
+    EnergyChanges chain;
+    for (const double v : chains_of(1, 20000, a)) chain.add(v);
+    EXPECT_NEAR(chain.e_bfmi(), 2 * (1 - a), 4 * 2 / std::sqrt(20000.0)) << a;
+  }
+}
+
+// Eight walkers that share half of their variance at each lag: each alone seems to be worth more than all are.
+TEST(Convergence, WalkersThatMoveTogetherAreNotCountedAsIndependent) {
+  const std::size_t walkers = 8, n = 2000;
+  std::vector<double> x(4 * walkers * n);
+  for (std::size_t e = 0; e < 4; ++e) {
+    const auto common = chains_of(1, n, 0.9, [](std::size_t, std::size_t) { return 0.0; }, 50 + e);
+    const auto own = chains_of(walkers, n, 0.0, [](std::size_t, std::size_t) { return 0.0; }, 70 + e);
+    for (std::size_t w = 0; w < walkers; ++w)
+      for (std::size_t i = 0; i < n; ++i) x[(e * walkers + w) * n + i] = std::sqrt(0.5) * common[i] + std::sqrt(0.5) * own[w * n + i];
+  }
+  // Variance of the mean of everything: that of the common part, 0.5 (1.9 / 0.1) / (4 n), and a little of the others.
+  const double known = 1 / (0.5 * 19 / (4 * double(n)) + 0.5 / (4 * double(walkers * n)));
+  EXPECT_NEAR(ess_mean({x, 4 * walkers, walkers}) / known, 1, 0.2);
+  EXPECT_GT(ess_mean({x, 4 * walkers}) / known, 3);  // control: taken as independent chains
+  const auto free = chains_of(4 * walkers, n, 0.5);
+  EXPECT_NEAR(ess_mean({free, 4 * walkers, walkers}) / ess_mean({free, 4 * walkers}), 1, 0.15);  // those that are independent lose nothing
+}
+
+TEST(Assess, EnergiesThatChangeTooSlowlyAndDivergencesAreTold) {
+  const auto good = draws_of({"rho", "c"}, 4, {chains_of(4, 1000), chains_of(4, 1000, 0.2)});
+  const auto slow = assess(good, {.e_bfmi = {0.9, 0.21, 0.8, 1.0}, .transitions = 4000});
+  EXPECT_FALSE(slow.converged);
+  EXPECT_THAT(slow.message, HasSubstr("chain 2 (E-BFMI 0.21)"));
+  EXPECT_THAT(slow.message, HasSubstr("c is the parameter"));
+  const auto told = assess(good, {.e_bfmi = {0.9, 0.7, 0.8, 1.0}, .divergences = 3, .transitions = 4000});
+  EXPECT_TRUE(told.converged);
+  EXPECT_THAT(told.message, HasSubstr("3 of 4000 trajectories diverged"));
+  const Json j = convergence_json(told);
+  EXPECT_EQ(j["divergences"], 3);
+  EXPECT_EQ(j["e_bfmi"].size(), 4u);
+  EXPECT_GT(j["parameters"][0]["mcse_q95"], j["parameters"][0]["mcse_q50"]);
+  EXPECT_FALSE(convergence_json(assess(good)).contains("e_bfmi"));
+}
+
+TEST(Assess, NamesTrajectoriesThatDivergeOrEndTooEarly) {
+  const auto poor = draws_of({"tau"}, 4, {chains_of(4, 500, 0.98)});
+  EXPECT_THAT(assess(poor, {.divergences = 40, .transitions = 2000}).message, HasSubstr("40 of 2000 trajectories diverged"));
+  EXPECT_THAT(assess(poor, {.cut = 1000, .transitions = 2000}).message, HasSubstr("50 % of the trajectories are ended by sampler.nuts.depth"));
+  EXPECT_THAT(assess(poor, {.divergences = 1, .cut = 10, .transitions = 2000}).message, Not(HasSubstr("trajectories")));  // too few to be the cause
+}
+
 TEST(Assess, IndependentDrawsHaveConverged) {
   const auto c = assess(draws_of({"rho", "c"}, 4, {chains_of(4, 1000), chains_of(4, 1000, 0.2)}));
   EXPECT_TRUE(c.converged) << c.message;

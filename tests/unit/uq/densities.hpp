@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/linear_algebra.hpp"
@@ -46,5 +47,32 @@ class Written : public LogDensity {
   F f_;
   std::vector<std::string> names_;
 };
+
+/// A density with its gradient, both written down.
+class Sloped : public LogDensity {
+ public:
+  using Of = std::function<double(std::span<const double> x, std::span<double> gradient)>;
+  Sloped(std::size_t d, Of of) : of_(std::move(of)), names_(numbered(d)) {}
+  [[nodiscard]] const std::vector<std::string>& coordinates() const override { return names_; }
+  [[nodiscard]] double log_density(std::span<const double> x) const override {
+    std::vector<double> g(x.size());
+    return of_(x, g);
+  }
+  [[nodiscard]] bool has_gradient() const override { return true; }
+  double log_density_and_gradient(std::span<const double> x, std::span<double> g) const override { return of_(x, g); }
+
+ private:
+  Of of_;
+  std::vector<std::string> names_;
+};
+
+/// x1 ~ N(1, 1), x2 | x1 ~ N(x1^2, 1/2): means 1 and 2, variances 1 and 6.5. ln of its integral is ln(2 pi) - ln(2) / 2.
+inline Sloped banana() {
+  return {2, [](std::span<const double> x, std::span<double> g) {
+            const double r = x[1] - x[0] * x[0];
+            g[0] = 1 - x[0] + 4 * r * x[0], g[1] = -2 * r;
+            return -0.5 * std::pow(1 - x[0], 2) - r * r;
+          }};
+}
 
 }  // namespace calomel::testing

@@ -98,8 +98,8 @@ TEST(Dram, WarmUpFindsTheShapeFromACovarianceThatIsMillionsOff) {
   double acceptance = 0, product = 0, last = 0;
   for (int i = 0; i < 5000; ++i) {
     acceptance += chain->step(random, false).acceptance / 5000;
-    if (i > 0) product += chain->position()[1] * last / 4999;
-    last = chain->position()[1];
+    if (i > 0) product += chain->position(0)[1] * last / 4999;
+    last = chain->position(0)[1];
   }
   EXPECT_GT(acceptance, 0.3);
   EXPECT_LT(product, 0.97);  // of neighbours, about 0.8; 0.9999 with steps as long as the narrow direction alone

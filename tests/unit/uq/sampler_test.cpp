@@ -210,4 +210,16 @@ TEST(Sampler, ProgressCountsToTheEnd) {
   EXPECT_EQ(all, last);
 }
 
-TEST(Sampler, UnknownKindListsTheKnown) { EXPECT_THROW((void)run_sampler(correlated(), about_zero(3), {.kind = "nuts"}, {}), InputError); }
+TEST(Sampler, UnknownKindListsTheKnown) {
+  try {
+    (void)run_sampler(correlated(), about_zero(3), {.kind = "gibbs"}, {});
+    FAIL();
+  } catch (const InputError& e) {
+    for (const auto& name : samplers().names()) EXPECT_THAT(e.what(), HasSubstr(name));
+  }
+}
+
+TEST(Sampler, ASecondDensityIsRefusedBySamplersOfOne) {
+  const auto density = correlated();
+  EXPECT_THROW((void)run_sampler(density, density, about_zero(3), small, {}), InputError);
+}

@@ -1,0 +1,35 @@
+#pragma once
+/// Where chains and walkers begin.
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+
+#include "base/frame_file.hpp"
+#include "base/random.hpp"
+#include "uq/log_density.hpp"
+
+namespace calomel {
+
+/// ln p(x), minus infinity outside of the support. Errors: NumericsError, naming the place, where it is NaN or plus infinity.
+double checked_log_density(const LogDensity& density, const Eigen::VectorXd& x);
+/// "x1 = 1, x2 = -3".
+std::string place_text(const LogDensity& density, const Eigen::VectorXd& x);
+
+/// A point where the density is positive, its log density with it.
+struct Beginning {
+  Eigen::VectorXd x;
+  double log_density = 0;
+};
+/// x = mean + w L z with z ~ N(0, 1), drawn anew while the density is zero there, w being `width` at first and 0.95 times as much after each refusal.
+/// factor: L, (d, d). Errors: NumericsError after 200 refusals, naming `whose` ("chain 2").
+Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor, double width,
+                          RandomStream& random, const std::string& whose);
+
+/// The lower Cholesky factor. Errors: InputError when the covariance is not positive definite.
+Eigen::MatrixXd covariance_factor(const Eigen::MatrixXd& covariance, std::size_t dimension);
+
+/// Puts a matrix or vector into a saved chain, and takes one of the same size off again. Errors: ContractFailure for another size.
+void save_matrix(ByteWriter& out, const Eigen::Ref<const Eigen::MatrixXd>& m);
+void restore_matrix(ByteReader& in, Eigen::Ref<Eigen::MatrixXd> m);
+
+}  // namespace calomel
