@@ -18,16 +18,28 @@ function contour(at, n, level) {
   return path;
 }
 
+/// A label in lines of at most `most` letters, broken at blanks and behind underscores where it can be.
+function label_lines(label, most) {
+  const lines = [];
+  for (const part of label.split(/(?<=_)|\s+/)) {
+    const last = lines[lines.length - 1], joint = last && last.endsWith('_') ? '' : ' ';
+    if (last && last.length + joint.length + part.length <= most) lines[lines.length - 1] = last + joint + part;
+    else lines.push(part);
+  }
+  return lines;
+}
+
 function draw_corner(place, data) {
   if (!place || !data) return;
-  const n = data.axes.length, left = 92, gap = 12, size = n === 1 ? 360 : Math.max(118, Math.floor((800 - left - gap * n) / n)), step = size + gap;
-  const height = n * step + 74, root = svg('svg', { class: 'drawing', viewBox: `0 0 ${Math.max(left + n * step, 560)} ${height}` }, place);
+  const n = data.axes.length, left = 112, gap = 12, size = n === 1 ? 360 : Math.max(118, Math.floor((800 - left - gap * n) / n)), step = size + gap;
+  const most = Math.floor(size / 7.2), lines = data.axes.map(a => label_lines(a.label, most)), deepest = Math.max(...lines.map(l => l.length));
+  const width = Math.max(left + n * step, 560), height = n * step + 74 + 16 * (deepest - 1) + (data.marks.length > 4 ? 20 : 0), root = svg('svg', { class: 'drawing', viewBox: `0 0 ${width} ${height}` }, place);
   const defs = svg('defs', {}, root), about = 4;
   // As many ticks as their numbers leave room for.
   const about_x = span => [5, 4, 3, 2].find(k => {
     const t = ticks(span[0], span[1], k);
-    return t.list.length * (12 + 7.4 * Math.max(...t.list.map(v => number(v, t.step).length))) < size;
-  }) || 2;
+    return t.list.length * (14 + 7.4 * Math.max(...t.list.map(v => number(v, t.step).length))) < 0.85 * size;
+  }) || 1;
   const colour = (label, k) => (series_style[label.toLowerCase()] || { color: palette[k % palette.length] }).color;
   const cell = (i, j) => ({ left: left + i * step, top: 8 + j * step, width: size, height: size });
   const clip_to = (box, i, j) => {
@@ -35,7 +47,11 @@ function draw_corner(place, data) {
     return `url(#corner-${i}-${j})`;
   };
   const bottom = j => j === n - 1;
-  const x_axis = (i, j) => ({ span: data.axes[i].span, about: about_x(data.axes[i].span), labels: bottom(j), label: bottom(j) ? data.axes[i].label : undefined });
+  const x_axis = (i, j) => ({ span: data.axes[i].span, about: about_x(data.axes[i].span), labels: bottom(j) });
+  const write = (list, x, y, turned) => list.forEach((text, l) => {
+    const at = turned ? { transform: `translate(${x + 16 * (l - list.length + 1)},${y}) rotate(-90)` } : { x, y: y + 16 * l };
+    svg('text', Object.assign({ 'text-anchor': 'middle' }, at), root, text);
+  });
 
   data.axes.forEach((a, k) => {
     const box = cell(k, k), highest = Math.max(...a.density, 1e-300);
@@ -53,13 +69,16 @@ function draw_corner(place, data) {
       const at = scale.sx(v);
       svg('title', {}, svg('path', { d: `M${at},${box.top + 11}l-5,-10h10z`, fill: colour(m.label, i), stroke: '#fff', 'stroke-width': 0.8 }, root), `${m.label}: ${number(v)}`);
     });
-    if (k === 0 && n > 1) svg('text', { transform: `translate(${box.left - 70},${box.top + box.height / 2}) rotate(-90)`, 'text-anchor': 'middle' }, root, 'probability density');
+    if (k === 0 && n > 1) write(['probability', 'density'], box.left - 8, box.top + box.height / 2, true);
+    if (bottom(k) || n === 1) write(lines[k], box.left + box.width / 2, box.top + box.height + 37);
   });
 
   data.pairs.forEach(p => {
     const a = data.axes[p.i], b = data.axes[p.j], box = cell(p.i, p.j);
-    const y = { span: b.span, about, labels: p.i === 0, label: p.i === 0 ? b.label : undefined, label_at: box.left - 70 };
+    const y = { span: b.span, about, labels: p.i === 0 };
     const scale = axes(root, box, x_axis(p.i, p.j), y), clip = clip_to(box, p.i, p.j);
+    if (p.i === 0) write(lines[p.j], box.left - 62, box.top + box.height / 2, true);
+    if (bottom(p.j)) write(lines[p.i], box.left + box.width / 2, box.top + box.height + 37);
     const dots = data.points.map(r => `M${scale.sx(r[p.i]).toFixed(1)},${scale.sy(r[p.j]).toFixed(1)}h0`).join('');
     svg('path', { d: dots, stroke: '#5b7c99', 'stroke-width': 2.2, 'stroke-linecap': 'round', 'stroke-opacity': 0.28, 'clip-path': clip }, root);
     const at = (r, c) => r < 0 || c < 0 || r >= p.cells || c >= p.cells ? 0 : p.density[r * p.cells + c];
@@ -74,21 +93,30 @@ function draw_corner(place, data) {
       }
       svg('path', { class: 'corner-ridge', d: path, fill: 'none', stroke: '#d55e00', 'stroke-width': 1.5, 'stroke-dasharray': '6 4', 'clip-path': clip }, root);
     }
+    const taken = [];
     data.marks.forEach((m, i) => {
       const u = m.values[p.i], v = m.values[p.j];
       if (u === null || v === null) return;
       const inside = u >= a.span[0] && u <= a.span[1] && v >= b.span[0] && v <= b.span[1];
-      const cx = Math.min(Math.max(scale.sx(u), box.left), box.left + box.width), cy = Math.min(Math.max(scale.sy(v), box.top), box.top + box.height);
-      const mark = svg('circle', { cx, cy, r: 4.6, fill: inside ? colour(m.label, i) : '#fff', stroke: inside ? '#fff' : colour(m.label, i), 'stroke-width': inside ? 1.2 : 2 }, root);
+      let cx = Math.min(Math.max(scale.sx(u), box.left), box.left + box.width), cy = Math.min(Math.max(scale.sy(v), box.top), box.top + box.height);
+      // Outside of the frame: an arrow on its edge, towards the point, behind those that are there already.
+      const angle = Math.atan2(scale.sy(v) - cy, scale.sx(u) - cx) * 180 / Math.PI, back = 11 * taken.filter(t => Math.hypot(t[0] - cx, t[1] - cy) < 8).length;
+      if (!inside) {
+        taken.push([cx, cy]);
+        cx -= back * Math.cos(angle * Math.PI / 180);
+        cy -= back * Math.sin(angle * Math.PI / 180);
+      }
+      const mark = inside ? svg('circle', { cx, cy, r: 4.6, fill: colour(m.label, i), stroke: '#fff', 'stroke-width': 1.2 }, root)
+        : svg('path', { d: 'M3,0L-9,-5.5L-9,5.5Z', transform: `translate(${cx.toFixed(1)},${cy.toFixed(1)}) rotate(${angle.toFixed(1)})`, fill: colour(m.label, i), stroke: '#fff', 'stroke-width': 1 }, root);
       svg('title', {}, mark, `${m.label}: ${number(u)}, ${number(v)}${inside ? '' : ' (outside of the frame)'}`);
     });
   });
 
   // Below: what the marks and lines are.
-  let lx = left;
-  const ly = height - 8, word = (text, width) => {
-    svg('text', { x: lx + width, y: ly }, root, text);
-    lx += width + 14 + 7.4 * text.length;
+  let lx = left, ly = height - 8 - (data.marks.length > 4 ? 20 : 0);
+  const word = (text, room) => {
+    svg('text', { x: lx + room, y: ly }, root, text);
+    lx += room + 14 + 7.4 * text.length;
   };
   svg('path', { d: `M${lx},${ly - 4}h26`, stroke: '#1f3b55', 'stroke-width': 1.9 }, root);
   word('50, 90 % of the draws', 32);
@@ -97,6 +125,7 @@ function draw_corner(place, data) {
     word('\u03c1c = const', 32);
   }
   data.marks.forEach((m, i) => {
+    if (lx + 14 + 7.4 * m.label.length > width) lx = left, ly += 20;
     svg('circle', { cx: lx + 5, cy: ly - 4, r: 4.6, fill: colour(m.label, i) }, root);
     word(m.label, 14);
   });

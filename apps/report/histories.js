@@ -10,6 +10,8 @@ const series_style = {
   base: { color: '#d55e00', strokeWidth: 1.4, strokePattern: [6, 3] },
   explained: { color: '#0072b2', strokeWidth: 1.6 },
   held_out_explained: { color: '#008a63', strokeWidth: 1.6, strokePattern: [2, 2] },
+  predicted: { color: '#0072b2', strokeWidth: 1.2 },
+  draws: { color: '#d55e00', strokeWidth: 0.01 },
   held_out_base: { color: '#7a5c00', strokeWidth: 1.4, strokePattern: [9, 3, 2, 3] },
 };
 
@@ -21,21 +23,25 @@ function element(tag, attributes, parent, text) {
   return node;
 }
 
-/// Rows of Dygraph's custom bars: every series is [low, value, high]; a simulation's bar has no width.
+/// Lower and upper edge of a series' band: "low" and "high" of what was measured, KEY_low and KEY_high of the others.
+const band_edges = key => key === 'measured' ? ['low', 'high'] : [`${key}_low`, `${key}_high`];
+const banded_keys = ['measured', 'predicted', 'draws'];
+
+/// Rows of Dygraph's custom bars: every series is [low, value, high]; where there is no band it has no width.
 function history_rows(time, series, sensor) {
   return time.map((t, i) => [t].concat(series.map(s => {
     const v = sensor[s.key] ? sensor[s.key][i] : null;
     if (v === null || v === undefined) return [null, null, null];
-    const low = s.key === 'measured' && sensor.low ? sensor.low[i] : v, high = s.key === 'measured' && sensor.high ? sensor.high[i] : v;
+    const [below, above] = band_edges(s.key), low = sensor[below] ? sensor[below][i] : v, high = sensor[above] ? sensor[above][i] : v;
     return [low === null ? v : low, v, high === null ? v : high];
   })));
 }
 
-function key_image(series) {
+function key_image(series, banded) {
   const style = series_style[series.key];
   const root = svg('svg', { class: 'key', viewBox: '0 0 30 12', 'aria-hidden': 'true' });
-  if (series.key === 'measured') svg('rect', { x: 0, y: 1, width: 30, height: 10, fill: style.color, 'fill-opacity': 0.22 }, root);
-  svg('line', { x1: 0, x2: 30, y1: 6, y2: 6, stroke: style.color, 'stroke-width': 2, 'stroke-dasharray': (style.strokePattern || []).join(' ') }, root);
+  if (banded) svg('rect', { x: 0, y: 1, width: 30, height: 10, fill: style.color, 'fill-opacity': 0.22 }, root);
+  if (style.strokeWidth > 0.1) svg('line', { x1: 0, x2: 30, y1: 6, y2: 6, stroke: style.color, 'stroke-width': 2, 'stroke-dasharray': (style.strokePattern || []).join(' ') }, root);
   return root;
 }
 
@@ -75,7 +81,7 @@ function draw_histories(place, controls, data) {
   for (const s of used) {
     const label = element('label', {}, controls);
     const box = element('input', Object.assign({ type: 'checkbox' }, s.hidden ? {} : { checked: '' }), label);
-    label.appendChild(key_image(s));
+    label.appendChild(key_image(s, banded_keys.includes(s.key) && data.conditions.some(c => c.sensors.some(x => x[band_edges(s.key)[0]]))));
     label.appendChild(document.createTextNode(s.label));
     box.addEventListener('change', () => graphs.forEach(g => {
       const at = g.keys.indexOf(s.key);

@@ -110,7 +110,11 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
   if (study.campaign) add(*study.campaign, "campaign");
   if (study.train) add(*study.train, "training");
   for (const auto& c : study.calibrations) add(c.summary, c.label);
-  if (study.sample) add(*study.sample, "sampling");
+  if (study.sample) {
+    add(*study.sample, "sampling");
+    for (const auto& alarm : list_at(*study.sample, "absorption"))
+      if (alarm.is_string()) told.emplace_back("sampling", alarm.get<std::string>());
+  }
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
   if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: the fit of the base model has not settled, so the verdict is not to be trusted");
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
@@ -255,32 +259,6 @@ std::string polynomial_section(const Study& study, const ReportInput& input) {
   if (const Table t = mode_table(study, input); !t.empty()) s += t.html();
   if (const Table t = polynomial_table(study); !t.empty())
     s += "<details><summary>All " + std::to_string(t.rows.size()) + " polynomial surrogates</summary>" + t.html() + "</details>\n";
-  return s;
-}
-
-std::string posterior_section(const Study& study, const ReportInput& input) {
-  if (!study.sample && !study.posterior) return missing("No posterior has been sampled (posterior.nc, posterior.json).", "Sample it with " + command(input, "sample") + ".");
-  std::string s;
-  if (study.sample) {
-    const bool converged = part_at(*study.sample, "converged") == Json(true);
-    const std::string message = escape_html(text_at(*study.sample, "message"));
-    s += converged ? "<p>The chains have " + message + ".</p>\n" : "<p class=\"outcome\"><strong>Not converged, not to be trusted:</strong> " + message + ".</p>\n";
-    if (const Table t = posterior_table(study, input); !t.empty()) s += t.html();
-  } else {
-    s += missing("posterior.json is missing, so nothing is said of convergence.", "");
-  }
-  if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.", "");
-  const auto& names = study.posterior->names;
-  const auto drawn = [&](const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); };
-  const Impedance z = impedance(input);
-  const bool ridge = z.ridge() && drawn(z.density) && drawn(z.sound_speed);
-  const std::size_t of = names.size();
-  s += figure("corner-plot",
-              std::string("Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it every pair, with the lines within which 50 and 90 % of the "
-                          "draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an open disc on the frame lies outside of it.") +
-                  (ridge ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "") +
-                  (of > 6 ? fmt::format(" The first 6 of {} quantities, the case\u2019s parameters before the others.", of) : ""),
-              "Corner plot of the posterior");
   return s;
 }
 

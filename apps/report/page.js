@@ -22,6 +22,9 @@
   attempt('loss-plot', () => draw_lines(document.getElementById('loss-plot'), data.loss, true));
   (data.decay || []).forEach((figure, i) => attempt(`decay-plot-${i}`, () => draw_lines(document.getElementById(`decay-plot-${i}`), figure, false)));
   attempt('ridge-plot', () => draw_ridge(document.getElementById('ridge-plot'), data.ridge));
+  histories('predictive-plots', 'predictive-controls', data.predictive);
+  attempt('prior-plot', () => draw_priors(document.getElementById('prior-plot'), data.priors));
+  attempt('chain-plot', () => draw_chains(document.getElementById('chain-plot'), data.chains));
   attempt('corner-plot', () => draw_corner(document.getElementById('corner-plot'), data.corner));
   attempt('sensitivity-map', () => draw_sensitivity_map(document.getElementById('sensitivity-map'), data.sensitivity));
   attempt('sensitivity-curves', () => draw_sensitivity_curves(document.getElementById('sensitivity-curves'), document.getElementById('sensitivity-controls'), data.sensitivity));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/chains.hpp"
 #include "apps/report/comparison_tables.hpp"
 #include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/page.hpp"
@@ -166,6 +167,9 @@ Json page_data(const Study& study, const ReportInput& input, std::size_t samples
             {"decay", decay_json(study)},
             {"design", design_json(study, input, points)},
             {"corner", corner_json(study, input, points * 3 / 4)},
+            {"predictive", predictive_histories_json(study, input, samples)},
+            {"priors", priors_json(study, input)},
+            {"chains", chains_json(study, input)},
             {"sensitivity", sensitivity_drawings(study, input)}};
   if (!data["histories"].is_null()) data["histories"]["scores"] = score_lines(study, input);
   if (const Table t = convergence_table(study); !t.empty()) {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/report/chains.hpp"
+#include "apps/report/density_curve.hpp"
+#include "apps/report/published.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
 #include "uq/convergence/diagnostics.hpp"
@@ -14,7 +17,7 @@ namespace calomel {
 
 namespace {
 
-constexpr std::size_t most_axes = 6, curve_points = 120, cells = 32;
+constexpr std::size_t curve_points = 120, cells = 32;
 
 /// One quantity of the plot.
 struct Axis {
@@ -23,45 +26,6 @@ struct Axis {
   double low = 0, high = 0;               ///< what is shown
   std::optional<double> least, greatest;  ///< the parameter's bounds
 };
-
-std::string label_of(const std::string& name, const ReportInput& input) {
-  const auto unit = input.units.find(name);
-  return unit == input.units.end() || unit->second.empty() ? name : name + " [" + unit->second + "]";
-}
-
-/// Density of `x` on a grid by Gaussian kernels on finely binned draws.
-std::vector<double> density_of(const Axis& axis) {
-  std::vector<double> sorted = axis.values;
-  std::sort(sorted.begin(), sorted.end());
-  const double n = double(sorted.size());
-  double mean = 0, square = 0;
-  for (const double v : sorted) mean += v / n;
-  for (const double v : sorted) square += (v - mean) * (v - mean) / n;
-  const double quartiles = (quantile(sorted, 0.75) - quantile(sorted, 0.25)) / 1.34;
-  const double scale = quartiles > 0 ? std::min(std::sqrt(square), quartiles) : std::sqrt(square);
-  const double width = std::max(0.9 * scale * std::pow(n, -0.2), 1e-3 * (axis.high - axis.low));
-  constexpr std::size_t bins = 600;
-  std::vector<double> weight(bins, 0.0);
-  const double bin = (axis.high - axis.low) / double(bins);
-  for (const double v : sorted)
-    if (v >= axis.low && v < axis.high) weight[std::min(bins - 1, std::size_t((v - axis.low) / bin))] += 1 / n;
-  const auto kernel = [&](double r) { return std::exp(-0.5 * r * r / (width * width)) / (width * 2.5066282746310002); };
-  std::vector<double> curve;
-  for (std::size_t k = 0; k < curve_points; ++k) {
-    const double at = axis.low + (axis.high - axis.low) * double(k) / double(curve_points - 1);
-    double sum = 0;
-    const bool outside = (axis.least && at < *axis.least) || (axis.greatest && at > *axis.greatest);
-    for (std::size_t b = 0; b < bins && !outside; ++b) {
-      if (weight[b] == 0) continue;
-      const double centre = axis.low + (double(b) + 0.5) * bin;
-      sum += weight[b] * kernel(at - centre);
-      if (axis.least) sum += weight[b] * kernel(at - (2 * *axis.least - centre));
-      if (axis.greatest) sum += weight[b] * kernel(at - (2 * *axis.greatest - centre));
-    }
-    curve.push_back(sum);
-  }
-  return curve;
-}
 
 Json pair_json(const Axis& x, const Axis& y) {
   const auto place = [](const Axis& a, double v) { return std::floor((v - a.low) / (a.high - a.low) * double(cells)); };
@@ -98,40 +62,35 @@ Json pair_json(const Axis& x, const Axis& y) {
   return {{"density", std::move(density)}, {"level50", rounded(1000 * level50 / highest, 4)}, {"level90", rounded(1000 * level90 / highest, 4)}};
 }
 
-/// The answers of the calibrations and the nominal values.
+/// The answers of the calibrations, the nominal values and what was published.
 struct Mark {
   std::string label;
-  const Json* theta;
+  Json theta;
 };
-std::vector<Mark> marks_of(const Study& study) {
+std::vector<Mark> marks_of(const Study& study, const std::vector<PublishedAnswer>& published) {
   std::vector<Mark> marks;
-  for (const auto& c : study.calibrations) marks.push_back({c.label, &part_at(c.summary, "theta")});
-  if (!study.calibrations.empty()) marks.push_back({"nominal", &part_at(study.calibrations.front().summary, "nominal")});
+  for (const auto& c : study.calibrations) marks.push_back({c.label, part_at(c.summary, "theta")});
+  if (!study.calibrations.empty()) marks.push_back({"nominal", part_at(study.calibrations.front().summary, "nominal")});
+  for (const auto& p : published) marks.push_back({p.label, p.theta});
   return marks;
 }
 
 std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
   const Draws& draws = *study.posterior;
   std::vector<Axis> axes;
-  const auto add = [&](std::size_t k) {
-    if (axes.size() == most_axes || std::any_of(axes.begin(), axes.end(), [&](const auto& a) { return a.name == draws.names[k]; })) return;
-    Axis a{.name = draws.names[k], .label = label_of(draws.names[k], input), .values = draws.of(k)};
-    if (!std::all_of(a.values.begin(), a.values.end(), [](double v) { return std::isfinite(v); })) return;
+  for (const std::size_t k : shown_quantities(draws, input)) {
+    Axis a{.name = draws.names[k], .label = parameter_label(input, draws.names[k]), .values = draws.of(k)};
     for (const auto& p : input.parameters)
-      if (p.name == a.name && std::all_of(a.values.begin(), a.values.end(), [&](double v) { return v >= p.min && v <= p.max; }))
-        a.least = p.min, a.greatest = p.max;
+      if (p.name == a.name && std::all_of(a.values.begin(), a.values.end(), [&](double v) { return v >= p.min && v <= p.max; })) a.least = p.min, a.greatest = p.max;
     axes.push_back(std::move(a));
-  };
-  for (const auto& p : input.parameters)
-    if (const auto at = std::find(draws.names.begin(), draws.names.end(), p.name); at != draws.names.end()) add(std::size_t(at - draws.names.begin()));
-  for (std::size_t k = 0; k < draws.names.size(); ++k) add(k);
+  }
   // The central 99.8 % and a little room; an answer nearby is taken in, one far off is drawn on the frame.
   for (Axis& a : axes) {
     const double low = quantile(a.values, 0.001), high = quantile(a.values, 0.999);
     const double room = high > low ? high - low : std::max(std::abs(low) * 0.01, 1e-12);
     a.low = low - 0.05 * room, a.high = high + 0.05 * room;
-    for (const auto& m : marks_of(study))
-      if (const auto v = number_at(*m.theta, a.name); v && *v > low - 0.6 * room && *v < high + 0.6 * room)
+    for (const auto& m : marks_of(study, {}))
+      if (const auto v = number_at(m.theta, a.name); v && *v > low - 0.6 * room && *v < high + 0.6 * room)
         a.low = std::min(a.low, *v - 0.05 * room), a.high = std::max(a.high, *v + 0.05 * room);
   }
   return axes;
@@ -153,7 +112,7 @@ Table posterior_table(const Study& study, const ReportInput& input) {
                {"ess_tail", "ESS, tails", 6},
                {"mcse_mean", "MCSE of the mean", 2}};
   for (const auto& p : list_at(*study.sample, "parameters")) {
-    std::vector<Cell> row{label_of(text_at(p, "name"), input)};
+    std::vector<Cell> row{parameter_label(input, text_at(p, "name"))};
     for (const char* key : {"mean", "sd", "q05", "q50", "q95", "r_hat"}) row.emplace_back(number_at(p, key));
     for (const char* key : {"ess_bulk", "ess_tail"}) {
       const auto x = number_at(p, key);
@@ -187,7 +146,7 @@ Json corner_json(const Study& study, const ReportInput& input, std::size_t point
   Json list = Json::array(), pairs = Json::array(), dots = Json::array(), marks = Json::array(), ridge;
   for (const Axis& a : axes) {
     Json density = Json::array();
-    for (const double v : density_of(a)) density.push_back(rounded(v, 4));
+    for (const double v : density_curve(a.values, a.low, a.high, a.least, a.greatest, curve_points)) density.push_back(rounded(v, 4));
     list.push_back({{"name", a.name},
                     {"label", a.label},
                     {"span", {a.low, a.high}},
@@ -208,11 +167,11 @@ Json corner_json(const Study& study, const ReportInput& input, std::size_t point
     for (const Axis& a : axes) row.push_back(rounded(a.values[k], 5));
     dots.push_back(std::move(row));
   }
-  for (const auto& m : marks_of(study)) {
+  for (const auto& m : marks_of(study, published_answers(input))) {
     Json values = Json::array();
     bool any = false;
     for (const Axis& a : axes) {
-      const auto v = number_at(*m.theta, a.name);
+      const auto v = number_at(m.theta, a.name);
       any = any || v;
       values.push_back(v ? rounded(*v, 6) : Json());
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/chains.hpp"
 #include "apps/report/comparison_tables.hpp"
 #include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/emulator_tables.hpp"
@@ -73,7 +74,7 @@ void write_report(const std::filesystem::path& out_dir, const ReportInput& input
                                            {"libraries", inside_script(embedded::dygraphs_js) + "\n" + inside_script(embedded::synchronizer_js) + "\n" +
                                                              inside_script(embedded::three_js) + "\n" + inside_script(embedded::orbit_controls_js)},
                                            {"scripts", inside_script(embedded::drawing_js) + "\n" + inside_script(embedded::histories_js) + "\n" +
-                                                           inside_script(embedded::target_js) + "\n" + inside_script(embedded::diagnosis_js) + "\n" + inside_script(embedded::corner_js) + "\n" +
+                                                           inside_script(embedded::target_js) + "\n" + inside_script(embedded::diagnosis_js) + "\n" + inside_script(embedded::corner_js) + "\n" + inside_script(embedded::chains_js) + "\n" +
                                                            inside_script(embedded::sensitivity_js) + "\n" + inside_script(embedded::page_js)},
                                            {"version", escape_html(version)}};
   std::size_t samples = 3000, quads = 24000, points = 2000;
@@ -110,11 +111,12 @@ std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path&
        {headline_table(study, input), parameter_table(study, input), sensor_table(input), score_table(study, input, "accuracy"),
         score_table(study, input, "mae"), mesh_table(study, input), agreement_table(study), place_table(study), effort_table(study), nuisance_table(study), emulator_table(study), share_table(study), hypothesis_table(study), optimizer_agreement_table(study), formulation_table(study, input), trial_table(study), decay_table(study), optimizer_table(study), convergence_table(study), round_table(study, input), candidate_table(study, input),
         surrogate_table(study, input), polynomial_error_table(study), polynomial_table(study), lambda_table(study), mode_table(study, input), loss_table(study), design_table(study), failure_table(study, std::size_t(-1)), scatter_table(study, input), floor_table(study),
-        floor_sensor_table(study), posterior_table(study, input), floor_window_table(study, input), mismatch_table(study), mismatch_map_table(study), band_table(study), explanation_table(study),
+        floor_sensor_table(study), posterior_table(study, input), prior_table(study, input), floor_window_table(study, input), mismatch_table(study), mismatch_map_table(study), band_table(study), explanation_table(study),
         reason_table(study), effect_table(study), handbook_table(study, input), sensitivity_table(study), morris_table(study, input)})
     write(t.id, t.empty() ? "" : t.csv());
   write("histories", histories_csv(study, input));
   write("diagnosis_histories", diagnosis_histories_csv(study, input));
+  write("posterior_predictive", predictive_histories_csv(study, input));
   write("posterior_draws", posterior_draws_csv(study));
   return paths;
 }

@@ -1,10 +1,15 @@
 #include "apps/report/study.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
+#include "apps/report/traces.hpp"
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
+#include "uq/convergence/diagnostics.hpp"
 #include "uq/posterior_file.hpp"
 
 namespace calomel {
@@ -120,6 +125,65 @@ std::optional<SensitivityArtefacts> sensitivity_artefacts(const std::filesystem:
   return s;
 }
 
+/// A coordinate's numbers, or words.
+const PosteriorCoordinate* coordinate(const PosteriorGroup& group, const std::string& name) {
+  for (const auto& c : group.coordinates)
+    if (c.name == name) return &c;
+  return nullptr;
+}
+
+/// What is predicted of the records; nothing where the groups do not have it.
+std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, const PosteriorGroup& observed) {
+  const auto *strain = predictive.variable("strain"), *record = observed.variable("strain"), *error = observed.variable("error_sd");
+  const auto *sensor = coordinate(predictive, "sensor"), *time = coordinate(predictive, "time"), *record_time = coordinate(observed, "record_time"), *condition = coordinate(predictive, "condition");
+  const std::size_t draws = predictive.chains * predictive.draws;
+  if (!strain || !record || !sensor || !time || !record_time || draws == 0) return std::nullopt;
+  Histories h;
+  h.conditions = condition ? condition->words : std::vector<std::string>{"default"};
+  h.sensors = sensor->words, h.time = time->numbers, h.record_time = record_time->numbers, h.record_mean = record->values;
+  const std::size_t n = h.time.size(), m = h.record_time.size(), records = h.conditions.size() * h.sensors.size();
+  if (strain->values.size() != draws * records * n || record->values.size() != records * m) return std::nullopt;
+  const bool with_errors = error && error->values.size() == records * m;
+  for (std::size_t r = 0; r < records; ++r) {
+    std::vector<std::vector<double>> at(m);  // by record time
+    for (std::size_t i = 0; i < draws; ++i) {
+      const auto y = interpolated(h.time, std::span(strain->values).subspan((i * records + r) * n, n), h.record_time);
+      for (std::size_t k = 0; k < m; ++k)
+        if (std::isfinite(y[k])) at[k].push_back(y[k]);
+    }
+    for (std::size_t k = 0; k < m; ++k) {
+      double mean = std::nan(""), variance = 0;
+      if (!at[k].empty()) {
+        mean = std::accumulate(at[k].begin(), at[k].end(), 0.0) / double(at[k].size());
+        for (const double y : at[k]) variance += (y - mean) * (y - mean) / double(at[k].size());
+      }
+      h.predicted.push_back(mean);
+      h.draws_low.push_back(at[k].empty() ? std::nan("") : quantile(at[k], 0.05));
+      h.draws_high.push_back(at[k].empty() ? std::nan("") : quantile(at[k], 0.95));
+      if (!with_errors) continue;
+      const double half = 1.6448536269514722 * std::sqrt(variance + error->values[r * m + k] * error->values[r * m + k]);  // of a Gaussian
+      h.predicted_low.push_back(mean - half), h.predicted_high.push_back(mean + half);
+    }
+  }
+  return h;
+}
+
+void read_draws(const std::filesystem::path& path, Study& study) {
+  if (!std::filesystem::exists(path)) return;
+  const auto groups = read_posterior(path);
+  const auto group = [&](const std::string& name) -> const PosteriorGroup* {
+    const auto found = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.name == name; });
+    return found == groups.end() ? nullptr : &*found;
+  };
+  if (const auto* g = group("posterior"))
+    study.posterior = draws_of(*g);
+  else
+    (void)read_posterior(path, {"posterior"});  // says what the file is not
+  if (const auto* g = group("prior")) study.prior = draws_of(*g);
+  const auto *predictive = group("posterior_predictive"), *observed = group("observed_data");
+  if (predictive && observed) study.predictive = predictive_histories(*predictive, *observed);
+}
+
 std::optional<Histories> simulation_histories(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   const NetcdfReader file(path);
@@ -175,7 +239,7 @@ Study read_study(const std::filesystem::path& out_dir) {
   study.optimizer_comparison = json_if_there(out_dir / "optimizer_comparison.json");
   study.runs = campaign_runs(out_dir / "campaign.nc");
   study.sample = json_if_there(out_dir / "posterior.json");
-  if (const auto path = out_dir / "posterior.nc"; std::filesystem::exists(path)) study.posterior = draws_of(read_posterior(path, {"posterior"}).at(0));
+  read_draws(out_dir / "posterior.nc", study);
   study.simulation = simulation_histories(out_dir / "simulate.nc");
   study.diagnosis = diagnosis_artefacts(out_dir);
   study.sensitivity = sensitivity_artefacts(out_dir);

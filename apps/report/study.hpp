@@ -18,6 +18,9 @@ struct Histories {
   std::vector<double> calibrated, nominal;               ///< over `time`
   std::vector<double> record_mean, band_low, band_high;  ///< over `record_time`
   std::vector<double> base, explained, held_out_base, held_out_explained;  ///< over `time`, of diagnosis.nc
+  /// Of posterior.nc, over `record_time`: mean of the histories at its draws; what 90 % of them lie between; and, where the errors between a history and a record are told, what 90 % of the
+  /// records predicted by draws and errors lie between.
+  std::vector<double> predicted, draws_low, draws_high, predicted_low, predicted_high;
 };
 
 struct CalibrationArtefacts {
@@ -60,7 +63,9 @@ struct Study {
   std::optional<Json> optimizer_comparison;  ///< of bench_optimizers
   std::optional<CampaignRuns> runs;
   std::optional<Json> sample;       ///< posterior.json
-  std::optional<Draws> posterior;   ///< posterior.nc, its group of that name
+  std::optional<Draws> posterior;       ///< posterior.nc, its group of that name
+  std::optional<Draws> prior;           ///< posterior.nc, its group of that name
+  std::optional<Histories> predictive;  ///< posterior.nc, of its groups posterior_predictive and observed_data
   std::optional<Histories> simulation;  ///< simulate.nc, its strain as `nominal`
   std::optional<DiagnosisArtefacts> diagnosis;
   std::optional<SensitivityArtefacts> sensitivity;

@@ -83,6 +83,7 @@ struct Series {
   const std::vector<double>* values;
   bool on_records;  ///< over record_time, else over time
   bool hidden = false;
+  bool edge = false;  ///< of another series' band
   [[nodiscard]] const std::vector<double>& times() const { return on_records ? histories->record_time : histories->time; }
   /// Empty when these histories lack the sensor or the condition.
   [[nodiscard]] std::span<const double> at(const std::string& condition, const std::string& sensor) const {
@@ -102,8 +103,8 @@ struct Traces {
 
 void add_records(Traces& t, const Histories& records) {
   t.series.push_back({"measured", "measured mean and band", &records, &records.record_mean, true});
-  t.series.push_back({"low", "band low", &records, &records.band_low, true});
-  t.series.push_back({"high", "band high", &records, &records.band_high, true});
+  t.series.push_back({"low", "band low", &records, &records.band_low, true, false, true});
+  t.series.push_back({"high", "band high", &records, &records.band_high, true, false, true});
 }
 
 /// Conditions and sensors of the case, then others that the series have.
@@ -135,6 +136,42 @@ Traces collect_diagnosis(const Study& study, const ReportInput& input) {
   add("held_out_base", "simulation as it is, fitted without this gauge", h.held_out_base, !h.held_out_explained.empty());
   add_names(t, input);
   return t;
+}
+
+Traces collect_predictive(const Study& study, const ReportInput& input) {
+  Traces t;
+  if (!study.predictive) return t;
+  const Histories& h = *study.predictive;
+  const auto band = [&](const std::string& key, const std::string& label, const std::vector<double>& low, const std::vector<double>& high) {
+    if (low.empty()) return;
+    t.series.push_back({key, label, &h, &h.predicted, true});
+    t.series.push_back({key + "_low", "", &h, &low, true, false, true});
+    t.series.push_back({key + "_high", "", &h, &high, true, false, true});
+  };
+  band("predicted", "90 % of the records that are predicted", h.predicted_low, h.predicted_high);
+  band("draws", "90 % of the simulations at the draws", h.draws_low, h.draws_high);
+  t.series.push_back({"measured", "measured mean", &h, &h.record_mean, true});
+  add_names(t, input);
+  return t;
+}
+
+/// What stands beside a gauge's plot: how much of its record lies within what is predicted.
+Json predicted_lines(const Histories& h) {
+  Json lines = Json::object();
+  if (h.predicted_low.empty()) return lines;
+  const std::size_t m = h.record_time.size();
+  for (std::size_t s = 0; s < h.sensors.size(); ++s) {
+    std::size_t inside = 0, all = 0;
+    for (std::size_t c = 0; c < h.conditions.size(); ++c)
+      for (std::size_t k = 0; k < m; ++k) {
+        const std::size_t i = (c * h.sensors.size() + s) * m + k;
+        if (!std::isfinite(h.record_mean[i]) || !std::isfinite(h.predicted_low[i])) continue;
+        ++all;
+        inside += h.record_mean[i] >= h.predicted_low[i] && h.record_mean[i] <= h.predicted_high[i];
+      }
+    if (all > 0) lines[h.sensors[s]] = fmt::format("{:.0f}\u00a0% of the record inside", 100 * double(inside) / double(all));
+  }
+  return lines;
 }
 
 Traces collect(const Study& study, const ReportInput& input) {
@@ -198,7 +235,7 @@ Json traces_json(const Traces& traces, const ReportInput& input, std::size_t mos
   for (const double t : thinning.times(grid)) json["time"].push_back(rounded(t * 1e6, 7));
   json["series"] = Json::array();
   for (const auto& s : traces.series)
-    if (s.key != "low" && s.key != "high") json["series"].push_back({{"key", s.key}, {"label", s.label}, {"hidden", s.hidden}});
+    if (!s.edge) json["series"].push_back({{"key", s.key}, {"label", s.label}, {"hidden", s.hidden}});
   json["conditions"] = Json::array();
   for (const auto& condition : traces.conditions) {
     Json sensors = Json::array();
@@ -272,6 +309,14 @@ Json diagnosis_histories_json(const Study& study, const ReportInput& input, std:
   if (!json.is_null()) json["scores"] = misfit_lines(study.diagnosis->summary);
   return json;
 }
+
+Json predictive_histories_json(const Study& study, const ReportInput& input, std::size_t most) {
+  Json json = traces_json(collect_predictive(study, input), input, most);
+  if (!json.is_null()) json["scores"] = predicted_lines(*study.predictive);
+  return json;
+}
+
+std::string predictive_histories_csv(const Study& study, const ReportInput& input) { return traces_csv(collect_predictive(study, input), input); }
 
 std::string diagnosis_histories_csv(const Study& study, const ReportInput& input) { return traces_csv(collect_diagnosis(study, input), input); }
 

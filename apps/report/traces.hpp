@@ -35,10 +35,16 @@ Json histories_json(const Study& study, const ReportInput& input, std::size_t mo
 /// a series that is `hidden` is switched off at first. `scores`: a line by gauge.
 Json diagnosis_histories_json(const Study& study, const ReportInput& input, std::size_t most);
 
+/// What the posterior predicts of every record; series are "predicted", with `predicted_low` and `predicted_high` where errors are told, "draws" with `draws_low` and `draws_high`, and "measured".
+/// `scores`: by gauge how much of the record lies within what is predicted.
+Json predictive_histories_json(const Study& study, const ReportInput& input, std::size_t most);
+
 /// Every history at every one of its own times: condition, sensor, time_s, measured_mean, band_low, band_high, nominal,
 /// METHOD... in the display unit; a column that has no sample at a time is empty there. Empty text when there are none.
 std::string histories_csv(const Study& study, const ReportInput& input);
 /// The same of diagnosis.nc.
 std::string diagnosis_histories_csv(const Study& study, const ReportInput& input);
+/// The same of posterior.nc.
+std::string predictive_histories_csv(const Study& study, const ReportInput& input);
 
 }  // namespace calomel

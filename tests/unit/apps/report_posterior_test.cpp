@@ -2,15 +2,20 @@
 
 #include <cmath>
 
+#include "apps/report/chains.hpp"
 #include "apps/report/page.hpp"
 #include "apps/report/posterior.hpp"
+#include "apps/report/published.hpp"
 #include "apps/report/report.hpp"
+#include "apps/report/traces.hpp"
+#include "tests/unit/apps/report_reading.hpp"
 #include "tests/unit/apps/report_study.hpp"
 #include "uq/convergence/diagnostics.hpp"
 
 using namespace calomel;
 using namespace calomel::testing_report;
 using testing::HasSubstr;
+using testing::Not;
 
 namespace {
 
@@ -98,10 +103,13 @@ TEST(ReportPosterior, DensitiesIntegrateToOneAndContoursHoldTheirShare) {
 TEST(ReportPosterior, AnswersOfTheCalibrationsAreMarksOnlyNearbyOnesWidenTheFrame) {
   const auto in = input();
   const Json corner = corner_of(scratch("posterior_marks"), in, ridge_draws());
-  ASSERT_EQ(corner["marks"].size(), 3u);
+  ASSERT_EQ(corner["marks"].size(), 5u);
   EXPECT_EQ(corner["marks"][0]["label"], "ENC");
   EXPECT_EQ(corner["marks"][1]["label"], "MAP");
   EXPECT_EQ(corner["marks"][2]["label"], "nominal");
+  EXPECT_EQ(corner["marks"][3]["label"], "ENC, published");
+  EXPECT_EQ(corner["marks"][4]["label"], "SPE, published");
+  EXPECT_EQ(corner["marks"][4]["values"], Json({53300, 7720, 2449, nullptr}));
   EXPECT_EQ(corner["marks"][0]["values"][1], 10345.0);
   EXPECT_TRUE(corner["marks"][0]["values"][3].is_null());        // a gain that ENC does not have
   EXPECT_LT(corner["axes"][1]["span"][0].get<double>(), 10345);  // ENC, nearby
@@ -155,4 +163,119 @@ TEST(ReportPosterior, CsvHoldsEveryDraw) {
   EXPECT_THAT(csv, testing::StartsWith("chain,draw,tensile_cutoff,density,sound_speed,gain_B\n0,0,"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 8001);
   EXPECT_TRUE(std::filesystem::exists(dir / "report_csv" / "posterior.csv"));
+}
+
+TEST(ReportPosterior, RanksAreLevelWhereChainsAgreeAndNotWhereOneLiesApart) {
+  const auto dir = scratch("posterior_ranks");
+  for (const bool apart : {false, true}) {
+    write_sample(dir, ridge_draws(apart));
+    const Json chains = chains_json(read_study(dir), input());
+    ASSERT_EQ(chains["quantities"].size(), 4u);
+    EXPECT_EQ(chains["expected"], 100);
+    const Json& density = chains["quantities"][1];
+    ASSERT_EQ(density["ranks"].size(), 4u);
+    EXPECT_EQ(density["trace"][3].size(), chains["iterations"].size());
+    int outside = 0;
+    for (const auto& counts : density["ranks"]) {
+      int all = 0;
+      for (const auto& n : counts) {
+        all += n.get<int>();
+        outside += std::abs(n.get<double>() - 100) > chains["spread"][1].get<double>();
+      }
+      EXPECT_EQ(all, 2000);
+    }
+    // 80 counts, each beyond two standard deviations with a chance of 5 %: 4 +- 2.
+    if (apart)
+      EXPECT_GT(density["ranks"][3][19].get<int>(), 300);
+    else
+      EXPECT_LT(outside, 10);
+  }
+}
+
+TEST(ReportPosterior, PriorAgainstPosteriorTellsHowMuchNarrowerAndHowFarItMoved) {
+  const auto dir = scratch("posterior_priors");
+  auto in = input();
+  in.parameters[2].prior = "normal", in.parameters[2].mean = 1450, in.parameters[2].sd = 145;
+  write_sample_and_predictions(dir, in, ridge_draws());
+  const Study study = read_study(dir);
+  const Table t = prior_table(study, in);
+  ASSERT_EQ(t.rows.size(), 2u);  // the gain and the cutoff have no draws of a prior here
+  // Of a uniform density on +-1300 about its middle 68.27 % lie within +-887; the draws have 5 % of 12 900.
+  EXPECT_NEAR(std::get<double>(t.rows[0][5].value), 887.0 / 645, 0.08);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(t.rows[0][6].value));  // bounds alone: nothing to have moved from
+  EXPECT_NEAR(std::get<double>(t.rows[1][6].value), (19.4e6 / 12900 - 1450) / 145, 0.1);
+  const Json priors = priors_json(study, in);
+  ASSERT_EQ(priors["panels"].size(), 2u);
+  for (const auto& p : priors["panels"])
+    for (const char* key : {"prior", "posterior"}) {
+      const double low = p[key]["span"][0], high = p[key]["span"][1];
+      double sum = 0;
+      for (const auto& v : p[key]["density"]) sum += v.get<double>() * (high - low) / double(p[key]["density"].size() - 1);
+      EXPECT_NEAR(sum, 1, 0.03) << p["label"] << " " << key;
+    }
+  const std::string text = markup(report_of(dir, in));
+  EXPECT_THAT(text, HasSubstr("The records narrow what was known: sound_speed 2 times."));
+  EXPECT_THAT(text, HasSubstr("Of sound_speed, which has a prior, none sits more than two prior standard deviations"));
+  EXPECT_THAT(text, HasSubstr("Of tensile_cutoff, density nothing but bounds was given."));
+  EXPECT_FALSE(data_of(read_text(dir / "report.html"))["priors"].is_null());
+  write_tables_csv(dir, in);
+  EXPECT_NEAR(number_in(csv_of(dir / "report_csv" / "posterior_priors.csv"), 1, "prior_median"), 1450, 15);
+}
+
+TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsToldAtTheTopAndInItsSection) {
+  const auto dir = scratch("posterior_absorbed");
+  write_sample(dir, ridge_draws());
+  Json json = read_json(dir / "posterior.json");
+  json["absorption"] = {"density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs"};
+  write_json(dir / "posterior.json", json);
+  const std::string text = markup(report_of(dir, input()));
+  EXPECT_THAT(text, HasSubstr("<li>sampling: density sits 2.4 prior standard deviations below"));
+  EXPECT_THAT(text, HasSubstr("<strong>Density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
+  EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> asks what was left out."));
+  EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
+}
+
+TEST(ReportPosterior, BandsHoldDrawsAndErrors) {
+  const auto dir = scratch("posterior_bands");
+  const auto in = input();
+  write_sample_and_predictions(dir, in, ridge_draws());
+  const Study study = read_study(dir);
+  ASSERT_TRUE(study.predictive.has_value());
+  const Histories& h = *study.predictive;
+  const std::size_t at = 2 * h.record_time.size() + 150;  // the third gauge
+  const double y = wave(150e-6, 2, 1), sd = std::abs(y) * 0.1 / std::sqrt(3.0);
+  EXPECT_NEAR(h.predicted[at], y, 1e-9);
+  EXPECT_NEAR(h.draws_high[at] - h.draws_low[at], 0.18 * std::abs(y), 0.003 * std::abs(y));  // 90 % of an even spread of 20 %
+  EXPECT_NEAR(h.predicted_high[at] - y, 1.645 * std::hypot(sd, 20e-6), 0.02 * std::hypot(sd, 20e-6));
+  const std::string page = report_of(dir, in);
+  const Json data = data_of(page)["predictive"];
+  EXPECT_EQ(data["conditions"][0]["sensors"][2]["name"], "F");
+  EXPECT_EQ(data["series"].size(), 3u);
+  EXPECT_EQ(data["scores"]["F"], "100\u00a0% of the record inside");
+  EXPECT_THAT(page, HasSubstr("id=\"predictive-plots\""));
+  // Without errors the narrow band alone is shown, and nothing is said of what lies inside.
+  write_sample_and_predictions(dir, in, ridge_draws(), false);
+  const Json narrow = data_of(report_of(dir, in))["predictive"];
+  EXPECT_EQ(narrow["series"].size(), 2u);
+  EXPECT_TRUE(narrow["scores"].empty());
+}
+
+TEST(ReportPosterior, PublishedAnswersStandOnlyWhereTheCaseAsksForTheSameOfMercury) {
+  const auto dir = scratch("posterior_published");
+  const auto in = input();
+  write_sample(dir, ridge_draws());
+  const std::string text = published_paragraph(read_study(dir), in);
+  EXPECT_THAT(text, HasSubstr("Model Calibration of the Liquid Mercury Spallation Target using Evolutionary Neural Networks and Sparse Polynomial Expansions"));
+  EXPECT_THAT(text, HasSubstr("ENC 10\u202f345\u00a0kg/m\u00b3, 2020\u00a0m/s, 85\u202f642\u00a0Pa"));
+  EXPECT_THAT(text, HasSubstr("SPE 7720\u00a0kg/m\u00b3, 2449\u00a0m/s, 53\u202f300\u00a0Pa"));
+  EXPECT_THAT(text, HasSubstr("\u03c1c = 20.9\u00a0MPa\u00b7s/m"));
+  EXPECT_THAT(text, HasSubstr("Here \u03c1c is 19.4\u00a0MPa\u00b7s/m"));
+  auto fewer = in, water = in, more = in;
+  fewer.parameters.pop_back();
+  water.options["material"]["mercury"]["density"] = 998.0;
+  more.parameters.push_back({.name = "viscosity", .key = "solver.viscosity", .min = 0, .max = 1});
+  for (const auto& other : {fewer, water, more}) {
+    EXPECT_TRUE(published_answers(other).empty());
+    EXPECT_EQ(published_paragraph(read_study(dir), other), "");
+  }
 }

@@ -50,7 +50,7 @@ TEST(Report, HoldsTheScriptsOfTheRepositoryAndBothLibraries) {
   const auto dir = scratch("scripts");
   write_study(dir, input());
   const std::string page = report_of(dir, input());
-  for (const char* name : {"page.css", "drawing.js", "histories.js", "target.js", "diagnosis.js", "corner.js", "sensitivity.js", "page.js"})
+  for (const char* name : {"page.css", "drawing.js", "histories.js", "target.js", "diagnosis.js", "chains.js", "corner.js", "sensitivity.js", "page.js"})
     EXPECT_THAT(page, HasSubstr(read_text(std::filesystem::path(CALOMEL_SOURCE_DIR) / "apps/report" / name))) << name;
   EXPECT_THAT(page, HasSubstr("Dygraph"));
   EXPECT_THAT(page, HasSubstr("WebGLRenderer"));
