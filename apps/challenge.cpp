@@ -88,17 +88,28 @@ ExitStatus run(const CommandLine& command, const Notes& notes) {
 ExitStatus score(const CommandLine& command, const Notes& notes) {
   const auto& words = command.challenge;
   std::vector<std::string> waiting;
-  const auto cases = read_judged(words.directory, waiting);
+  auto cases = read_judged(words.directory, waiting);
+  const std::size_t own = cases.size();
+  Json about = Json::object();
+  for (const char* what : {"suite", "rule"})
+    if (const auto file = words.directory / (std::string(what) + ".json"); std::filesystem::exists(file)) about[what] = read_json(file);
+  const std::string rule = about.contains("rule") ? about["rule"].value("hash", "") : "";
+  for (const auto& file : words.with) {
+    std::string other;
+    for (auto& c : read_scored(file, other)) cases.push_back(std::move(c));
+    if (other != rule)
+      throw InputError({.problem = "its cases were judged by another rule than those of " + words.directory.string(), .value = other, .range = rule, .suggestion = "count only what one rule has judged", .file = file.string()});
+    about["with"].push_back(file.string());
+  }
   const challenge::Score result = score_of(cases);  // there is a Score of a simulation, too
   Json json = score_json(result, cases);
   json["waiting"] = waiting;
-  for (const char* about : {"suite", "rule"})
-    if (const auto file = words.directory / (std::string(about) + ".json"); std::filesystem::exists(file)) json[about] = read_json(file);
+  json.update(about);
   const auto path = words.json.empty() ? words.directory / "score.json" : words.json;
   write_json(path, json);
   Notes(std::cout, false).say(score_lines(result));
   std::cout.flush();
-  if (!waiting.empty()) notes.warn(fmt::format("{} of {} cases have no diagnosis yet and are not counted", waiting.size(), waiting.size() + cases.size()));
+  if (!waiting.empty()) notes.warn(fmt::format("{} of {} cases have no diagnosis yet and are not counted", waiting.size(), waiting.size() + own));
   if (!json.contains("rule")) notes.warn("there is no rule.json: nothing shows that one rule has judged all cases");
   notes.say(stage_line(stage, "all numbers in " + path.string()));
   return ExitStatus::done;

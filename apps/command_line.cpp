@@ -59,6 +59,7 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
   add_overrides(run, command, "override a value of every case; may be repeated");
   run.add_flag("--discard-runs", words.discard_runs, "delete the journal of a case's runs once its diagnosis stands");
   run.add_flag("--new-rule", words.new_rule, "where the rule of decision has changed, set the old results aside (results.old-N) and begin anew");
+  score.add_option("--with", words.with, "scores of other suites that one rule has judged, whose cases are counted too; may be repeated")->check(CLI::ExistingFile)->allow_extra_args(false)->type_name("FILE");
   score.add_option("--json", words.json, "where all numbers go (default: DIR/score.json)")->type_name("FILE");
   for (auto* one : {&make, &run, &score}) add_quiet(*one, command);
 }

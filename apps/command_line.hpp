@@ -28,6 +28,7 @@ struct ChallengeWords {
   bool new_rule = false;
   // score
   std::filesystem::path json;  ///< empty: score.json of the suite
+  std::vector<std::filesystem::path> with;  ///< score.json of other suites, counted too
 };
 
 /// The words of one call, checked. Fields that a verb has no option for keep their defaults.

@@ -160,6 +160,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.hourglass = at.mercury.hourglass;
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
   s.collapse_viscosity = at.mercury.collapse_viscosity;
+  s.wall_film = at.mercury.wall_film;
   s.energies = std::move(energies);
   s.end = at.time.end, s.output_interval = at.time.output_interval;
   for_active(at, [&](const EnabledMechanism& m) {

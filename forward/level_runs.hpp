@@ -11,9 +11,10 @@
 
 namespace calomel {
 
-/// Dotted keys of the regularising viscosity and of the steel's Young modulus.
+/// Dotted keys of the regularising viscosity, of the steel's Young modulus and of the mercury that stays on walls.
 inline constexpr const char* viscosity_key = "material.mercury.regularising_viscosity";
 inline constexpr const char* young_key = "material.steel.young";
+inline constexpr const char* film_key = "material.mercury.wall_film";
 
 class LevelRuns {
  public:

@@ -160,4 +160,68 @@ std::vector<JudgedCase> read_judged(const fs::path& directory, std::vector<std::
   return all;
 }
 
+namespace {
+
+Json intervals_json(const std::map<std::string, Interval>& all) {
+  Json out = Json::object();
+  for (const auto& [name, x] : all) out[name] = {{"mean", number(x.mean)}, {"sd", number(x.sd)}};
+  return out;
+}
+
+Json ranking_json(const std::vector<Ranking>& ranking) {
+  Json out = Json::array();
+  for (const auto& r : ranking) {
+    Json parameters = Json::array();
+    for (const auto& [name, x] : r.numbers) parameters.push_back({{"name", name}, {"mean", number(x.mean)}, {"sd", number(x.sd)}});
+    out.push_back({{"name", r.name}, {"probability", r.probability}, {"sensor", r.gauge}, {"parameters", parameters}});
+  }
+  return out;
+}
+
+JudgedCase judged_of(const Json& json) {
+  JudgedCase c{.name = json.at("name"), .finding = finding_of(json.at("finding")), .noise_floor = json.at("noise_floor")};
+  const std::string family = json.at("family");
+  const auto known = std::find(families.begin(), families.end(), family);
+  if (known == families.end()) throw std::runtime_error("no family is called \"" + family + '"');
+  c.truth = {.family = Family(known - families.begin()), .mechanisms = json.at("mechanisms"), .effects = json.at("effects"), .gauge = json.at("gauge"), .strength = json.at("strength"),
+             .parameters = json.at("parameters"), .numbers = json.at("numbers")};
+  return c;
+}
+
+}  // namespace
+
+Json judged_json(const JudgedCase& c) {
+  const Finding& f = c.finding;
+  return {{"name", c.name},
+          {"family", text(c.truth.family)},
+          {"effects", c.truth.effects},
+          {"mechanisms", c.truth.mechanisms},
+          {"gauge", c.truth.gauge},
+          {"strength", c.truth.strength},
+          {"parameters", c.truth.parameters},
+          {"numbers", c.truth.numbers},
+          {"noise_floor", c.noise_floor},
+          {"finding",  // the parts of diagnosis.json that are scored, by its keys
+           {{"verdict", calomel::text(f.verdict)},
+            {"mechanisms", f.mechanisms},
+            {"ranking", ranking_json(f.ranking)},
+            {"fit", {{"before", {{"heldout_nrmse", number(f.heldout_before)}}}, {"after", {{"heldout_nrmse", number(f.heldout_after)}}}}},
+            {"base_parameters", {{"before", intervals_json(f.before)}, {"after", intervals_json(f.after)}}},
+            {"runs", f.runs},
+            {"wall_s", number(f.wall)},
+            {"status", f.settled ? "done" : "not_settled"}}}};
+}
+
+std::vector<JudgedCase> read_scored(const fs::path& path, std::string& rule_hash) {
+  const Json json = read_json(path);
+  try {
+    rule_hash = json.at("rule").at("hash");
+    std::vector<JudgedCase> all;
+    for (const auto& c : json.at("list")) all.push_back(judged_of(c));
+    return all;
+  } catch (const std::exception& e) {
+    throw InputError({.problem = std::string("is no score of a suite with its rule: ") + e.what(), .suggestion = "give a score.json that calomel challenge score has written", .file = path.string()});
+  }
+}
+
 }  // namespace calomel::challenge

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/options.hpp"
 #include "inverse/data/recordings.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
@@ -67,5 +68,11 @@ struct JudgedCase {
 /// Reads all that is there of the cases of `directory`: those with a diagnosis. `waiting` gets the names of the others.
 /// Errors: InputError when a case with a diagnosis has no truth, no case has a diagnosis, or a file cannot be read.
 std::vector<JudgedCase> read_judged(const std::filesystem::path& directory, std::vector<std::string>& waiting);
+
+/// A case with all that is scored of it, as score.json lists it.
+[[nodiscard]] Json judged_json(const JudgedCase& judged);
+/// The cases that a score.json lists, of suites that may no longer be there; `rule_hash` gets the hash of the rule by which they were judged.
+/// Errors: InputError when the file is no score or tells no rule.
+std::vector<JudgedCase> read_scored(const std::filesystem::path& path, std::string& rule_hash);
 
 }  // namespace calomel::challenge

@@ -124,16 +124,11 @@ Json score_json(const Score& s, const std::vector<JudgedCase>& cases) {
     gate["met"] = g.state == GateState::no_case ? Json() : Json(g.state == GateState::met);
     gates.push_back(std::move(gate));
   }
-  for (const auto& c : cases)
-    list.push_back({{"name", c.name},
-                    {"family", text(c.truth.family)},
-                    {"effects", c.truth.effects},
-                    {"mechanisms", c.truth.mechanisms},
-                    {"strength", c.truth.strength},
-                    {"noise_floor", c.noise_floor},
-                    {"verdict", calomel::text(c.finding.verdict)},
-                    {"names", c.finding.mechanisms},
-                    {"outcome", text(outcome_of(c.truth, c.finding))}});
+  for (const auto& c : cases) {
+    Json judged = judged_json(c);
+    judged["outcome"] = text(outcome_of(c.truth, c.finding));
+    list.push_back(std::move(judged));
+  }
   return {
       {"cases", s.cases},
       {"below_noise", s.below_noise},

@@ -13,6 +13,7 @@ namespace {
 constexpr double box_of_viscosity = 1.8;  ///< half width of the box in its logarithm, in prior sds
 constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
 constexpr double box_of_young = 2.5, widest_young = 5;  ///< the same of the steel's modulus
+constexpr double box_of_film = 2.5, widest_film = 3;    ///< the same of the walls' film
 constexpr double mesh_error_by_size = 80;               ///< over the local amplitude, per metre of element size: of the first order
 constexpr double box_of_prior = 2;                      ///< half width of a line's first box, in prior sds
 constexpr double resolving = 1.25;                      ///< lengths of the pulse's front that an element may have which resolves it
@@ -25,8 +26,9 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study) {
   if (study.external) return own;  // no handbook knows them
   auto parameters = study.map.product == "physical" ? with_handbook_priors(own) : own;
   if (study.line) return parameters;  // its nuisances are the case's own
+  const auto absent = [&](const char* key) { return std::none_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == key; }); };
   const auto nuisance = [&](const char* name, const char* key, double median, double sd, double widest) {
-    if (sd <= 0 || std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == key; })) return;
+    if (sd <= 0 || !absent(key)) return;
     Parameter p{.name = name, .key = key, .prior = "lognormal"};
     p.nominal = median, p.mu = std::log(median), p.sigma = sd;
     p.min = median * std::exp(-widest * sd), p.max = median * std::exp(widest * sd);
@@ -34,6 +36,9 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study) {
   };
   nuisance("regularising_viscosity", viscosity_key, study.emulator.viscosity, study.emulator.viscosity_sd, widest_viscosity);
   nuisance("young", young_key, study.forward.steel.young, study.errors.young_sd, widest_young);
+  const double film = study.errors.wall_film, film_sd = study.errors.wall_film_sd;
+  if (film_sd > 0 && absent(film_key) && study.on_mesh() && study.forward.geometry.parts() && study.forward.mercury.law != "linear")
+    parameters.push_back({.name = "wall_film", .key = film_key, .min = film - widest_film * film_sd, .max = film + widest_film * film_sd, .prior = "normal", .nominal = study.forward.mercury.wall_film, .mean = film, .sd = film_sd});
   return parameters;
 }
 
@@ -105,6 +110,7 @@ bool basin_on_surrogate(const StudyCase& study) {
 /// What a polynomial of order two follows over half a millisecond (boxes of 4.5 % of density, 6 % of sound speed and 0.6e5 to 3.6e5 Pa on the slice `null`: left
 /// out, 3.6 % at 1 mm, of which 3.0 % are numerical noise).
 double first_half_width(const Parameter& p, bool nuisance) {
+  if (nuisance && p.key == film_key) return box_of_film * *p.sd;
   if (nuisance) return (p.key == viscosity_key ? box_of_viscosity : box_of_young) * *p.sigma;
   if (p.key == "material.mercury.density") return 0.035;
   if (p.key == "material.mercury.sound_speed") return 0.05;

@@ -38,6 +38,7 @@ struct MercuryOptions {
   double least_mesh_viscosity = 0.1;       // eta >= this rho c h
   double quadratic_viscosity = 0;          // b2 of q = rho (b2 h de_v/dt)^2
   double collapse_viscosity = 0.5;         // b of q = -b rho c h de_v/dt
+  double wall_film = 0;                    // m
   double hourglass = 0.0005;               // share of the greatest dilatational stiffness
   double thermal_expansion = 1.8e-4;       // 1/K
   double specific_heat = 138.3;            // J/(kg K), Vukalovich tables at 333 K
@@ -52,6 +53,8 @@ struct MercuryOptions {
     v("quadratic_viscosity", quadratic_viscosity, {.range = between(0, 5), .doc = "b2 of the quadratic bulk viscosity rho (b2 h rate)^2 in compression; 0 = none"});
     v("collapse_viscosity", collapse_viscosity,
       {.range = between(0, 2), .doc = "b of the viscosity b rho c h against compression of liquid that has been at the cutoff: its closing is inelastic on any mesh; 0 = none"});
+    v("wall_film", wall_film,
+      {.unit = "m", .range = between(-1e-3, 1e-3), .doc = "mercury that stays on a wetted wall where it gives way there: the cavity opens that far from the wall; at most 0.6 of half an element. Below 0, for estimates alone, the wall is the lighter"});
     v("hourglass", hourglass, {.range = between(0, 1), .doc = "hourglass stiffness of the liquid relative to its dilatational stiffness"});
     v("thermal_expansion", thermal_expansion, {.unit = "1/K", .range = above(0), .doc = "volumetric expansion coefficient beta of Gamma = beta c^2 / c_p"});
     v("specific_heat", specific_heat, {.unit = "J/(kg K)", .range = above(0), .doc = "specific heat c_p of Gamma = beta c^2 / c_p"});

@@ -28,7 +28,7 @@ SolveOptions solve_options(const SolverOptions& o) {
 
 /// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
-  std::array<double, 11> numbers;
+  std::array<double, 12> numbers;
   bool single, group, parts;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
@@ -52,7 +52,7 @@ ElementKind kind_of(const SolveOptions& o) {
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
   return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(), s.hourglass,
-                      s.steel_stiffness_damping, s.steel_mass_damping},
+                      s.steel_stiffness_damping, s.steel_mass_damping, s.wall_film},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
           .parts = faces_may_part(s),
@@ -149,6 +149,7 @@ double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const 
     for (const auto& [eigenvalue, size] : parts_->stiffest)
       step = std::min(step, stable_time_step(eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, (s.liquid.viscosity + s.collapse_resistance() * size) / k));
   }
+  if (s.wall_film != 0 && faces_may_part(s)) step *= std::sqrt(1 - greatest_film);  // a node may lose so much of its mass
   if (!liquid_alone) step = mass_damped_time_step(step, s.steel_mass_damping);
   if (!(step > 1e-12)) throw NumericsError(fmt::format("the stable time step collapses ({:.3g} s)", step));
   return step;

@@ -83,6 +83,9 @@ struct RunSetup {
   /// that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together. Infinite: none
   /// comes apart, and half a layer of mercury elements moves with the wall when the mercury has given way.
   double wetted_cutoff = std::numeric_limits<double>::infinity();
+  /// Mercury that stays on a wetted face when a pair comes apart [m]: the cavity opens that far from the wall. At most `greatest_film` of the half element that the
+  /// face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
+  double wall_film = 0;
   /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
   /// normal traction. Empty: none.
   std::vector<double> slip_strength;

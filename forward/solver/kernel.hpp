@@ -93,6 +93,7 @@ struct SpecialData {
   std::int32_t normals;
   R normal[3][3];
   R mass_node, mass_partner;
+  R film;            ///< of mass_node, what moves along the normal with the steel where the pair may come apart [kg]
   R rear_area;       ///< 0 = not on the rear face
   R rear_normal[3];
   R rear_p0;         ///< heating pressure of the mercury behind the face at full pulse [Pa]

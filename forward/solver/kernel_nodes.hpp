@@ -67,6 +67,7 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
 /// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
 /// kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate after the step.
+/// A film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and apart.
 template <class R, bool Runs, bool Balance, bool Resisting>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
                                          const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
@@ -75,7 +76,8 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   constexpr int width = Row<R, Runs>::width, lanes = Runs ? run_lanes : 1;
   const L zero{}, one = L{} + R(1);
   const R* n = r.normal[0];
-  const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
+  const R mass_node = r.mass_node - r.film, mass_partner = r.mass_partner + r.film;  // along the normal
+  const R share_node = mass_node / (mass_node + mass_partner), share_partner = mass_partner / (mass_node + mass_partner);
   L u[3], u_steel[3], was;
   read_row<R, Runs>(s.u + std::size_t(r.node) * width, u), read_row<R, Runs>(s.u + std::size_t(r.partner) * width, u_steel);
   R* open = s.extras.open + rule * lanes;
@@ -83,19 +85,25 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
     was = load<L>(open);
   else
     was = *open;
+  if (r.film != 0) {
+    L vn_before{}, vn_free{}, sn_before{}, sn_free{};
+    for (int c = 0; c < 3; ++c) vn_before += before[c] * n[c], vn_free += v[c] * n[c], sn_before += steel_before[c] * n[c], sn_free += steel[c] * n[c];
+    const L lighter = (r.mass_node / mass_node - 1) * (vn_free - vn_before), heavier = (r.mass_partner / mass_partner - 1) * (sn_free - sn_before);
+    for (int c = 0; c < 3; ++c) v[c] += lighter * n[c], steel[c] += heavier * n[c];
+  }
   const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
   const L gap = (u_steel[0] - u[0]) * n[0] + (u_steel[1] - u[1]) * n[1] + (u_steel[2] - u[2]) * n[2];
-  const L common = share_node * vn + share_partner * sn, pull = r.mass_node / s.kick * (common - vn);
+  const L common = share_node * vn + share_partner * sn, pull = mass_node / s.kick * (common - vn);
   const L parts = select(pull > zero + s.extras.strength[rule], one, zero);
   L hold = s.kick * s.extras.hold[rule] * (was + (one - was) * parts);
   if constexpr (Resisting) {
     // w = w_free - (hold + kick resistance w) (1/m_f + 1/m_s) of the relative velocity w = dg/dt, which has the sign that it has without resistance.
-    const R give = 1 / r.mass_node + 1 / r.mass_partner;
+    const R give = 1 / mass_node + 1 / mass_partner;
     const L free = sn - vn - give * hold;
     const L drag = s.kick * select(free > zero, zero + s.extras.resistance[2 * rule], zero + s.extras.resistance[2 * rule + 1]);
     hold += (was + (one - was) * parts) * drag * free / (one + give * drag);
   }
-  const L towards = hold * (1 / r.mass_node), back = hold * (1 / r.mass_partner);
+  const L towards = hold * (1 / mass_node), back = hold * (1 / mass_partner);
   const L meets = select(gap + s.dt * (sn - back - vn - towards) <= zero, one, zero);
   const L now = was * (one - meets) + (one - was) * parts, held = one - now;
   const L apart = -1 / s.dt * (was * meets * gap);  // (v_s - v_m).n of a pair that meets
@@ -106,9 +114,14 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   else
     *open = now;
   if constexpr (Balance && !Runs) {
-    const double half_way = 0.5 * double(s.dt) * double(r.mass_node) / double(s.kick) * double(change);
-    double rel_before = 0, rel_after = 0;
-    for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    const double half_way = 0.5 * double(s.dt) * double(mass_node) / double(s.kick) * double(change);
+    double vn_before = 0, vn_after = 0, sn_before = 0, sn_after = 0;
+    for (int c = 0; c < 3; ++c) {
+      vn_before += double(n[c]) * double(before[c]), vn_after += double(n[c]) * double(v[c]);
+      sn_before += double(n[c]) * double(steel_before[c]), sn_after += double(n[c]) * double(steel[c]);
+    }
+    const double rel_before = sn_before - vn_before, rel_after = sn_after - vn_after;
+    energy->kinetic += 0.5 * double(r.film) * (sn_before * sn_after - vn_before * vn_after);
     energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after, energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
   }
 }

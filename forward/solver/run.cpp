@@ -139,7 +139,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   std::vector<SpecialData<R>> rules = rules_;
   if (faces_may_part(setup_))
     for (auto& r : rules)
-      if (r.normals == 1) r.normals = 0;
+      if (r.normals == 1) r.normals = 0, r.mass_node = R(parted_mass_[std::size_t(r.node)]), r.mass_partner = r.partner >= 0 ? R(parted_mass_[std::size_t(r.partner)]) : R(0);
   packed_.runs ? kernel_.run_special(layout, rules.data(), 0, rules.size(), s) : kernel_.element_special(layout, rules.data(), 0, rules.size(), s, false, &unused);
   for (std::size_t i = 0; i < x.size(); ++i) result[i] = (rate * x[i] - result[i]) / scale;
 }
@@ -152,7 +152,7 @@ std::vector<double> Run<R>::dot(const AlignedArray<R>& a, const AlignedArray<R>&
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t l = 0; l < stride; ++l) {
         const std::size_t i = n * width + k * stride + l;
-        sum[l] += mass_[n] * double(a[i]) * double(b[i]);
+        sum[l] += parted_mass_[n] * double(a[i]) * double(b[i]);
       }
   return sum;
 }

@@ -15,6 +15,8 @@ namespace calomel {
 
 inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finite in single precision
 
+inline constexpr double greatest_film = 0.6;  ///< over the mass of the node that it is taken from
+
 /// Whether wetted faces may come apart in the run: no strain below 1 reaches a cutoff above the bulk modulus.
 inline bool faces_may_part(const RunSetup& s) { return !s.slip_strength.empty() || s.wetted_cutoff < s.liquid.bulk_modulus; }
 inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time
@@ -70,7 +72,7 @@ class Run {
   /// For the estimate of the stable step: (K + C / dt) x against the mass, and its inner product. Rows as u.
   /// `liquid_alone`: without the steel's stiffness, its mass stays.
   void apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, int threads, bool liquid_alone = false) const;
-  [[nodiscard]] std::vector<double> dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const;  ///< (lanes), with the mass
+  [[nodiscard]] std::vector<double> dot(const AlignedArray<R>& a, const AlignedArray<R>& b) const;  ///< (lanes), with the mass of faces that are apart
   [[nodiscard]] std::size_t row_count() const { return mass_.size(); }
   [[nodiscard]] const PackedMesh<R>& packed() const { return packed_; }
 
@@ -114,6 +116,7 @@ class Run {
   Keep keep_;      ///< what the blocks remember
   StepData<R> base_{};
   std::vector<double> mass_;         ///< by solver node [kg]
+  std::vector<double> parted_mass_;  ///< the same, the least that acts in any direction where faces are apart: without the film that has gone to the other side [kg]
   std::vector<double> motion_factor_;  ///< by solver node; empty: no damping of the motion
   AlignedArray<R> inverse_mass_, u_, v_, outbox_;
   std::vector<AlignedArray<R>> p0_, state_;

@@ -65,14 +65,14 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
 template <class R>
 void Run<R>::make_masses(const NodalVolumes& volumes) {
   const Layout& layout = packed_.layout;
-  mass_.resize(std::size_t(layout.nodes));
+  mass_.resize(std::size_t(layout.nodes)), parted_mass_.resize(mass_.size());
   inverse_mass_ = AlignedArray<R>(mass_.size());
   const bool damped = setup_.steel_mass_damping != 0;
   if (damped) motion_factor_.resize(mass_.size()), damped_.resize(node_chunks(mass_.size()));
   for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
     const auto s = std::size_t(layout.to_solver[n]);
     const double steel = setup_.steel_density * volumes.steel[n];
-    mass_[s] = steel + setup_.liquid_density * volumes.liquid[n];
+    mass_[s] = parted_mass_[s] = steel + setup_.liquid_density * volumes.liquid[n];
     inverse_mass_[s] = R(1 / mass_[s]);
     if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel / mass_[s]);
   }
@@ -187,13 +187,16 @@ void Run<R>::make_extras() {
       const double area = n.area[0] * normal[0] + n.area[1] * normal[1] + n.area[2] * normal[2];
       if (area < 0)  // from here on it points out of the mercury
         for (auto& c : r.normal[0]) c = -c;
+      const double thickness = r.mass_node / (setup_.liquid_density * std::abs(area));
+      r.film = R(std::clamp(setup_.wall_film / thickness * r.mass_node, -greatest_film * r.mass_partner, greatest_film * r.mass_node));
+      parted_mass_[std::size_t(setup_.wall_film > 0 ? r.node : r.partner)] -= std::abs(double(r.film));
       const double own = setup_.slip_strength.empty() ? std::numeric_limits<double>::infinity() : setup_.slip_strength[pair->second];
       const double strength = std::min(own, setup_.wetted_cutoff);
       strength_[rule] = R(std::min(strength * std::abs(area), unlimited_cutoff));
       const bool weak = setup_.wetted_cutoff > own;
       if (!weak && strength < unlimited_cutoff) hold_[rule] = strength_[rule];
       if (resisting && !weak) {
-        const double thickness = r.mass_node / (setup_.liquid_density * std::abs(area)), stiffness = setup_.liquid.bulk_modulus * std::abs(area) / thickness;
+        const double stiffness = setup_.liquid.bulk_modulus * std::abs(area) / thickness;
         resistance_[2 * rule] = R(stiffness * setup_.parting_time), resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);
       }
       for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart

@@ -68,7 +68,9 @@ std::vector<Nuisance> nuisances_of(const PosteriorInputs& in, const PosteriorFit
   for (std::size_t k = in.problem.shape.parameters.size(); k < in.parameters.size(); ++k) {
     const Parameter& p = in.parameters[k];
     Nuisance x{.name = p.name, .value = m.at.theta[k], .sd = std::sqrt(covariance(Eigen::Index(k), Eigen::Index(k)))};
-    if (p.prior == "lognormal") x.prior_value = std::exp(*p.mu), x.prior_sd = *p.sigma * x.prior_value, x.pull = std::log(x.value / x.prior_value) / *p.sigma;
+    if (p.prior == "lognormal") x.prior_value = std::exp(*p.mu), x.prior_sd = *p.sigma * x.prior_value;
+    if (p.prior == "normal") x.prior_value = *p.mean, x.prior_sd = *p.sd;
+    x.pull = prior_deviation(p, x.value).value_or(0);
     out.push_back(std::move(x));
   }
   if (fit.posterior->has_beyond()) {

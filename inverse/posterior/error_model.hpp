@@ -24,6 +24,8 @@ struct ErrorOptions {
   double baseline = 1;
   double coherent_noise = 0.1;
   double young_sd = 0.015;
+  double wall_film = 5e-5;
+  double wall_film_sd = 7e-5;
   double gauge_place_sd = 0.0004;
   double beyond = 0.15;
   double beyond_sd = 0.15;
@@ -45,6 +47,8 @@ struct ErrorOptions {
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order follows over a record; 0 holds it"});
+    v("wall_film", wall_film, {.unit = "m", .range = between(0, 5e-4), .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: prior mean"});
+    v("wall_film_sd", wall_film_sd, {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
     v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
     v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});

@@ -48,6 +48,7 @@ rounds = 8
 [errors]
 band = 1e5
 young_sd = 0
+wall_film_sd = 0
 beyond = 0
 beyond_sd = 0.1
 beyond_rest = 0.2

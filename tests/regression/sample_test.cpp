@@ -42,6 +42,7 @@ check_fine = 2
 [errors]
 band = 1e5
 young_sd = 0
+wall_film_sd = 0
 beyond = 0
 beyond_sd = 0.1
 beyond_rest = 0.2

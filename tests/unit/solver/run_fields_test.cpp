@@ -444,4 +444,43 @@ TEST(PartingFace, HangsNoMercuryOnTheWall) {
   EXPECT_NEAR(flown(0), 1, 1e-9);
   const double hangs = 0.5 * mercury_density / (0.5 * mercury_density + 4 * steel_density);  // half an element of mercury beside four of steel
   EXPECT_NEAR(flown(never), 1 - hangs, 0.2 * hangs);
+  // A film that stays on the plate flies with it: what pulls them back, the cutoff, has both to slow down.
+  const double pull = 1e5;
+  const auto slowed = [&](double film) {
+    s.wall_film = film, s.wetted_cutoff = pull;
+    return 1 - flown(pull);
+  };
+  const double bare = slowed(0), plate = 4e-3 * steel_density;
+  EXPECT_NEAR(bare, 0.5 * pull / plate * s.end, 0.01 * bare);
+  for (const double film : {1e-4, 2.5e-4, -1e-4}) EXPECT_NEAR(slowed(film) / bare, plate / (plate + film * mercury_density), 0.005) << film;
+  EXPECT_NEAR(slowed(1e-3) / slowed(3e-4), 1, 1e-12);  // no more than 0.6 of the half element
+}
+
+// With a film as without: momentum and energy are kept, through impacts, in lanes as in single runs, and the step is short enough for the lighter mercury.
+TEST(PartingFace, AFilmKeepsTheBalance) {
+  Mesh mesh = block({6, 4, 8}, {0, 0, 0}, {0.006, 0.004, 0.008}, [](const Vec3& x) { return x[2] > 0.005 ? Region::steel : Region::mercury; });
+  split(mesh, {Vec3{0, 0, 1}});
+  mesh.wetted = faces_at(mesh, 2, 0.005);
+  RunSetup s = linear_setup(1e-4, 1e-6);
+  s.wetted_cutoff = s.liquid.tensile_cutoff = 1e4;
+  RandomStream random(9, 0);
+  s.initial_velocity.resize(mesh.nodes.size());
+  for (auto& v : s.initial_velocity)
+    for (auto& c : v) c = random.uniform(-1, 1);
+  const std::vector<ObservationRow> rows{component(mesh.slip[0].steel, 2), component(mesh.slip[0].mercury, 2)};
+  const ExplicitSolver solver(mesh, steel());
+  SolveOptions o;
+  o.energy_balance = true;
+  const auto without = solver.solve(s, rows, o);
+  for (const double film : {2e-4, -5e-5}) {
+    s.wall_film = film;
+    o.energy_balance = true;
+    const auto out = solver.solve(s, rows, o);
+    EXPECT_LT(out.energy_balance_error, 2 * without.energy_balance_error) << film;
+    EXPECT_GT(std::abs(out.observations.back() - without.observations.back()), 1e-3 * std::abs(without.observations.back())) << film;
+    s.energies.assign(8, 1.0);
+    o.energy_balance = false;
+    EXPECT_NEAR(solver.solve(s, rows, o).observations[20], out.observations[20], 1e-6 * std::abs(out.observations[20])) << film;
+    s.energies.assign(1, 1.0);
+  }
 }

@@ -264,6 +264,26 @@ TEST(Score, EffortAndEveryNumberInTheJson) {
   EXPECT_EQ(json["effort"]["runs"]["most"], 300);
 }
 
+// What score.json lists of a case is all that is scored of it: counted again from there, with other suites, every number comes out the same.
+TEST(Score, IsTheSameOfTheCasesThatItLists) {
+  Truth fault{.family = Family::sensor, .mechanisms = {"sensor_response"}, .effects = {"gauge_fault"}, .gauge = "T2", .strength = 0.1, .parameters = {{"density", 13400}}, .numbers = {{"sensor_response.gain", 1.1}}};
+  Finding named_fault = named("sensor_response"), silent = found(VerdictKind::unknown);
+  named_fault.ranking = {{.name = "sensor_response", .probability = 0.8, .numbers = {{"T2.sensor_response.gain", {1.11, 0.02}}}, .gauge = "T2"}, {.name = "none", .probability = 0.2}};
+  silent.wall = nan_, silent.heldout_before = nan_, silent.settled = false, silent.after["density"] = {nan_, 1};
+  const std::vector<JudgedCase> cases{judged(fault, named_fault), judged(nothing(), silent), judged(outside(), found(VerdictKind::unknown)), judged(pair(), named("beam_profile"))};
+  Json json = score_json(score_of(cases), cases);
+  const auto path = scratch_file("scored.json");
+  std::string rule;
+  write_json(path, json);
+  EXPECT_THROW((void)read_scored(path, rule), InputError) << "a score without a rule";
+  json["rule"] = {{"hash", "abc"}};
+  write_json(path, json);
+  const auto again = read_scored(path, rule);
+  EXPECT_EQ(rule, "abc");
+  json.erase("rule");
+  EXPECT_EQ(score_json(score_of(again), again), json);
+}
+
 namespace {
 
 const char* const truth_text = R"(name = "case_001"

@@ -36,13 +36,17 @@ TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
 }
 
 TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
-  EXPECT_THAT(names(posterior_parameters(study(density))), ElementsAre("density", "regularising_viscosity", "young"));
-  EXPECT_THAT(names(posterior_parameters(study(density, {"errors.young_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
+  EXPECT_THAT(names(posterior_parameters(study(density))), ElementsAre("density", "regularising_viscosity", "young", "wall_film"));
+  EXPECT_THAT(names(posterior_parameters(study(density, {"errors.young_sd=0", "errors.wall_film_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
+  for (const char* no_film : {"geometry.wetted=no_separation", "material.mercury.law=linear"})  // nothing parts from a wall there
+    EXPECT_THAT(names(posterior_parameters(study(density, {no_film}))), ElementsAre("density", "regularising_viscosity", "young"));
   const auto with_young = posterior_parameters(study(density + "[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n"));
-  EXPECT_THAT(names(with_young), ElementsAre("density", "steel", "regularising_viscosity"));
+  EXPECT_THAT(names(with_young), ElementsAre("density", "steel", "regularising_viscosity", "wall_film"));
   EXPECT_EQ(first_half_width(with_young[0], false), 0.035);
   EXPECT_DOUBLE_EQ(first_half_width(with_young[1], false), 0.1 * std::log(2.1 / 1.8));
   EXPECT_DOUBLE_EQ(first_half_width(with_young[2], true), 1.8 * *with_young[2].sigma);
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[3], true), 2.5 * *with_young[3].sd);
+  EXPECT_EQ(with_young[3].nominal, 0.0);
 }
 
 TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
