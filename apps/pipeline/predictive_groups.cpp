@@ -1,6 +1,8 @@
 #include "apps/pipeline/predictive_groups.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/random.hpp"
 
@@ -8,19 +10,26 @@ namespace calomel {
 
 namespace {
 
-constexpr std::size_t predictive_draws = 25;  ///< of each chain
+constexpr std::size_t predictive_draws = 25;  ///< of each chain, or of all walkers of an ensemble, two each at least
 constexpr std::size_t prior_draws = 1000;
 
 }  // namespace
 
 Predicting predicting(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
+  // Of the likelihoods of a mixture each with its weight at the mode; the emulator's own variance is a multiple of the numerical noise's.
+  const auto density = fit.posterior->density(fit.modes[0].at);
+  Eigen::VectorXd variance = density.variance * fit.noise.diagonal();
+  for (std::size_t j = 0; j < fit.hypotheses.size(); ++j)
+    for (const auto& term : fit.hypotheses[j].errors.terms()) variance += (fit.hypotheses.size() > 1 ? density.weights[j] : 1.0) * term.covariance.diagonal();
   return {.parameters = parameters,
           .priors = fit.posterior->priors(),
           .log_likelihood = [&fit](const Eigen::VectorXd& q) { return fit.posterior->density(fit.posterior->point(q)).log_likelihood; },
           .history = [&fit](const Eigen::VectorXd& q) {
             const auto at = fit.posterior->point(q);
             return fit.history(at.u, at.beyond);
-          }};
+          },
+          .error_variance = std::move(variance),
+          .grid = &fit.errors->grid()};
 }
 
 PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::vector<Prior>& priors, std::uint64_t seed) {
@@ -32,6 +41,29 @@ PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::
     prior.variables.push_back(std::move(v));
   }
   return prior;
+}
+
+std::vector<double> error_sd(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& variance) {
+  std::vector<double> out = band_arrays(problem).mean;
+  for (std::size_t o = 0; o < problem.observations.size(); ++o) {
+    const auto& of = problem.observations[o];
+    const auto windows = grid.windows(o);
+    double* at = out.data() + (of.condition * problem.shape.sensors.size() + of.sensor) * problem.time.size();
+    const auto value = [&](std::size_t w) { return std::sqrt(std::max(0.0, variance[Eigen::Index(grid.offset(o) + w)])); };
+    for (std::size_t i = 0, w = 0; i < problem.time.size(); ++i) {
+      if (windows.empty()) at[i] = std::numeric_limits<double>::quiet_NaN();
+      if (!std::isfinite(at[i])) continue;
+      const double t = problem.time[i];
+      while (w + 1 < windows.size() && windows[w + 1].time <= t) ++w;
+      if (t <= windows[w].time || w + 1 == windows.size()) {
+        at[i] = value(w);
+      } else {
+        const double share = (t - windows[w].time) / (windows[w + 1].time - windows[w].time);
+        at[i] = (1 - share) * value(w) + share * value(w + 1);
+      }
+    }
+  }
+  return out;
 }
 
 std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Problem& problem, const SamplerResult& result, std::uint64_t seed) {
@@ -48,7 +80,7 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
     return q;
   };
 
-  PosteriorGroup predictive{.name = "posterior_predictive", .chains = result.coordinates.chains, .draws = std::min(predictive_draws, result.coordinates.draws), .coordinates = coordinates(time), .variables = {}};
+  PosteriorGroup predictive{.name = "posterior_predictive", .chains = result.coordinates.chains, .draws = std::min(std::max<std::size_t>(2, predictive_draws / result.coordinates.walkers), result.coordinates.draws), .coordinates = coordinates(time), .variables = {}};
   PosteriorVariable strain{.name = "strain", .unit = unit, .dims = dims("time"), .values = {}};
   for (std::size_t c = 0; c < predictive.chains; ++c)
     for (std::size_t i = 0; i < predictive.draws; ++i) {
@@ -59,7 +91,11 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
   predictive.variables.push_back(std::move(strain));
 
   PosteriorGroup observed{.name = "observed_data", .coordinates = coordinates(record_time), .variables = {}};
-  observed.variables.push_back({.name = "strain", .unit = unit, .dims = dims("record_time"), .values = band_arrays(problem).mean});
+  BandArrays bands = band_arrays(problem);
+  observed.variables.push_back({.name = "strain", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.mean)});
+  observed.variables.push_back({.name = "strain_low", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.low)});
+  observed.variables.push_back({.name = "strain_high", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.high)});
+  if (of.grid) observed.variables.push_back({.name = "error_sd", .unit = unit, .dims = dims("record_time"), .values = error_sd(problem, *of.grid, of.error_variance)});
 
   std::vector<PosteriorGroup> out;
   if (of.log_likelihood) out.push_back({.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}});

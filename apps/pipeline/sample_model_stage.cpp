@@ -60,6 +60,8 @@ ExitStatus sample_model_stage(StageCall& call) {
   }
   const auto& model = inputs.external();
   const auto& parameters = model.shape().parameters;
+  const auto grid = errors ? std::optional(errors->grid()) : std::nullopt;
+  const Eigen::VectorXd error_variance = errors ? Eigen::VectorXd(errors->covariance().diagonal()) : Eigen::VectorXd();
   const ModelPosterior posterior(model, std::move(errors));
   const auto start = start_of(call, posterior);
   const Clock clock;
@@ -87,7 +89,9 @@ ExitStatus sample_model_stage(StageCall& call) {
                                         auto y = posterior.history(posterior.theta(q));
                                         y.resize(model.shape().values(), std::numeric_limits<double>::quiet_NaN());
                                         return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())));
-                                      }},
+                                      },
+                                      .error_variance = error_variance,
+                                      .grid = grid ? &*grid : nullptr},
                                      inputs.problem(), result, command.seed))
       groups.push_back(std::move(g));
   Json json = posterior_json(convergence, s.kind, result, provenance);
