@@ -53,7 +53,8 @@ Json rank_counts(const std::vector<double>& values, std::size_t chains, std::siz
 
 /// A density over the central part of the draws and some room; its bounds where all draws keep them, 0 where all are positive.
 Json curve_json(const std::vector<double>& values, const Parameter* p) {
-  const double inner_low = quantile(values, 0.005), inner_high = quantile(values, 0.995), room = 0.25 * (inner_high - inner_low) + 1e-12 * std::abs(inner_low) + 1e-300;
+  const double inner_low = quantile(values, 0.005), inner_high = quantile(values, 0.995),
+               room = 0.25 * (inner_high - inner_low) + 1e-12 * std::abs(inner_low) + 1e-300;
   const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
   const bool bounded = p && *least >= p->min && *greatest <= p->max;
   const auto lower = bounded ? std::optional(p->min) : *least > 0 ? std::optional(0.0) : std::nullopt, upper = bounded ? std::optional(p->max) : std::nullopt;
@@ -103,9 +104,19 @@ Json chains_json(const Study& study, const ReportInput& input) {
     }
     const double tau = std::isfinite(ess) && ess > 0 ? std::max(1.0, double(values.size()) / ess) : 1;
     spread.push_back(rounded(2 * std::sqrt(expected * (1 - 1 / double(bins)) * tau), 4));
-    quantities.push_back({{"label", parameter_label(input, draws.names[k])}, {"r_hat", rounded(r_hat, 5)}, {"ess", rounded(std::round(ess), 6)}, {"trace", std::move(trace)}, {"ranks", rank_counts(values, draws.chains, draws.draws, shown)}});
+    quantities.push_back({{"label", parameter_label(input, draws.names[k])},
+                          {"r_hat", rounded(r_hat, 5)},
+                          {"ess", rounded(std::round(ess), 6)},
+                          {"trace", std::move(trace)},
+                          {"ranks", rank_counts(values, draws.chains, draws.draws, shown)}});
   }
-  return {{"quantities", std::move(quantities)}, {"iterations", std::move(iterations)}, {"chains", shown}, {"of", draws.chains}, {"bins", bins}, {"expected", expected}, {"spread", std::move(spread)}};
+  return {{"quantities", std::move(quantities)},
+          {"iterations", std::move(iterations)},
+          {"chains", shown},
+          {"of", draws.chains},
+          {"bins", bins},
+          {"expected", expected},
+          {"spread", std::move(spread)}};
 }
 
 Table prior_table(const Study& study, const ReportInput& input) {
@@ -125,7 +136,8 @@ Table prior_table(const Study& study, const ReportInput& input) {
     const auto before = study.prior->of(k), after = study.posterior->of(*at);
     if (before.empty() || after.empty() || !finite(before) || !finite(after)) continue;
     const double wide = half_width(before), narrow = half_width(after), moved = (quantile(after, 0.5) - quantile(before, 0.5)) / wide;
-    t.rows.push_back({parameter_label(input, name), quantile(before, 0.5), wide, quantile(after, 0.5), narrow, narrow > 0 ? std::optional(wide / narrow) : std::nullopt,
+    t.rows.push_back({parameter_label(input, name), quantile(before, 0.5), wide, quantile(after, 0.5), narrow,
+                      narrow > 0 ? std::optional(wide / narrow) : std::nullopt,
                       informed(name, study, input) && wide > 0 ? Cell(moved, std::abs(moved) > far) : Cell()});
   }
   return t;
@@ -142,7 +154,8 @@ Json priors_json(const Study& study, const ReportInput& input) {
     if (before.empty() || !finite(before)) continue;
     const Parameter* p = parameter_of(input, name);
     Json prior = curve_json(before, p), posterior = curve_json(after, p);
-    const double low = std::min(prior["span"][0].get<double>(), posterior["span"][0].get<double>()), high = std::max(prior["span"][1].get<double>(), posterior["span"][1].get<double>());
+    const double low = std::min(prior["span"][0].get<double>(), posterior["span"][0].get<double>()),
+                 high = std::max(prior["span"][1].get<double>(), posterior["span"][1].get<double>());
     panels.push_back({{"label", parameter_label(input, name)}, {"span", {low, high}}, {"prior", std::move(prior)}, {"posterior", std::move(posterior)}});
   }
   return panels.empty() ? Json() : Json{{"panels", std::move(panels)}};

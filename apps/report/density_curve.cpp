@@ -7,7 +7,8 @@
 
 namespace calomel {
 
-std::vector<double> density_curve(const std::vector<double>& values, double low, double high, std::optional<double> least, std::optional<double> greatest, std::size_t points) {
+std::vector<double> density_curve(const std::vector<double>& values, double low, double high, std::optional<double> least, std::optional<double> greatest,
+                                  std::size_t points) {
   const double n = double(values.size());
   double mean = 0, square = 0;
   for (const double v : values) mean += v / n;

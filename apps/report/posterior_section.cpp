@@ -14,7 +14,9 @@ namespace {
 
 constexpr double clearly = 1.5, hardly = 1.1;  ///< times narrower than before the records
 
-std::string command(const ReportInput& input, const std::string& verb) { return "<code>calomel " + verb + " " + escape_html(input.case_file.empty() ? "CASE.toml" : input.case_file) + "</code>"; }
+std::string command(const ReportInput& input, const std::string& verb) {
+  return "<code>calomel " + verb + " " + escape_html(input.case_file.empty() ? "CASE.toml" : input.case_file) + "</code>";
+}
 std::string missing(const std::string& text) { return "<p class=\"missing\">" + text + "</p>\n"; }
 
 std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
@@ -30,8 +32,10 @@ std::string with_capital(std::string text) {
 std::string verdict(const Json& sample) {
   const bool converged = part_at(sample, "converged") == Json(true);
   const std::string message = escape_html(text_at(sample, "message"));
-  std::string s = converged ? "<p>The chains have " + message + ".</p>\n" : "<p class=\"outcome\"><strong>Not converged, not to be trusted:</strong> " + message + ".</p>\n";
-  if (const auto sentence = text_at(part_at(sample, "true_model_check"), "sentence"); !sentence.empty()) s += "<p>The true model: " + escape_html(sentence) + ".</p>\n";
+  std::string s = converged ? "<p>The chains have " + message + ".</p>\n"
+                            : "<p class=\"outcome\"><strong>Not converged, not to be trusted:</strong> " + message + ".</p>\n";
+  if (const auto sentence = text_at(part_at(sample, "true_model_check"), "sentence"); !sentence.empty())
+    s += "<p>The true model: " + escape_html(sentence) + ".</p>\n";
   return s;
 }
 
@@ -43,11 +47,15 @@ std::string absorbed(const Study& study, const ReportInput& input) {
     if (a.is_string()) s += "<p class=\"outcome\"><strong>" + escape_html(with_capital(a.get<std::string>())) + ".</strong></p>\n";
   if (!s.empty()) return s + "<p>Such a value is no property of the material. " + command(input, "diagnose") + " asks what was left out.</p>\n";
   std::string known, unknown;
-  for (const auto& p : input.parameters) (informed(p.name, study, input) ? known : unknown) += ((informed(p.name, study, input) ? known : unknown).empty() ? "" : ", ") + escape_html(p.name);
-  if (!known.empty()) s += "<p>Of " + known + (known.find(',') == std::string::npos ? ", which has a prior," : ", which have priors,") + " none sits more than two prior standard deviations from what was known of it.</p>\n";
+  for (const auto& p : input.parameters)
+    (informed(p.name, study, input) ? known : unknown) += ((informed(p.name, study, input) ? known : unknown).empty() ? "" : ", ") + escape_html(p.name);
+  if (!known.empty())
+    s += "<p>Of " + known + (known.find(',') == std::string::npos ? ", which has a prior," : ", which have priors,") +
+         " none sits more than two prior standard deviations from what was known of it.</p>\n";
   if (!unknown.empty())
     s += "<p>Of " + unknown + " nothing but bounds was given. Whether " + (unknown.find(',') == std::string::npos ? "it has" : "they have") +
-         " taken the place of physics that the model leaves out cannot be told without what is known of the material: give <code>prior</code>, or set <code>map.product = \"physical\"</code>.</p>\n";
+         " taken the place of physics that the model leaves out cannot be told without what is known of the material: give <code>prior</code>, or set "
+         "<code>map.product = \"physical\"</code>.</p>\n";
   return s;
 }
 
@@ -73,8 +81,10 @@ std::string corner(const Study& study, const ReportInput& input) {
   const Impedance z = impedance(input);
   const bool ridge = z.ridge() && drawn(z.density) && drawn(z.sound_speed);
   return plot("corner-plot",
-              std::string("Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it every pair, with the lines within which 50 and 90 % of the "
-                          "draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an arrow on the frame points to one that lies outside of it.") +
+              std::string("Draws from the posterior. On the diagonal the density of each parameter, with its median and its 5 and 95 % quantiles; below it "
+                          "every pair, with the lines within which 50 and 90 % of the "
+                          "draws lie. Discs, and the marks on top of the densities, are the answers of the calibrations; an arrow on the frame points to one "
+                          "that lies outside of it.") +
                   (ridge ? " The dashed line is \u03c1c = const through the median of \u03c1c." : "") +
                   (names.size() > 6 ? fmt::format(" The first 6 of {} quantities, the case\u2019s parameters before the others.", names.size()) : ""),
               "Corner plot of the posterior");
@@ -83,18 +93,24 @@ std::string corner(const Study& study, const ReportInput& input) {
 std::string predicted(const Study& study) {
   if (!study.predictive) return "";
   const bool errors = !study.predictive->predicted_low.empty();
-  std::string s = "<h3>Does it follow the records?</h3>\n<p>" +
-                  std::string(errors ? "Wide band: what 90 % of the mean records lie between that the posterior predicts, with all errors that it counts: noise, gains, places of the gauges, energy, mesh, emulator, what the model leaves out. A record that lies inside much less than "
-                                       "90 % of the time says that errors are missing; one that never comes near the edges, that they are too wide. The errors are those below the frequency up to which records are compared. "
-                                     : "") +
-                  "Narrow band: the simulations at 90 % of the draws, without any errors: what is uncertain because the parameters are." + "</p>\n";
+  std::string s =
+      "<h3>Does it follow the records?</h3>\n<p>" +
+      std::string(
+          errors ? "Wide band: what 90 % of the mean records lie between that the posterior predicts, with all errors that it counts: noise, gains, places of "
+                   "the gauges, energy, mesh, emulator and, of the physical product, what the model leaves out. Errors go together along a "
+                   "record, so that it may well lie inside all the time; much less than 90 % says that errors, or physics, are missing. The errors are those "
+                   "below "
+                   "the frequency up to which records are compared. "
+                 : "") +
+      "Narrow band: the simulations at 90 % of the draws, without any errors: what is uncertain because the parameters are." + "</p>\n";
   return s + "<div><div id=\"predictive-controls\" class=\"controls\"></div>\n<div id=\"predictive-plots\" class=\"plots\"></div></div>\n";
 }
 
 }  // namespace
 
 std::string posterior_section(const Study& study, const ReportInput& input) {
-  if (!study.sample && !study.posterior) return missing("No posterior has been sampled (posterior.nc, posterior.json). Sample it with " + command(input, "sample") + ".");
+  if (!study.sample && !study.posterior)
+    return missing("No posterior has been sampled (posterior.nc, posterior.json). Sample it with " + command(input, "sample") + ".");
   std::string s;
   if (study.sample) {
     s += verdict(*study.sample) + absorbed(study, input);
@@ -105,14 +121,18 @@ std::string posterior_section(const Study& study, const ReportInput& input) {
   if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.");
   if (const Table t = prior_table(study, input); !t.empty()) {
     s += "<h3>What have the records taught?</h3>\n" + learnt(study, input);
-    s += plot("prior-plot", "Before the records, grey and dashed, and after them, blue. Each curve is scaled to its own greatest value, so that both can be seen.", "Prior and posterior density of every parameter");
+    s += plot("prior-plot",
+              "Before the records, grey and dashed, and after them, blue. Each curve is scaled to its own greatest value, so that both can be seen.",
+              "Prior and posterior density of every parameter");
     s += "<details><summary>The same in numbers</summary>" + t.html() + "</details>\n";
   }
   s += "<h3>Which values go together?</h3>\n" + corner(study, input) + published_paragraph(study, input) + predicted(study);
   s += "<h3>Have the chains converged?</h3>\n";
   s += plot("chain-plot",
-            "Left: each chain\u2019s draws one after another. Chains that have converged lie upon one another and look like noise; one that stays apart, drifts or sticks has not. Right: how much more or less often than expected (dashed) the draws of a chain fall in each of 20 parts of the "
-            "ranks of all draws, a strip a chain. Within the grey band of chance: the chains agree. A slope: a chain lies too high or too low. A hill or a bowl: it is too narrow or too wide.",
+            "Left: each chain\u2019s draws one after another. Chains that have converged lie upon one another and look like noise; one that stays apart, "
+            "drifts or sticks has not. Right: how much more or less often than expected (dashed) the draws of a chain fall in each of 20 parts of the "
+            "ranks of all draws, a strip a chain. Within the grey band of chance: the chains agree. A slope: a chain lies too high or too low. A hill or a "
+            "bowl: it is too narrow or too wide.",
             "Traces and ranks of the chains");
   return s;
 }

@@ -40,7 +40,8 @@ std::vector<PublishedAnswer> published_answers(const ReportInput& input) {
   if (!own || std::abs(*own / mercury - 1) > near) return {};
   std::vector<PublishedAnswer> out;
   for (const auto& a : answers)
-    out.push_back({std::string(a.method) + ", published", {{names.at(keys[0]), a.density}, {names.at(keys[1]), a.sound_speed}, {names.at(keys[2]), a.tensile_cutoff}}});
+    out.push_back(
+        {std::string(a.method) + ", published", {{names.at(keys[0]), a.density}, {names.at(keys[1]), a.sound_speed}, {names.at(keys[2]), a.tensile_cutoff}}});
   return out;
 }
 
@@ -63,8 +64,9 @@ std::string published_paragraph(const Study& study, const ReportInput& input) {
   if (!known.contains(z.density) || !known.contains(z.sound_speed)) return "";
   for (std::size_t i = 0; i < values[z.density].size(); ++i) product += values[z.density][i] * values[z.sound_speed][i] / n;
   std::string s =
-      "<p>Published for mercury are (M. I. Radaideh, H. Tran, L. Lin, H. Jiang, D. Winder, S. Gorti, G. Zhang, J. Mach, S. Cousineau, \u201cModel Calibration of the Liquid Mercury Spallation Target using Evolutionary Neural Networks and Sparse "
-      "Polynomial Expansions\u201d, 2022, arXiv:2202.09353): ";
+      "<p>Published for mercury are (M. I. Radaideh, H. Tran, L. Lin, H. Jiang, D. Winder, S. Gorti, G. Zhang, J. Mach, S. Cousineau, \u201cModel Calibration "
+      "of the Liquid Mercury Spallation Target using Evolutionary Neural Networks and Sparse "
+      "Polynomial Expansions\u201d, 2022, arXiv:2202.09353):</p>\n<ul>\n";
   for (std::size_t a = 0; a < list.size(); ++a) {
     const Json& theta = list[a].theta;
     std::string where;
@@ -74,11 +76,17 @@ std::string published_paragraph(const Study& study, const ReportInput& input) {
       if (at == known.end() || !value || !(at->second.second > 0)) continue;
       where += (where.empty() ? "" : ", ") + escape_html(p.name) + " " + with_sign((*value - at->second.first) / at->second.second);
     }
-    s += (a ? "; " : "") + list[a].label.substr(0, list[a].label.find(',')) + " " + number_html(*number_at(theta, z.density), 5) + "\u00a0kg/m\u00b3, " + number_html(*number_at(theta, z.sound_speed), 4) + "\u00a0m/s, " +
-         number_html(*number_at(theta, names_by_key(input).at("material.mercury.tensile_cutoff")), 5) + "\u00a0Pa (from the mean of this posterior, in its standard deviations: " + where + "; \u03c1c = " + fixed_html(*z.at(theta) * 1e-6, 1) + "\u00a0MPa\u00b7s/m)";
+    s += "<li>" + list[a].label.substr(0, list[a].label.find(',')) + " " + number_html(*number_at(theta, z.density), 5) + "\u00a0kg/m\u00b3, " +
+         number_html(*number_at(theta, z.sound_speed), 4) + "\u00a0m/s, " +
+         number_html(*number_at(theta, names_by_key(input).at("material.mercury.tensile_cutoff")), 5) +
+         "\u00a0Pa: \u03c1c = " + fixed_html(*z.at(theta) * 1e-6, 1) +
+         "\u00a0MPa\u00b7s/m; from the mean of this posterior, in its standard deviations: " + where + "</li>\n";
   }
-  return s + ". Here \u03c1c is " + fixed_html(product * 1e-6, 1) + "\u00a0MPa\u00b7s/m. They fit that paper\u2019s records and target, so they need not lie here. Mercury\u2019s density is near 13\u202f500\u00a0kg/m\u00b3: the authors find their values far from the "
-             "nominal properties, and give the form of the model and errors of the measurements as reasons. Density and sound speed trade against each other along \u03c1c = const, the dashed line of the corner plot.</p>\n";
+  return s + "</ul>\n<p>Here \u03c1c is " + fixed_html(product * 1e-6, 1) +
+         "\u00a0MPa\u00b7s/m. They fit that paper\u2019s records and target, so they need not lie here. Mercury\u2019s density is near "
+         "13\u202f500\u00a0kg/m\u00b3: the authors find their values far from the "
+         "nominal properties, and give the form of the model and errors of the measurements as reasons. Density and sound speed trade against each other along "
+         "\u03c1c = const, the dashed line of the corner plot.</p>\n";
 }
 
 }  // namespace calomel

@@ -13,7 +13,8 @@ struct PublishedAnswer {
   Json theta;         ///< {NAME of the case's parameter: value}
 };
 
-/// Radaideh et al. 2022, arXiv:2202.09353, the table of the best calibrated parameters. Empty unless the case's parameters are density, sound speed and tensile cutoff of
+/// Radaideh et al. 2022, arXiv:2202.09353, the table of the best calibrated parameters. Empty unless the case's parameters are density, sound speed and tensile
+/// cutoff of
 /// `[material.mercury]`, and its own density is mercury's.
 std::vector<PublishedAnswer> published_answers(const ReportInput& input);
 

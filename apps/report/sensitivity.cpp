@@ -65,7 +65,8 @@ std::vector<Whole> whole_of(const Study& study) {
   std::vector<Whole> list;
   const Json &first = list_at(summary_of(study), "first_order"), &total = list_at(summary_of(study), "total_order");
   for (std::size_t k = 0; k < total.size() && k < first.size(); ++k)
-    if (const auto t = number_at(total[k], "value")) list.push_back({text_at(total[k], "parameter"), &first[k], &total[k], *t, number_at(first[k], "value").value_or(0)});
+    if (const auto t = number_at(total[k], "value"))
+      list.push_back({text_at(total[k], "parameter"), &first[k], &total[k], *t, number_at(first[k], "value").value_or(0)});
   std::stable_sort(list.begin(), list.end(), [](const Whole& a, const Whole& b) { return a.share > b.share; });
   return list;
 }
@@ -76,20 +77,26 @@ std::string what_came_out(const Study& study) {
   if (list.empty()) return "<p class=\"missing\">sensitivity.json holds no index of all records, for nothing varies.</p>\n";
   double alone = 0;
   for (const auto& w : list) alone += w.alone;
-  std::string s = "<p class=\"outcome\">Of all the variation of the records, <strong>" + escape_html(list[0].parameter) + "</strong> has a part in " + percent(list[0].share) + interval_percent(*list[0].total);
+  std::string s = "<p class=\"outcome\">Of all the variation of the records, <strong>" + escape_html(list[0].parameter) + "</strong> has a part in " +
+                  percent(list[0].share) + interval_percent(*list[0].total);
   for (std::size_t k = 1; k < list.size(); ++k)
     s += (k + 1 == list.size() ? " and " : ", ") + escape_html(list[k].parameter) + " in " + percent(list[k].share) + interval_percent(*list[k].total);
-  s += ".</p>\n<p>These are total indices: what a parameter does alone and together with others, so they may add up to more than 100\u00a0%. In brackets: 95\u00a0% intervals. Alone, the parameters make " + percent(alone) +
-       " of the variation" + (alone < 0.98 ? "; the rest is what they do together.</p>\n" : ", so they hardly act upon one another.</p>\n");
+  s += ".</p>\n<p>These are total indices: what a parameter does alone and together with others, so they may add up to more than 100\u00a0%. In brackets: "
+       "95\u00a0% intervals. Alone, the parameters make " +
+       percent(alone) + " of the variation" + (alone < 0.98 ? "; the rest is what they do together.</p>\n" : ", so they hardly act upon one another.</p>\n");
   std::string weak, tied;
   for (const auto& w : list)
     if (const auto high = number_at(*w.total, "high"); high && *high < negligible) weak += (weak.empty() ? "" : ", ") + w.parameter;
-  if (!weak.empty()) s += "<p>" + escape_html(weak) + (weak.find(',') == std::string::npos ? " hardly matters" : " hardly matter") + " within these bounds: these records say next to nothing of " + (weak.find(',') == std::string::npos ? "it" : "them") + ".</p>\n";
+  if (!weak.empty())
+    s += "<p>" + escape_html(weak) + (weak.find(',') == std::string::npos ? " hardly matters" : " hardly matter") +
+         " within these bounds: these records say next to nothing of " + (weak.find(',') == std::string::npos ? "it" : "them") + ".</p>\n";
   for (std::size_t k = 0; k + 1 < list.size(); ++k) {
     const auto low = number_at(*list[k].total, "low"), high = number_at(*list[k + 1].total, "high");
     if (low && high && *high > *low && list[k].share >= negligible) tied += (tied.empty() ? "" : "; ") + list[k].parameter + " and " + list[k + 1].parameter;
   }
-  if (!tied.empty()) s += "<p>Their intervals overlap, so which of them matters more is not settled: " + escape_html(tied) + ". More <code>sensitivity.samples</code> narrow the intervals.</p>\n";
+  if (!tied.empty())
+    s += "<p>Their intervals overlap, so which of them matters more is not settled: " + escape_html(tied) +
+         ". More <code>sensitivity.samples</code> narrow the intervals.</p>\n";
   return s;
 }
 
@@ -97,10 +104,12 @@ std::string bounds_sentence(const Study& study, const ReportInput& input) {
   std::string bounds;
   for (const auto& p : input.parameters) {
     const std::string unit = input.units.contains(p.name) && input.units.at(p.name) != "1" ? input.units.at(p.name) : "";
-    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(p.min, 5) + " to " + number_html(p.max, 5) + (unit.empty() ? "" : "\u00a0" + escape_html(unit));
+    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(p.min, 5) + " to " + number_html(p.max, 5) +
+              (unit.empty() ? "" : "\u00a0" + escape_html(unit));
   }
   const bool by_prior = text_at(summary_of(study), "measure") == "prior";
-  return "<p>The parameters varied " + std::string(by_prior ? "by their priors within their bounds" : "evenly between their bounds") + (bounds.empty() ? "" : " (" + bounds + ")") +
+  return "<p>The parameters varied " + std::string(by_prior ? "by their priors within their bounds" : "evenly between their bounds") +
+         (bounds.empty() ? "" : " (" + bounds + ")") +
          ". A share is a statement about these bounds as much as about the model: a parameter whose bounds are wider has more of it.</p>\n";
 }
 
@@ -128,13 +137,21 @@ std::string trust_paragraph(const Study& study) {
     if (number_at(p, "left_out_r2").value_or(0) < believable) continue;
     ++checked;
     const Json &own = list_at(q, "total_order"), &other = list_at(p, "total_order");
-    for (std::size_t k = 0; k < own.size() && k < other.size(); ++k) farthest = std::max(farthest, std::abs(number_at(own[k], "value").value_or(0) - number_at(other[k], "value").value_or(0)));
+    for (std::size_t k = 0; k < own.size() && k < other.size(); ++k)
+      farthest = std::max(farthest, std::abs(number_at(own[k], "value").value_or(0) - number_at(other[k], "value").value_or(0)));
   }
   if (numbers > 0)
-    text += checked == 0 ? fmt::format(" A polynomial fitted to the runs themselves follows none of the {} numbers (left-out R\u00b2 below 0.9), so it is no check.", numbers)
-                         : fmt::format(" A polynomial fitted to the runs themselves follows {} of the {} numbers (left-out R\u00b2 above 0.9); there its total indices differ from these by {} at most.", checked, numbers, fixed_html(farthest, 2));
+    text += checked == 0
+                ? fmt::format(" A polynomial fitted to the runs themselves follows none of the {} numbers (left-out R\u00b2 below 0.9), so it is no check.",
+                              numbers)
+                : fmt::format(
+                      " A polynomial fitted to the runs themselves follows {} of the {} numbers (left-out R\u00b2 above 0.9); there its total indices differ "
+                      "from these by {} at most.",
+                      checked, numbers, fixed_html(farthest, 2));
   const auto evaluations = number_at(s, "evaluations"), failed = number_at(s, "failed");
-  if (evaluations) text += " It took " + number_html(*evaluations, 7) + " evaluations" + (failed && *failed > 0 ? ", of which " + number_html(*failed, 6) + " failed and were left out" : "") + ".";
+  if (evaluations)
+    text += " It took " + number_html(*evaluations, 7) + " evaluations" +
+            (failed && *failed > 0 ? ", of which " + number_html(*failed, 6) + " failed and were left out" : "") + ".";
   return "<p>" + text + "</p>\n";
 }
 
@@ -206,12 +223,14 @@ std::string plot(const std::string& id, const std::string& caption, const std::s
 
 Table sensitivity_table(const Study& study) {
   Table t{.id = "sensitivity", .caption = "First-order and total indices of every record with 95 % intervals, over the whole record."};
-  t.columns = {{"record", "Record", 4, true}, {"parameter", "Parameter", 4, true}, {"first_order", "Alone", -3}, {"first_low", "from", -3}, {"first_high", "to", -3}, {"total_order", "With the others", -3}, {"total_low", "from", -3}, {"total_high", "to", -3}};
+  t.columns = {{"record", "Record", 4, true}, {"parameter", "Parameter", 4, true},    {"first_order", "Alone", -3}, {"first_low", "from", -3},
+               {"first_high", "to", -3},      {"total_order", "With the others", -3}, {"total_low", "from", -3},    {"total_high", "to", -3}};
   const Json& quantities = list_at(summary_of(study), "quantities");
   const auto add = [&](const Json& q) {
     const Json &first = list_at(q, "first_order"), &total = list_at(q, "total_order");
     for (std::size_t k = 0; k < first.size() && k < total.size(); ++k)
-      t.rows.push_back({record_label(q), text_at(first[k], "parameter"), number_at(first[k], "value"), number_at(first[k], "low"), number_at(first[k], "high"), number_at(total[k], "value"), number_at(total[k], "low"), number_at(total[k], "high")});
+      t.rows.push_back({record_label(q), text_at(first[k], "parameter"), number_at(first[k], "value"), number_at(first[k], "low"), number_at(first[k], "high"),
+                        number_at(total[k], "value"), number_at(total[k], "low"), number_at(total[k], "high")});
   };
   for (const bool all : {true, false})
     for (const auto& q : quantities)
@@ -221,7 +240,10 @@ Table sensitivity_table(const Study& study) {
 
 Table total_order_table(const Study& study, const std::string& quantity) {
   const bool record = quantity == "record";
-  Table t{.id = "sensitivity_" + quantity, .caption = (record ? std::string("Total index of each parameter over the whole record") : "Total index of each parameter for the " + plain_quantity(quantity)) + ", with 95 % intervals; bold: the greatest of the row."};
+  Table t{.id = "sensitivity_" + quantity,
+          .caption = (record ? std::string("Total index of each parameter over the whole record")
+                             : "Total index of each parameter for the " + plain_quantity(quantity)) +
+                     ", with 95 % intervals; bold: the greatest of the row."};
   t.columns = {{"record", "Record", 4, true}};
   for (const auto& name : names_of(list_at(summary_of(study), "total_order"))) t.columns.push_back({name, name, 4, true});
   for (const auto& q : list_at(summary_of(study), "quantities")) {
@@ -238,7 +260,14 @@ Table total_order_table(const Study& study, const std::string& quantity) {
 
 Table morris_table(const Study& study, const ReportInput& input) {
   Table t{.id = "sensitivity_morris", .caption = "Elementary effects: the change of a number as a parameter goes through its whole range."};
-  t.columns = {{"quantity", "Number", 4, true}, {"record", "Record", 4, true}, {"unit", "Unit", 4, true}, {"parameter", "Parameter", 4, true}, {"mu", "Mean", 3}, {"mu_star", "Mean of the absolute values", 3}, {"mu_star_se", "its standard error", 2}, {"sigma", "Standard deviation", 3}};
+  t.columns = {{"quantity", "Number", 4, true},
+               {"record", "Record", 4, true},
+               {"unit", "Unit", 4, true},
+               {"parameter", "Parameter", 4, true},
+               {"mu", "Mean", 3},
+               {"mu_star", "Mean of the absolute values", 3},
+               {"mu_star_se", "its standard error", 2},
+               {"sigma", "Standard deviation", 3}};
   const auto unit = display_unit(input);
   for (const auto& q : list_at(summary_of(study), "quantities")) {
     const bool time = text_at(q, "unit") == "s";
@@ -261,29 +290,34 @@ std::string sensitivity_section(const Study& study, const ReportInput& input) {
   std::string s = what_came_out(study) + bounds_sentence(study, input);
   if (has_curves(study)) {
     s += plot("sensitivity-map",
-              "Total index of each parameter by gauge and time: 0, white, the parameter does nothing there; 1, dark, nothing varies without it. Hatched: the record varies less than a hundredth of its greatest standard deviation there, so that shares mean little.",
+              "Total index of each parameter by gauge and time: 0, white, the parameter does nothing there; 1, dark, nothing varies without it. Hatched: the "
+              "record varies less than a hundredth of its greatest standard deviation there, so that shares mean little.",
               "Map of the total index by parameter, gauge and time");
     s += "<div id=\"sensitivity-controls\" class=\"choice\"></div>\n";
-    s += plot("sensitivity-curves", "Indices over time of one gauge. Solid: total index; dashed: first order, what the parameter does alone. Where the two part, parameters act together. Below: standard deviation of the record as the parameters vary.",
+    s += plot("sensitivity-curves",
+              "Indices over time of one gauge. Solid: total index; dashed: first order, what the parameter does alone. Where the two part, parameters act "
+              "together. Below: standard deviation of the record as the parameters vary.",
               "Curves of the indices over time at one gauge");
   } else if (study.sensitivity->time.empty()) {
     s += "<p class=\"missing\">sensitivity.nc is missing or belongs to another analysis, so nothing is drawn over time. Make it with " + command + ".</p>\n";
   }
   if (const Table t = total_order_table(study, "record"); !t.empty()) s += t.html();
   s += folded("First-order indices beside them", sensitivity_table(study));
-  for (const char* name : {"peak", "time_of_peak", "rms"}) {
+  for (const char* name : {"value", "peak", "time_of_peak", "rms"}) {
     const Table t = total_order_table(study, name);
     s += folded("The same for the " + plain_quantity(name), t);
   }
   if (const Table t = morris_table(study, input); !t.empty()) {
     s += "<h3>Elementary effects</h3>\n";
     s += plot("sensitivity-morris",
-              "Every disc is a gauge and a parameter. To the right: the parameter moves the number much (mean absolute change over its range). Upwards: how much depends on where in the bounds one stands (standard deviation of the change). Near the axis the effect is a straight "
+              "Every disc is a gauge and a parameter. To the right: the parameter moves the number much (mean absolute change over its range). Upwards: how "
+              "much depends on where in the bounds one stands (standard deviation of the change). Near the axis the effect is a straight "
               "line; about the dashed line and above it bends, or depends on the other parameters.",
               "Elementary effects, mean against standard deviation");
     s += folded(fmt::format("All {} effects", t.rows.size()), t);
   }
-  return s + "<h3>How far to believe it</h3>\n" + trust_paragraph(study) + "<p class=\"note\">The table to hand in is sensitivity.csv: docs/how-to/hand_in_a_sensitivity.md.</p>\n";
+  return s + "<h3>How far to believe it</h3>\n" + trust_paragraph(study) +
+         "<p class=\"note\">The table to hand in is sensitivity.csv: docs/how-to/hand_in_a_sensitivity.md.</p>\n";
 }
 
 Json sensitivity_drawings(const Study& study, const ReportInput& input) {

@@ -13,7 +13,8 @@ using testing::Not;
 TEST(ReportSensitivity, WithoutOneNamesTheCommand) {
   const auto dir = scratch("no_sensitivity");
   write_study(dir, input());
-  EXPECT_THAT(report_of(dir, input()), HasSubstr("No sensitivity has been computed (sensitivity.json). Compute it with <code>calomel sensitivity slice.toml</code>."));
+  EXPECT_THAT(report_of(dir, input()),
+              HasSubstr("No sensitivity has been computed (sensitivity.json). Compute it with <code>calomel sensitivity slice.toml</code>."));
   EXPECT_TRUE(sensitivity_drawings(read_study(dir), input()).is_null());
 }
 
@@ -21,7 +22,8 @@ TEST(ReportSensitivity, TellsWhatMattersMostWhatHardlyMattersAndWithinWhichBound
   const auto dir = scratch("sensitivity_words");
   write_sensitivity(dir, input());  // nothing else is there
   const std::string text = markup(report_of(dir, input()));
-  EXPECT_THAT(text, HasSubstr("<strong>sound_speed</strong> has a part in 70\u00a0% (69\u00a0% to 71\u00a0%), density in 40\u00a0% (39\u00a0% to 41\u00a0%) and tensile_cutoff in 0.5\u00a0%"));
+  EXPECT_THAT(text, HasSubstr("<strong>sound_speed</strong> has a part in 70\u00a0% (69\u00a0% to 71\u00a0%), density in 40\u00a0% (39\u00a0% to 41\u00a0%) "
+                              "and tensile_cutoff in 0.5\u00a0%"));
   EXPECT_THAT(text, HasSubstr("Alone, the parameters make 90\u00a0% of the variation; the rest is what they do together."));
   EXPECT_THAT(text, HasSubstr("tensile_cutoff hardly matters within these bounds: these records say next to nothing of it."));
   EXPECT_THAT(text, HasSubstr("density 5000 to 20\u202f000\u00a0kg/m\u00b3"));
