@@ -173,6 +173,7 @@ std::string case_reference() {
   s += catalogue("Surrogates (`surrogate.kind`, `surrogate.compare`)", surrogate_kinds());
   s += catalogue("Objectives (`enc.objective`, `spe.objective`)", objectives());
   s += catalogue("Optimisers (`enc.optimizers`)", optimizers());
+  s += catalogue("Samplers (`sampler.kind`)", samplers());
   s += reserved_tables();
   s += line_page();
   s += outside_page();

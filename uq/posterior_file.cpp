@@ -137,6 +137,7 @@ Json posterior_json(const Convergence& convergence, const std::string& kind, con
                      {"evaluations", s.evaluations},
                      {"transitions", s.transitions},
                      {"wall_s", s.wall_s}};
+  if (s.cheap_evaluations > 0) json["sampler"]["cheap_evaluations"] = s.cheap_evaluations;
   if (result.quantities.walkers > 1) json["sampler"]["walkers"] = result.quantities.walkers;
   if (s.log_evidence) json["sampler"]["log_evidence"] = *s.log_evidence;
   if (s.log_evidence_error) json["sampler"]["log_evidence_standard_error"] = *s.log_evidence_error;

@@ -1,5 +1,7 @@
 #include "apps/pipeline/sample_stage.hpp"
 
+#include <fmt/format.h>
+
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
@@ -20,6 +22,7 @@
 #include "inverse/posterior/prior.hpp"
 #include "uq/posterior_file.hpp"
 #include "uq/sampler/sampler.hpp"
+#include "uq/true_model_density.hpp"
 
 namespace calomel {
 
@@ -59,7 +62,9 @@ ExitStatus sample_stage(StageCall& call) {
   const auto journal = inputs.artefact("posterior.journal");
   const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
                        .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
-  const auto result = run_sampler(density, start_at_mode(fit), study.sampler, run);
+  const TrueModelDensity exact(*made.inputs, fit);
+  const bool second_stage = study.sampler.kind == "delayed_acceptance";
+  const auto result = second_stage ? run_sampler(density, exact, start_at_mode(fit), study.sampler, run) : run_sampler(density, start_at_mode(fit), study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const TrueModelCheck check = check_by_true_model(*made.inputs, fit, study.emulator.check_coarse, study.emulator.check_fine);
   const auto alarms = absorption(parameters, convergence);
@@ -86,6 +91,7 @@ ExitStatus sample_stage(StageCall& call) {
   notes.warn(alarms);
   notes.warn(made.inputs->warnings);
   notes.say(stage_line("sample", convergence.message));
+  if (exact.failed() > 0) notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
   if (!fit.settled) notes.warn(emulator_sentence(fit.message));
   return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }

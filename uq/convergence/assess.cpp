@@ -174,6 +174,17 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; double "
         "sampler.warmup, so that it is learnt, or raise sampler.nuts.depth",
         name, numbers(s), 100 * double(facts.cut) / kept);
+  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail)), needed = 1.2 * limits.ess / least * double(draws.draws), thousands = std::ceil(needed / 1000) * 1000;
+  if (facts.kind == "smc")
+    return fmt::format(
+        "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so that they move more, and set "
+        "sampler.draws = {:.0f}",
+        name, numbers(s), std::max(thousands, 2 * double(draws.draws)));
+  if (facts.kind == "delayed_acceptance" && facts.acceptance && *facts.acceptance < 0.2)
+    return fmt::format(
+        "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical noise; give the emulator more runs "
+        "(emulator.rounds), or take sampler.kind = \"dram\", whose check by the true model tells by how much they differ",
+        name, numbers(s), 100 * (1 - *facts.acceptance));
   if (facts.acceptance && *facts.acceptance < 0.05)
     return fmt::format(
         "{} mixes slowly ({}) because only {:.1f} % of the transitions move: the frozen proposal does not fit the density; raise sampler.warmup, or start from "
@@ -198,15 +209,13 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
         "bound it where values are impossible",
         name, numbers(s));
-  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail));
-  const double needed = 1.2 * limits.ess / least * double(draws.draws);
   if (s.r_hat < 1.05)
     return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
-                       needed, std::ceil(needed / 1000) * 1000, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
+                       needed, thousands, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
   return fmt::format(
       "{} differs between chains that overlap ({}): they mix too slowly for their length, one draw in {:.0f} being independent; double sampler.warmup, so that "
       "the proposal fits, and set sampler.draws = {:.0f}",
-      name, numbers(s), double(draws.chains * draws.draws) / least, std::ceil(needed / 1000) * 1000);
+      name, numbers(s), double(draws.chains * draws.draws) / least, thousands);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ struct SamplingFacts {
   std::size_t divergences = 0;       ///< of the kept transitions: trajectories given up
   std::size_t cut = 0;               ///< of the kept transitions: trajectories that the greatest number of doublings ended
   std::size_t transitions = 0;       ///< kept
+  std::string kind;                  ///< of the sampler, for next steps that are its own; may be empty
 };
 
 struct Convergence {

@@ -28,11 +28,12 @@ class MarkovChain {
   struct Transition {
     double acceptance = 0;  ///< probability with which it moved, [0, 1]
     int evaluations = 0;    ///< of the density that is sampled
+    int cheap_evaluations = 0;  ///< of its cheap stand-in, where there is one
     std::optional<Trajectory> trajectory = std::nullopt;
   };
 
   virtual ~MarkovChain() = default;
-  /// Begins at x: (d), where the log density is `log_density`, finite.
+  /// Begins at x: (d), where the log density is `log_density`, finite; the cheap one's where there are two.
   virtual void begin(std::span<const double> x, double log_density) = 0;
   virtual Transition step(RandomStream& random, bool learns) = 0;
   /// Ends the warm-up.

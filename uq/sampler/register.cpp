@@ -10,6 +10,21 @@ const Registry<SamplerEntry>& samplers() {
           {[](const ChainSetting& s) { return dram_chain(s.density, s.options.dram, s.covariance); }, 5000, 10000, 4});
     r.add("nuts", "no-U-turn sampler along the gradient of the density (Hoffman and Gelman 2014; Betancourt 2017)",
           {[](const ChainSetting& s) { return nuts_chain(s.density, s.options.nuts, s.covariance, s.options.warmup); }, 1000, 2000, 1});
+    r.add("ensemble", "walkers by one another's places: stretch moves and differential evolution (Goodman and Weare 2010; ter Braak 2006)",
+          {[](const ChainSetting& s) { return ensemble_chain(s.density, s.options.ensemble, s.mean, s.covariance, s.options.dispersion); }, 1000, 500, 10});
+    r.add("smc", "particles through tempered densities, with the evidence (Del Moral et al. 2006)",
+          {[](const ChainSetting& s) {
+             return smc_chain(s.density, s.options.smc, s.mean, s.covariance, s.options.dispersion, std::size_t(s.options.draws) * std::size_t(s.options.thin));
+           },
+           1000, 2000, 1});
+    r.add("delayed_acceptance", "DRAM on the emulator first, the true model second (Christen and Fox 2005)",
+          {[](const ChainSetting& s) -> std::unique_ptr<MarkovChain> {
+             if (s.exact == nullptr)
+               throw InputError({.problem = "needs a cheap density beside the one that is sampled, an emulator of the model, and there is none here", .key = "sampler.kind",
+                                 .value = "\"delayed_acceptance\"", .suggestion = "take \"dram\", or add [surrogate] so that there is an emulator"});
+             return delayed_acceptance_chain(s.density, *s.exact, s.options.delayed_acceptance, s.options.dram, s.covariance, s.options.warmup);
+           },
+           500, 300, 1});
     return r;
   }();
   return all;

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -22,12 +21,11 @@ namespace calomel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double never = -std::numeric_limits<double>::infinity();
 const std::string two_densities = "delayed_acceptance";
 
 /// What a chain has done so far.
 struct ChainRecord {
-  std::size_t transitions = 0, evaluations = 0;
+  std::size_t transitions = 0, evaluations = 0, cheap_evaluations = 0;
   std::vector<double> coordinates;                 ///< (draw, walker, d)
   std::vector<double> log_density;                 ///< (draw, walker)
   std::vector<double> acceptance;                  ///< (draw)
@@ -45,7 +43,7 @@ struct ChainRecord {
 /// A frame of the journal: the chain, what it did since its last frame, and where it stands. saved: lengths of the lists at the last frame.
 std::string frame_of(std::size_t chain, ChainRecord& record, const std::array<std::size_t, 6>& saved) {
   ByteWriter out;
-  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations));
+  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)), out.value(std::uint64_t(record.cheap_evaluations));
   const auto lists = record.lists();
   for (std::size_t k = 0; k < lists.size(); ++k) out.value(std::uint64_t(saved[k])), out.values(std::span<const double>(*lists[k]).subspan(saved[k]));
   out.value(record.pending), out.value(record.pending_divergences), out.value(record.energies), out.value(record.divergences), out.value(record.cut);
@@ -59,7 +57,7 @@ void take_frame(std::string_view payload, std::vector<ChainRecord>& records) {
   const auto chain = in.value<std::uint64_t>();
   expect(chain < records.size(), "a journal holds no more chains than are run");
   ChainRecord& r = records[chain];
-  r.transitions = in.value<std::uint64_t>(), r.evaluations = in.value<std::uint64_t>();
+  r.transitions = in.value<std::uint64_t>(), r.evaluations = in.value<std::uint64_t>(), r.cheap_evaluations = in.value<std::uint64_t>();
   for (auto* list : r.lists()) {
     expect(in.value<std::uint64_t>() == list->size(), "the frames of a chain follow one another");
     const auto more = in.values<double>();
@@ -113,11 +111,6 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   const Eigen::MatrixXd covariance = start.covariance.size() > 0 ? start.covariance : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n));
   const Eigen::MatrixXd factor = covariance_factor(covariance, d);
   const auto mean_of = [&](std::size_t c) -> Eigen::VectorXd { return start.points.size() > 0 ? Eigen::VectorXd(start.points.col(Eigen::Index(c))) : start.mean; };
-  // Zero where either density is: a chain begins where both are positive.
-  const auto value_at = [&](const Eigen::VectorXd& x) {
-    const double value = checked_log_density(density, x);
-    return exact && value != never ? checked_log_density(*exact, x) : value;
-  };
   const Eigen::VectorXd first_mean = mean_of(0);
   const std::size_t walkers = entry({density, exact, options, first_mean, covariance})->walkers();
 
@@ -148,13 +141,13 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
     if (r.state.empty()) {
       Beginning b{mean, 0};
       if (start.points.size() > 0) {
-        b.log_density = value_at(b.x);
+        b.log_density = checked_log_density(density, b.x);
         if (!std::isfinite(b.log_density)) throw NumericsError(fmt::format("the density is zero at the start that was given for chain {}", c + 1));
       } else {
-        b = drawn_beginning(value_at, mean, factor, options.dispersion, random, fmt::format("chain {}", c + 1));
+        b = drawn_beginning([&](const Eigen::VectorXd& x) { return checked_log_density(density, x); }, mean, factor, options.dispersion, random, fmt::format("chain {}", c + 1));
       }
       chain->begin({b.x.data(), d}, b.log_density);
-      ++r.evaluations;
+      ++(exact ? r.cheap_evaluations : r.evaluations);
     } else {
       ByteReader in(r.state);
       in.into(random);
@@ -180,7 +173,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       }
       if (r.transitions == warmup) chain->freeze();
       const auto step = chain->step(random, r.transitions < warmup);
-      ++r.transitions, r.evaluations += std::size_t(step.evaluations);
+      ++r.transitions, r.evaluations += std::size_t(step.evaluations), r.cheap_evaluations += std::size_t(step.cheap_evaluations);
       done.fetch_add(1, std::memory_order_relaxed);
       if (r.transitions > warmup) keep(r, step, *chain, (r.transitions - warmup) % thin == 0, thin);
       if (r.transitions == transitions) r.log_evidence = chain->log_evidence().value_or(nan);
@@ -199,6 +192,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   const std::size_t reported = result.quantities.names.size();
   result.quantities.values.resize(told_chains * kept * reported);
   auto& s = result.summary;
+  s.kind = options.kind;
   std::vector<std::size_t> still;
   std::vector<double> evidences;
   for (std::size_t c = 0; c < chains; ++c) {
@@ -218,7 +212,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       if (!moved) still.push_back(c * walkers + w);
     }
     s.acceptance.push_back(std::accumulate(r.acceptance.begin(), r.acceptance.end(), 0.0) / double(kept));
-    s.evaluations += r.evaluations, s.transitions += r.transitions;
+    s.evaluations += r.evaluations, s.cheap_evaluations += r.cheap_evaluations, s.transitions += r.transitions;
     if (!r.energy.empty()) s.e_bfmi.push_back(r.energies.e_bfmi()), s.divergences += r.divergences, s.cut += r.cut;
     if (!std::isnan(r.log_evidence)) evidences.push_back(r.log_evidence);
   }
@@ -254,7 +248,7 @@ SamplingFacts sampling_facts(const SamplerResult& result, int thin) {
   const auto& s = result.summary;
   const std::size_t kept = result.coordinates.chains / std::max<std::size_t>(1, result.coordinates.walkers) * result.coordinates.draws * std::size_t(thin);
   return {.acceptance = std::accumulate(s.acceptance.begin(), s.acceptance.end(), 0.0) / double(s.acceptance.size()),
-          .thin = thin, .e_bfmi = s.e_bfmi, .divergences = s.divergences, .cut = s.cut, .transitions = kept};
+          .thin = thin, .e_bfmi = s.e_bfmi, .divergences = s.divergences, .cut = s.cut, .transitions = kept, .kind = s.kind};
 }
 
 void remove_journal(const std::filesystem::path& journal) {

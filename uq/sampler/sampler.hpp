@@ -15,8 +15,11 @@
 #include "uq/convergence/assess.hpp"
 #include "uq/draws.hpp"
 #include "uq/log_density.hpp"
+#include "uq/sampler/delayed_acceptance.hpp"
 #include "uq/sampler/dram.hpp"
+#include "uq/sampler/ensemble.hpp"
 #include "uq/sampler/nuts.hpp"
+#include "uq/sampler/smc.hpp"
 
 namespace calomel {
 
@@ -37,7 +40,7 @@ struct SamplerEntry {
   std::function<std::unique_ptr<MarkovChain>(const ChainSetting& setting)> chain;
   int warmup, draws, thin;  ///< defaults of SamplerOptions where a case asks for this kind
 };
-/// dram, nuts.
+/// dram, nuts, ensemble, smc, delayed_acceptance.
 const Registry<SamplerEntry>& samplers();
 
 /// `[sampler]` of a case file.
@@ -50,6 +53,9 @@ struct SamplerOptions {
   double dispersion = 2;
   DramOptions dram;
   NutsOptions nuts;
+  WalkerOptions ensemble;
+  SmcOptions smc;
+  DelayedAcceptanceOptions delayed_acceptance;
 
   template <class V>
   void visit(V& v) {
@@ -61,6 +67,9 @@ struct SamplerOptions {
     v("dispersion", dispersion, {.range = between(0, 100), .doc = "starts are drawn with this many times the deviations of the mode's covariance"});
     v.table("dram", dram, "delayed rejection adaptive Metropolis");
     v.table("nuts", nuts, "no-U-turn sampler");
+    v.table("ensemble", ensemble, "walkers that propose by one another's places");
+    v.table("smc", smc, "particles through tempered densities");
+    v.table("delayed_acceptance", delayed_acceptance, "the emulator first, the true model second");
   }
 };
 
@@ -91,8 +100,10 @@ struct SamplerRun {
 struct SamplerSummary {
   ExitStatus status = ExitStatus::failed_numerics;  ///< done, or not_to_be_trusted when a chain has not moved once. Convergence is judged by assess().
   std::string message = "the sampler was not run";
+  std::string kind;                ///< of the sampler
   std::vector<double> acceptance;  ///< (sampler.chains) mean over the kept transitions
-  std::size_t evaluations = 0;     ///< of the density, warm-up and earlier calls included
+  std::size_t evaluations = 0;     ///< of the density that is sampled, warm-up and earlier calls included
+  std::size_t cheap_evaluations = 0;  ///< of its cheap stand-in, where there is one
   std::size_t transitions = 0;     ///< over the chains, warm-up included
   std::size_t resumed = 0;         ///< of these, from earlier calls
   std::vector<double> e_bfmi;      ///< (sampler.chains) of the kept transitions, see e_bfmi(); empty where the sampler has no momenta

@@ -182,6 +182,13 @@ TEST(Assess, NamesTrajectoriesThatDivergeOrEndTooEarly) {
   EXPECT_THAT(assess(poor, {.divergences = 1, .cut = 10, .transitions = 2000}).message, Not(HasSubstr("trajectories")));  // too few to be the cause
 }
 
+TEST(Assess, NextStepsAreThoseOfTheSampler) {
+  const auto poor = draws_of({"rho"}, 4, {chains_of(4, 500, 0.98)});
+  EXPECT_THAT(assess(poor, {.acceptance = 0.3, .kind = "smc"}).message, HasSubstr("halve sampler.smc.correlation"));
+  EXPECT_THAT(assess(poor, {.acceptance = 0.1, .kind = "delayed_acceptance"}).message, HasSubstr("refuses 90 % of what the emulator proposes"));
+  EXPECT_THAT(assess(poor, {.acceptance = 0.5, .kind = "delayed_acceptance"}).message, Not(HasSubstr("refuses")));
+}
+
 TEST(Assess, IndependentDrawsHaveConverged) {
   const auto c = assess(draws_of({"rho", "c"}, 4, {chains_of(4, 1000), chains_of(4, 1000, 0.2)}));
   EXPECT_TRUE(c.converged) << c.message;

@@ -1,0 +1,228 @@
+#include "uq/sampler/smc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "base/linear_algebra.hpp"
+#include "base/log_sum.hpp"
+#include "uq/sampler/start.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double never = -std::numeric_limits<double>::infinity();
+constexpr double freedom = 4;            ///< of the t distribution that particles begin with
+constexpr double resample_below = 0.5;   ///< of the particles
+constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that keeps enough particles
+
+class SmcChain final : public MarkovChain {
+ public:
+  SmcChain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion, std::size_t particles)
+      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), n_(Eigen::Index(particles)), mean_(mean),
+        reference_(std::max(dispersion, 1e-3) * covariance_factor(covariance, density.dimension())), factor_(reference_), first_(mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
+        before_(Eigen::MatrixXd::Zero(d_, n_)), log_p_(Eigen::VectorXd::Zero(n_)), log_q_(Eigen::VectorXd::Zero(n_)), weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
+    expect(n_ > 0, "a population has particles");
+  }
+
+  void begin(std::span<const double> x, double log_density) override {
+    expect(Eigen::Index(x.size()) == d_ && std::isfinite(log_density), "a chain begins where the density is positive");
+    std::copy(x.begin(), x.end(), first_.data());
+    first_log_density_ = log_density;
+  }
+
+  Transition step(RandomStream& random, bool learns) override {
+    evaluations_ = 0;
+    if (learns) {
+      expect(!frozen_, "a frozen chain learns no more");
+      if (!arrived()) advance(random);
+    } else {
+      while (!arrived()) advance(random);
+      expect(told_ < n_, "each particle is told once");
+      ++told_;
+    }
+    return {.acceptance = acceptance_, .evaluations = evaluations_};
+  }
+
+  void freeze() override { frozen_ = true; }
+  [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override {
+    return told_ > 0 ? std::span<const double>(x_.col(told_ - 1).data(), std::size_t(d_)) : std::span<const double>(first_.data(), std::size_t(d_));
+  }
+  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return told_ > 0 ? log_p_[told_ - 1] : first_log_density_; }
+  [[nodiscard]] std::optional<double> log_evidence() const override { return arrived() ? std::optional(log_evidence_) : std::nullopt; }
+
+  void save(ByteWriter& out) const override {
+    for (const double v : {first_log_density_, b_, log_evidence_, log_scale_, acceptance_}) out.value(v);
+    out.value(told_), out.value(sweeps_), out.value(drawn_), out.value(moving_), out.value(frozen_);
+    for (const Eigen::MatrixXd* m : {&factor_, &x_, &before_}) save_matrix(out, *m);
+    for (const Eigen::VectorXd* v : {&first_, &log_p_, &log_q_, &weights_}) save_matrix(out, *v);
+  }
+  void restore(ByteReader& in) override {
+    for (double* v : {&first_log_density_, &b_, &log_evidence_, &log_scale_, &acceptance_}) in.into(*v);
+    in.into(told_), in.into(sweeps_), in.into(drawn_), in.into(moving_), in.into(frozen_);
+    for (Eigen::MatrixXd* m : {&factor_, &x_, &before_}) restore_matrix(in, *m);
+    for (Eigen::VectorXd* v : {&first_, &log_p_, &log_q_, &weights_}) restore_matrix(in, *v);
+  }
+
+ private:
+  [[nodiscard]] bool arrived() const { return b_ == 1 && !moving_; }
+
+  /// The particles' first places, or a sweep, a new temperature before it where the last one is done with.
+  void advance(RandomStream& random) {
+    if (!drawn_) return draw(random);
+    if (!moving_) warm(random);
+    sweep(random);
+    if (sweeps_ >= options_.sweeps || correlation() <= options_.correlation) moving_ = false;
+  }
+
+  /// ln q of a point whose distance from the middle, in scales, has this square.
+  [[nodiscard]] double log_reference(double square) const {
+    const double d = double(d_);
+    return std::lgamma((freedom + d) / 2) - std::lgamma(freedom / 2) - 0.5 * d * std::log(freedom * std::numbers::pi) - reference_.diagonal().array().log().sum() -
+           0.5 * (freedom + d) * std::log1p(square / freedom);
+  }
+  [[nodiscard]] double log_reference(const Eigen::VectorXd& x) const { return log_reference(reference_.triangularView<Eigen::Lower>().solve(x - mean_).squaredNorm()); }
+
+  void draw(RandomStream& random) {
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      Eigen::VectorXd z(d_);
+      for (double& v : z) v = random.normal();
+      // chi-squared of 4 degrees of freedom: minus twice the logarithm of a product of two uniform numbers of (0, 1].
+      const double chi2 = -2 * (std::log1p(-random.uniform()) + std::log1p(-random.uniform()));
+      z *= std::sqrt(freedom / std::max(chi2, std::numeric_limits<double>::min()));
+      x_.col(i) = mean_ + reference_ * z;
+      log_q_[i] = log_reference(z.squaredNorm());
+      log_p_[i] = checked_log_density(density_, x_.col(i));
+      ++evaluations_;
+    }
+    if ((log_p_.array() == never).all()) throw NumericsError("the density is zero at all particles that were drawn about the given mean; give a mean and a covariance nearer to where it is positive");
+    drawn_ = true;
+  }
+
+  /// Factors by which weights grow in a step, as logarithms.
+  [[nodiscard]] std::vector<double> growth(double step) const {
+    std::vector<double> logs(std::size_t(n_), never);
+    for (Eigen::Index i = 0; i < n_; ++i)
+      if (log_p_[i] != never) logs[std::size_t(i)] = step * (log_p_[i] - log_q_[i]);
+    return logs;
+  }
+  [[nodiscard]] std::span<const double> weights() const { return {weights_.data(), std::size_t(n_)}; }
+
+  /// Share of the particles that a step leaves.
+  [[nodiscard]] double kept(double step) const {
+    auto logs = growth(step);
+    const double sum = log_sum(logs, weights());
+    for (double& l : logs) l *= 2;
+    return std::exp(2 * sum - log_sum(logs, weights()));
+  }
+
+  /// The next temperature: weights, evidence, resampling, and the covariance that particles move with.
+  void warm(RandomStream& random) {
+    double step = 1 - b_;
+    if (kept(step) < options_.keep) {
+      double low = 0, high = step;
+      for (int i = 0; i < 60; ++i) {
+        step = 0.5 * (low + high);
+        (kept(step) < options_.keep ? high : low) = step;
+      }
+      step = std::max(low, std::min(smallest_step, 1 - b_));
+    }
+    const auto logs = growth(step);
+    log_evidence_ += log_sum(logs, weights());
+    const auto grown = shares(logs, weights());
+    weights_ = Eigen::Map<const Eigen::VectorXd>(grown.data(), n_);
+    b_ = step >= 1 - b_ ? 1 : b_ + step;
+    if (b_ == 1 || 1 / weights_.squaredNorm() < resample_below * double(n_)) resample(random);
+    learn_shape();
+    before_ = x_;
+    sweeps_ = 0, moving_ = true;
+  }
+
+  /// Systematic: particle i has as many offspring as the comb of N teeth, one apart, has teeth in its share; in order.
+  void resample(RandomStream& random) {
+    const double offset = random.uniform();
+    std::vector<Eigen::Index> parents;
+    double sum = 0;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      sum += weights_[i] * double(n_);
+      while (Eigen::Index(parents.size()) < n_ && double(parents.size()) + offset < sum) parents.push_back(i);
+    }
+    Eigen::Index last = n_ - 1;  // rounding may leave the last tooth over
+    while (weights_[last] == 0) --last;
+    parents.resize(std::size_t(n_), last);
+    x_ = Eigen::MatrixXd(x_(Eigen::all, parents)), log_p_ = Eigen::VectorXd(log_p_(parents)), log_q_ = Eigen::VectorXd(log_q_(parents));
+    weights_.setConstant(1 / double(n_));
+  }
+
+  void learn_shape() {
+    const Eigen::VectorXd middle = x_ * weights_;
+    const Eigen::MatrixXd apart = x_.colwise() - middle;
+    Eigen::MatrixXd s = apart * weights_.asDiagonal() * apart.transpose();
+    const double effective = 1 / weights_.squaredNorm();
+    const Eigen::VectorXd variances = s.diagonal();
+    s *= effective / (effective + double(d_));  // off the diagonal, so that few particles give a positive definite one
+    s.diagonal() = variances;
+    const Cholesky cholesky(0.5 * (s + s.transpose()));
+    if (cholesky.positive_definite() && cholesky.lower().allFinite()) factor_ = cholesky.lower();
+  }
+
+  [[nodiscard]] double tempered(double log_p, double log_q) const { return log_p == never ? never : (1 - b_) * log_q + b_ * log_p; }
+
+  void sweep(RandomStream& random) {
+    const Eigen::MatrixXd steps = std::exp(0.5 * log_scale_) * 2.38 / std::sqrt(double(d_)) * factor_;
+    Eigen::VectorXd z(d_), y(d_);
+    acceptance_ = 0;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      for (double& v : z) v = random.normal();
+      const double u = random.uniform();
+      if (log_p_[i] == never) continue;  // no weight, no offspring
+      y = x_.col(i) + steps * z;
+      const double log_p = checked_log_density(density_, y), log_q = log_reference(y);
+      ++evaluations_;
+      const double a = std::exp(std::min(0.0, tempered(log_p, log_q) - tempered(log_p_[i], log_q_[i])));
+      acceptance_ += a / double(n_);
+      if (u < a) x_.col(i) = y, log_p_[i] = log_p, log_q_[i] = log_q;
+    }
+    log_scale_ += acceptance_ - (0.234 + 0.206 / double(d_));
+    ++sweeps_;
+  }
+
+  /// Of the particles' places with those before the sweeps, the greatest of the coordinates'.
+  [[nodiscard]] double correlation() const {
+    double greatest = 0;
+    for (Eigen::Index k = 0; k < d_; ++k) {
+      const Eigen::ArrayXd a = x_.row(k).array() - x_.row(k).dot(weights_), b = before_.row(k).array() - before_.row(k).dot(weights_);
+      const double both = std::sqrt((weights_.array() * a.square()).sum() * (weights_.array() * b.square()).sum());
+      if (both > 0) greatest = std::max(greatest, (weights_.array() * a * b).sum() / both);
+    }
+    return greatest;
+  }
+
+  const LogDensity& density_;
+  SmcOptions options_;
+  Eigen::Index d_, n_;
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd reference_;  ///< factor of q's scale
+  Eigen::MatrixXd factor_;     ///< of S
+  Eigen::VectorXd first_;      ///< where the chain was told to begin; particles do not
+  double first_log_density_ = 0;
+  Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning
+  Eigen::VectorXd log_p_, log_q_, weights_;
+  double b_ = 0, log_evidence_ = 0, log_scale_ = 0, acceptance_ = 0;
+  Eigen::Index told_ = 0;
+  int sweeps_ = 0;
+  bool drawn_ = false, moving_ = false, frozen_ = false;
+  int evaluations_ = 0;  ///< of one transition
+};
+
+}  // namespace
+
+std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion,
+                                       std::size_t particles) {
+  return std::make_unique<SmcChain>(density, options, mean, covariance, dispersion, particles);
+}
+
+}  // namespace calomel

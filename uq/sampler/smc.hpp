@@ -1,0 +1,40 @@
+#pragma once
+/// Sequential Monte Carlo through tempered densities: Del Moral, Doucet and Jasra 2006, Journal of the Royal Statistical Society B 68, 411.
+#include <Eigen/Core>
+#include <memory>
+
+#include "base/options.hpp"
+#include "uq/sampler/markov_chain.hpp"
+
+namespace calomel {
+
+/// `[sampler.smc]`.
+struct SmcOptions {
+  double keep = 0.9;
+  double correlation = 0.6;
+  int sweeps = 200;
+
+  template <class V>
+  void visit(V& v) {
+    v("keep", keep, {.range = between(0.1, 0.999), .doc = "share of the particles, by the conditional effective sample size, that a step of the temperature leaves; nearer to 1 takes more steps and knows the evidence better"});
+    v("correlation", correlation,
+      {.range = between(0.01, 0.99), .doc = "particles move at each temperature until no coordinate's places correlate more than this with those before"});
+    v("sweeps", sweeps, {.range = at_least(1), .doc = "moves of each particle at a temperature at most"});
+  }
+};
+
+/// N particles go from q, Student's t of 4 degrees of freedom about `mean` with the scale `dispersion`^2 `covariance`, to p through
+///   p_b(x) ~ q(x)^(1 - b) p(x)^b,  0 = b_0 < b_1 < ... = 1.
+/// Weights grow by w = (p / q)^(b_k - b_(k-1)); b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is keep N
+/// (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14), and ln Z = sum_k ln sum W w estimates the evidence, the integral of p over its
+/// coordinates. Systematic resampling where 1 / sum W^2 falls below N / 2, and at b = 1. At each temperature every particle makes steps of Metropolis with the particles'
+/// own covariance, s (2.38^2 / d) S, s following the acceptance 0.234 + 0.206 / d from sweep to sweep, until the correlation with the places before is small.
+///
+/// The warm-up draws the particles and moves them, a sweep a transition, and rests when they have arrived; what is missing then is done before the first draw. After it each transition
+/// tells one particle, N in all, in the order of their descent: systematic resampling keeps offspring of a particle beside one another, so that what relatives still
+/// have in common is seen as an autocorrelation of the draws. Chains are independent populations; the spread of their evidences is its standard error.
+/// particles: N. Errors: InputError when the covariance is not positive definite; NumericsError where the density is NaN, or zero at all particles of q.
+std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion,
+                                       std::size_t particles);
+
+}  // namespace calomel
