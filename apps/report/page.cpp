@@ -331,7 +331,8 @@ std::string header_html(const Study& study, const ReportInput& input) {
   std::string s = "<h1>" + escape_html(input.case_name) + "</h1>\n" + verdict_html(study);
   const auto warnings = all_warnings(study, input);
   s += what_was_run(study);
-  if (study.calibrations.empty() && !study.diagnosis)
+  s += posterior_headline(study, input);
+  if (study.calibrations.empty() && !study.diagnosis && !study.sample && !study.sensitivity)
     s += "<p class=\"outcome\">No calibration has been run yet, so this page shows " +
          std::string(study.campaign || study.simulate ? "what has been simulated so far" : "only the case itself") + ". The next step is " +
          command(input, "study") + ", which runs every stage that is missing.</p>\n";

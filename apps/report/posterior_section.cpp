@@ -108,6 +108,23 @@ std::string predicted(const Study& study) {
 
 }  // namespace
 
+std::string posterior_headline(const Study& study, const ReportInput& input) {
+  if (!study.sample) return "";
+  if (part_at(*study.sample, "converged") != Json(true))
+    return "<p class=\"outcome\"><strong>The posterior is not to be trusted</strong>; <a href=\"#posterior\">its section</a> says why and what to do.</p>\n";
+  std::string s;
+  for (const auto& p : list_at(*study.sample, "parameters")) {
+    const std::string name = text_at(p, "name");
+    const bool own = std::any_of(input.parameters.begin(), input.parameters.end(), [&](const Parameter& q) { return q.name == name; });
+    const auto low = number_at(p, "q05"), middle = number_at(p, "q50"), high = number_at(p, "q95");
+    if (!(own || input.parameters.empty()) || !low || !middle || !high) continue;
+    const std::string unit = input.units.contains(name) && input.units.at(name) != "1" ? "\u00a0" + escape_html(input.units.at(name)) : "";
+    s += (s.empty() ? "" : "; ") + escape_html(name) + " <strong>" + number_html(*middle, 4) + unit + "</strong> (" + number_html(*low, 4) + " to " +
+         number_html(*high, 4) + ")";
+  }
+  return s.empty() ? "" : "<p class=\"outcome\">By the <a href=\"#posterior\">posterior</a>: " + s + ". In brackets: 90\u00a0% of the draws.</p>\n";
+}
+
 std::string posterior_section(const Study& study, const ReportInput& input) {
   if (!study.sample && !study.posterior)
     return missing("No posterior has been sampled (posterior.nc, posterior.json). Sample it with " + command(input, "sample") + ".");

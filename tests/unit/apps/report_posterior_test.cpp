@@ -45,6 +45,9 @@ TEST(ReportPosterior, TableHoldsTheNumbersOfTheSummary) {
   write_report(dir, in);
   const std::string page = read_text(dir / "report.html");
   EXPECT_THAT(page, HasSubstr("The chains have converged"));
+  EXPECT_THAT(page, HasSubstr("By the <a href=\"#posterior\">posterior</a>: tensile_cutoff <strong>"));
+  EXPECT_THAT(page, Not(HasSubstr("gain_B <strong>")));  // the case's own alone
+  EXPECT_THAT(page, Not(HasSubstr("No calibration has been run yet, so this page shows")));
   EXPECT_THAT(page, HasSubstr("density [kg/m\u00b3]"));
   EXPECT_THAT(page, HasSubstr("id=\"corner-plot\""));
   EXPECT_THAT(page, HasSubstr("4 chains of 2000 draws"));
@@ -60,6 +63,8 @@ TEST(ReportPosterior, ChainsThatDisagreeAreToldFirst) {
   write_report(dir, input());
   const std::string page = read_text(dir / "report.html");
   EXPECT_THAT(page, HasSubstr("Not converged, not to be trusted:"));
+  EXPECT_THAT(page, HasSubstr("<strong>The posterior is not to be trusted</strong>"));
+  EXPECT_THAT(page, Not(HasSubstr("By the <a href")));
   EXPECT_THAT(page, HasSubstr("<li>sampling: "));
   EXPECT_THAT(page, HasSubstr("chain 4"));
 }
