@@ -23,11 +23,6 @@ std::string plot(const std::string& id, const std::string& caption, const std::s
   return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id, label, caption);
 }
 
-std::string with_capital(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = char(text[0] - 'a' + 'A');
-  return text;
-}
-
 /// Whether the chains, the emulator and the true model agree.
 std::string verdict(const Json& sample) {
   const bool converged = part_at(sample, "converged") == Json(true);
@@ -44,7 +39,7 @@ std::string absorbed(const Study& study, const ReportInput& input) {
   const Json& alarms = list_at(*study.sample, "absorption");
   std::string s;
   for (const auto& a : alarms)
-    if (a.is_string()) s += "<p class=\"outcome\"><strong>" + escape_html(with_capital(a.get<std::string>())) + ".</strong></p>\n";
+    if (a.is_string()) s += "<p class=\"outcome\"><strong>" + escape_html(a.get<std::string>()) + ".</strong></p>\n";
   if (!s.empty()) return s + "<p>Such a value is no property of the material. " + command(input, "diagnose") + " asks what was left out.</p>\n";
   std::string known, unknown;
   for (const auto& p : input.parameters)

@@ -235,7 +235,7 @@ TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsToldAtTheTopAndInItsSectio
   write_json(dir / "posterior.json", json);
   const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("<li>sampling: density sits 2.4 prior standard deviations below"));
-  EXPECT_THAT(text, HasSubstr("<strong>Density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
+  EXPECT_THAT(text, HasSubstr("<strong>density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
   EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> asks what was left out."));
   EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
 }
