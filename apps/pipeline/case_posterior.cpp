@@ -34,7 +34,9 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
 CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress& progress, const NestedFit* nested) {
   const bool quick = !inputs.study().on_mesh();
   CasePosterior out{.inputs = quick ? posterior_inputs_of_a_quick_model(inputs)
-                                    : posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) { progress("runs of the true model", done, total); }),
+                                    : posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) {
+                                                        if (total > 1) progress("runs of the true model", done, total);  // one alone is a sampler's
+                                                      }),
                     .fit = {}};
   PosteriorInputs& in = *out.inputs;
   const auto& study = inputs.study();

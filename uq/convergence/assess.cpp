@@ -174,12 +174,14 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; double "
         "sampler.warmup, so that it is learnt, or raise sampler.nuts.depth",
         name, numbers(s), 100 * double(facts.cut) / kept);
-  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail)), needed = 1.2 * limits.ess / least * double(draws.draws), thousands = std::ceil(needed / 1000) * 1000;
+  // Effective sizes grow with the draws; R-hat - 1 of many chains that are short falls with them.
+  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail)), lacking = std::max(limits.ess / least, (s.r_hat - 1) / (limits.r_hat - 1));
+  const double needed = 1.2 * lacking * double(draws.draws), step = needed < 1000 ? 100 : 1000, rounded = std::ceil(needed / step) * step;
   if (facts.kind == "smc")
     return fmt::format(
         "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so that they move more, and set "
         "sampler.draws = {:.0f}",
-        name, numbers(s), std::max(thousands, 2 * double(draws.draws)));
+        name, numbers(s), std::max(rounded, 2 * double(draws.draws)));
   if (facts.kind == "delayed_acceptance" && facts.acceptance && *facts.acceptance < 0.2)
     return fmt::format(
         "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical noise; give the emulator more runs "
@@ -211,11 +213,11 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         name, numbers(s));
   if (s.r_hat < 1.05)
     return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
-                       needed, thousands, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
+                       needed, rounded, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
   return fmt::format(
       "{} differs between chains that overlap ({}): they mix too slowly for their length, one draw in {:.0f} being independent; double sampler.warmup, so that "
       "the proposal fits, and set sampler.draws = {:.0f}",
-      name, numbers(s), double(draws.chains * draws.draws) / least, thousands);
+      name, numbers(s), double(draws.chains * draws.draws) / least, rounded);
 }
 
 }  // namespace

@@ -246,6 +246,18 @@ TEST(Assess, TooFewDrawsComesWithTheNumberThatIsEnough) {
   EXPECT_TRUE(longer.converged) << longer.message;
 }
 
+// Many short chains, each with few independent draws: their effective sizes are plenty together while R-hat is not there yet.
+TEST(Assess, ShortChainsAreToldHowLongTheyShouldBe) {
+  const auto c = assess(draws_of({"rho"}, 80, {chains_of(80, 100, 0.6)}));
+  EXPECT_FALSE(c.converged);
+  EXPECT_GT(c.parameters[0].ess_bulk, 400);
+  EXPECT_THAT(c.message, HasSubstr("set sampler.draws = "));
+  const double draws = std::stod(c.message.substr(c.message.find("sampler.draws = ") + 16));
+  EXPECT_GT(draws, 100);
+  const auto longer = assess(draws_of({"rho"}, 80, {chains_of(80, std::size_t(draws), 0.6)}));
+  EXPECT_TRUE(longer.converged) << longer.message;
+}
+
 TEST(Assess, ChainsThatDoNotMoveAndNumbersThatAreNoneAreNotConverged) {
   const std::vector<double> same(4000, 3.0);
   EXPECT_THAT(assess(draws_of({"rho"}, 4, {same})).message, HasSubstr("has not moved: all draws are 3"));
