@@ -435,6 +435,9 @@ ModelDescription BuiltInModel::describe() const {
     d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
   if (case_.geometry.slips() && !case_.geometry.parts() && std::isfinite(s.liquid.tensile_cutoff))
     d.warnings.push_back("mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept for comparison");
+  if (const double most = 0.5 * greatest_film * mesh_->liquid_element_size; s.wall_film > most && case_.geometry.parts())
+    d.warnings.push_back(fmt::format("these elements hold a film of {:.3g} mm on the walls at most, not the {:.3g} mm of material.mercury.wall_film; elements of {:.3g} mm would", 1e3 * most, 1e3 * s.wall_film,
+                                     1e3 * s.wall_film / (0.5 * greatest_film)));
   for (const auto& g : gauges_)
     if (g.distance > 1e-4) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));
   return d;

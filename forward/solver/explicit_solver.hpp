@@ -55,6 +55,8 @@ struct ObservationRow {
   std::vector<Vec3> weights;
 };
 
+inline constexpr double greatest_film = 0.6;  ///< of RunSetup::wall_film, over the mass of the node that it is taken from
+
 /// The physical state of affairs in one run (or in a group of up to eight that differ in pulse energy).
 struct RunSetup {
   double steel_density = 0, liquid_density = 0;       ///< [kg/m^3]

@@ -15,8 +15,6 @@ namespace calomel {
 
 inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finite in single precision
 
-inline constexpr double greatest_film = 0.6;  ///< over the mass of the node that it is taken from
-
 /// Whether wetted faces may come apart in the run: no strain below 1 reaches a cutoff above the bulk modulus.
 inline bool faces_may_part(const RunSetup& s) { return !s.slip_strength.empty() || s.wetted_cutoff < s.liquid.bulk_modulus; }
 inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time

@@ -19,8 +19,9 @@ constexpr double spare_fine = 3;                     ///< runs of the finest mes
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 6;                       ///< of the second box
+constexpr int most_rounds = 12;                      ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
+constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
@@ -154,7 +155,8 @@ FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, cons
   in.go_on = [&](const PosteriorFit& f) {
     if (is_rough(f)) return f.rounds.size() == 1;
     const double now = log_bayes_factor(f, base);
-    stayed = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) ? stayed + 1 : 0;
+    const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
+    stayed = stays ? stayed + 1 : 0;
     last = now;
     return int(f.rounds.size()) <= most_rounds && stayed < 2 && worth(now);
   };

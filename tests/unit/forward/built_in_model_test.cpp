@@ -222,3 +222,11 @@ TEST(BuiltInModel, SaysWhenTheMeshDecidesTheViscosity) {
   EXPECT_NEAR(d.viscosity, 0.1 * 13500 * 1450 * 0.003, 0.05 * d.viscosity);
   EXPECT_THAT(d.warnings, ::testing::Contains(HasSubstr("the mesh decides the regularising viscosity")));
 }
+
+TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
+  ForwardCase c = small_case();  // elements of 3 mm hold 0.9 mm
+  c.mercury.wall_film = 0.8e-3;
+  EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Not(::testing::Contains(HasSubstr("a film of"))));
+  c.mercury.wall_film = 1e-3;
+  EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Contains(HasSubstr("hold a film of 0.9 mm on the walls at most, not the 1 mm")));
+}
