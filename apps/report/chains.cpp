@@ -70,6 +70,24 @@ bool finite(const std::vector<double>& values) {
 
 }  // namespace
 
+std::vector<BrokenOff> broken_off(const Draws& draws) {
+  constexpr double slice = 0.1, share = 0.2;
+  std::vector<BrokenOff> out;
+  for (std::size_t k = 0; k < draws.names.size(); ++k) {
+    auto x = draws.of(k);
+    if (x.size() < 1000 || !finite(x)) continue;
+    std::sort(x.begin(), x.end());
+    const double width = slice * half_width(x);
+    if (!(width > 0)) continue;
+    const auto within = [&](double low, double high) { return double(std::upper_bound(x.begin(), x.end(), high) - std::lower_bound(x.begin(), x.end(), low)); };
+    double fullest = 0;
+    for (double low = x.front(); low < x.back(); low += width) fullest = std::max(fullest, within(low, low + width));
+    if (within(x.front(), x.front() + width) > share * fullest) out.push_back({draws.names[k], x.front()});
+    if (within(x.back() - width, x.back()) > share * fullest) out.push_back({draws.names[k], x.back()});
+  }
+  return out;
+}
+
 bool informed(const std::string& name, const Study& study, const ReportInput& input) {
   const Parameter* p = parameter_of(input, name);
   return !p || p->prior != "uniform" || (study.sample && text_at(*study.sample, "product") == "physical");

@@ -25,6 +25,14 @@ Table prior_table(const Study& study, const ReportInput& input);
 /// Densities before and after: {panels: [{label, span, prior: {span, density}, posterior: {span, density}}]}; null without the prior's draws.
 Json priors_json(const Study& study, const ReportInput& input);
 
+/// Where draws break off: at an end of what they cover, more than a fifth of the draws that the fullest tenth of a standard deviation has stand in the
+/// outermost one. A bound, or the end of the emulator's box, cuts the density there.
+struct BrokenOff {
+  std::string name;
+  double at = 0;
+};
+std::vector<BrokenOff> broken_off(const Draws& draws);
+
 /// Whether the prior of a quantity says more than its bounds.
 bool informed(const std::string& name, const Study& study, const ReportInput& input);
 

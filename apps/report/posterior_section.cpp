@@ -54,6 +54,16 @@ std::string absorbed(const Study& study, const ReportInput& input) {
   return s;
 }
 
+/// Where a density is cut.
+std::string cut(const Study& study) {
+  std::string where;
+  for (const auto& b : broken_off(*study.posterior)) where += (where.empty() ? "" : ", ") + escape_html(b.name) + " at " + number_html(b.at, 5);
+  return where.empty() ? ""
+                       : "<p><strong>The draws break off: " + where +
+                             ".</strong> A bound of the case, or the end of the box that the emulator was taught on, cuts the density there, so that what is "
+                             "told is too narrow on that side.</p>\n";
+}
+
 /// "The records narrow density 2.9 times, ...; of young they say next to nothing."
 std::string learnt(const Study& study, const ReportInput& input) {
   std::string narrowed, same;
@@ -138,7 +148,7 @@ std::string posterior_section(const Study& study, const ReportInput& input) {
               "Prior and posterior density of every parameter");
     s += "<details><summary>The same in numbers</summary>" + t.html() + "</details>\n";
   }
-  s += "<h3>Which values go together?</h3>\n" + corner(study, input) + published_paragraph(study, input) + predicted(study);
+  s += "<h3>Which values go together?</h3>\n" + cut(study) + corner(study, input) + published_paragraph(study, input) + predicted(study);
   s += "<h3>Have the chains converged?</h3>\n";
   s += plot("chain-plot",
             "Left: each chain\u2019s draws one after another. Chains that have converged lie upon one another and look like noise; one that stays apart, "

@@ -197,6 +197,19 @@ TEST(ReportPosterior, RanksAreLevelWhereChainsAgreeAndNotWhereOneLiesApart) {
   }
 }
 
+TEST(ReportPosterior, DrawsThatBreakOffAreTold) {
+  const auto dir = scratch("posterior_cut");
+  auto draws = ridge_draws();
+  EXPECT_TRUE(broken_off(draws).empty());
+  for (std::size_t i = 2; i < draws.values.size(); i += 4) draws.values[i] = 1450 + std::abs(draws.values[i] - 1450);  // folded within the bulk
+  const auto cut = broken_off(draws);
+  ASSERT_EQ(cut.size(), 1u);
+  EXPECT_EQ(cut[0].name, "sound_speed");
+  EXPECT_NEAR(cut[0].at, 1450, 1);
+  write_sample(dir, draws);
+  EXPECT_THAT(markup(report_of(dir, input())), HasSubstr("The draws break off: sound_speed at 1450"));
+}
+
 TEST(ReportPosterior, PriorAgainstPosteriorTellsHowMuchNarrowerAndHowFarItMoved) {
   const auto dir = scratch("posterior_priors");
   auto in = input();
