@@ -59,9 +59,11 @@ std::string numbers(const ParameterSummary& s) {
   return fmt::format("R-hat {:.3f}, effective sample sizes {:.0f} in the bulk and {:.0f} in the tails", s.r_hat, s.ess_bulk, s.ess_tail);
 }
 
-/// "1, 3 and 4", counted from 1.
+/// "1, 3 and 4", counted from 1; of many the first few and how many more: walkers of an ensemble count in hundreds.
 std::string chain_numbers(const std::vector<std::size_t>& chains) {
+  constexpr std::size_t told = 8, first = 3;
   std::string s;
+  if (chains.size() > told) return fmt::format("{}, {}, {} and {} more", chains[0] + 1, chains[1] + 1, chains[2] + 1, chains.size() - first);
   for (std::size_t i = 0; i < chains.size(); ++i) s += (i == 0 ? "" : i + 1 == chains.size() ? " and " : ", ") + std::to_string(chains[i] + 1);
   return s;
 }

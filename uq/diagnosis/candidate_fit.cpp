@@ -19,7 +19,7 @@ constexpr double spare_fine = 3;                     ///< runs of the finest mes
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 12;                      ///< of the second box
+constexpr int most_rounds = 8;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
 constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
 

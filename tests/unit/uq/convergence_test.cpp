@@ -209,6 +209,9 @@ TEST(Assess, NamesChainsInDifferentModes) {
   EXPECT_THAT(c.message, HasSubstr("chains 2 and 4"));
   EXPECT_THAT(c.message, HasSubstr("modes"));
   EXPECT_THAT(c.message, HasSubstr("narrow the bounds"));
+  // Of many walkers only a few are listed.
+  const auto many = assess(draws_of({"rho"}, 40, {chains_of(40, 100, 0.3, [](std::size_t k, std::size_t) { return k % 2 ? 30.0 : 10.0; })}));
+  EXPECT_THAT(many.message, HasSubstr("chains 1, 3, 5 and 17 more"));
 }
 
 TEST(Assess, NamesADriftForWhatItIs) {
