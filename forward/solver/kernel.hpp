@@ -108,6 +108,7 @@ struct RuleExtras {
   R* open = nullptr;            ///< (rules, lanes) 1 while the pair is apart, else 0
   const R* rear_initial = nullptr;  ///< pressure before the run of the mercury behind the rear face [Pa]
   const R* resistance = nullptr;    ///< (rules, 2) of an open pair to its gap's growth, and to its closing [N s/m]; null: none
+  bool films = false;               ///< some pair has a film
 };
 
 template <class R>

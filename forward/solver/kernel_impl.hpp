@@ -302,13 +302,11 @@ const KernelTable<R>& table() {
       },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
-        if (s.extras.resistance) return energy_balance ? special_resisting<R, false, true>(l, r, begin, end, s, e) : special_resisting<R, false, false>(l, r, begin, end, s, e);
-        if (s.extras.strength) return energy_balance ? special<R, false, true, true>(l, r, begin, end, s, e) : special<R, false, false, true>(l, r, begin, end, s, e);
+        if (s.extras.strength) return energy_balance ? special_extended<R, false, true>(l, r, begin, end, s, e) : special_extended<R, false, false>(l, r, begin, end, s, e);
         energy_balance ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
       },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {
-        if (s.extras.resistance) return special_resisting<R, true, false>(l, r, begin, end, s, nullptr);
-        s.extras.strength ? special<R, true, false, true>(l, r, begin, end, s, nullptr) : special<R, true, false>(l, r, begin, end, s, nullptr);
+        s.extras.strength ? special_extended<R, true, false>(l, r, begin, end, s, nullptr) : special<R, true, false>(l, r, begin, end, s, nullptr);
       }};
   return t;
 }

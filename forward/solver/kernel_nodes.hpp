@@ -67,8 +67,8 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
 /// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
 /// kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate after the step.
-/// A film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and apart.
-template <class R, bool Runs, bool Balance, bool Resisting>
+/// Filmed: a film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and apart.
+template <class R, bool Runs, bool Balance, bool Resisting, bool Filmed>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
                                          const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
                                          typename Row<R, Runs>::Lane (&steel)[3], EnergyTerms* energy) {
@@ -76,7 +76,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   constexpr int width = Row<R, Runs>::width, lanes = Runs ? run_lanes : 1;
   const L zero{}, one = L{} + R(1);
   const R* n = r.normal[0];
-  const R mass_node = r.mass_node - r.film, mass_partner = r.mass_partner + r.film;  // along the normal
+  const R film = Filmed ? r.film : R(0), mass_node = r.mass_node - film, mass_partner = r.mass_partner + film;  // along the normal
   const R share_node = mass_node / (mass_node + mass_partner), share_partner = mass_partner / (mass_node + mass_partner);
   L u[3], u_steel[3], was;
   read_row<R, Runs>(s.u + std::size_t(r.node) * width, u), read_row<R, Runs>(s.u + std::size_t(r.partner) * width, u_steel);
@@ -85,7 +85,7 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
     was = load<L>(open);
   else
     was = *open;
-  if (r.film != 0) {
+  if constexpr (Filmed) {
     L vn_before{}, vn_free{}, sn_before{}, sn_free{};
     for (int c = 0; c < 3; ++c) vn_before += before[c] * n[c], vn_free += v[c] * n[c], sn_before += steel_before[c] * n[c], sn_free += steel[c] * n[c];
     const L lighter = (r.mass_node / mass_node - 1) * (vn_free - vn_before), heavier = (r.mass_partner / mass_partner - 1) * (sn_free - sn_before);
@@ -115,19 +115,23 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
     *open = now;
   if constexpr (Balance && !Runs) {
     const double half_way = 0.5 * double(s.dt) * double(mass_node) / double(s.kick) * double(change);
-    double vn_before = 0, vn_after = 0, sn_before = 0, sn_after = 0;
-    for (int c = 0; c < 3; ++c) {
-      vn_before += double(n[c]) * double(before[c]), vn_after += double(n[c]) * double(v[c]);
-      sn_before += double(n[c]) * double(steel_before[c]), sn_after += double(n[c]) * double(steel[c]);
+    double rel_before = 0, rel_after = 0;
+    for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    if constexpr (Filmed) {
+      double vn_before = 0, vn_after = 0, sn_before = 0, sn_after = 0;
+      for (int c = 0; c < 3; ++c) {
+        vn_before += double(n[c]) * double(before[c]), vn_after += double(n[c]) * double(v[c]);
+        sn_before += double(n[c]) * double(steel_before[c]), sn_after += double(n[c]) * double(steel[c]);
+      }
+      energy->kinetic += 0.5 * double(film) * (sn_before * sn_after - vn_before * vn_after);
     }
-    const double rel_before = sn_before - vn_before, rel_after = sn_after - vn_after;
-    energy->kinetic += 0.5 * double(r.film) * (sn_before * sn_after - vn_before * vn_after);
     energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after, energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
   }
 }
 
 /// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run. Resisting: their gaps take time to grow and to close.
-template <class R, bool Runs, bool Balance, bool Extended = false, bool Resisting = false>
+/// Filmed: some of the mercury stays on the steel.
+template <class R, bool Runs, bool Balance, bool Extended = false, bool Resisting = false, bool Filmed = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
@@ -179,7 +183,7 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
       const R share_node = r.mass_node / (r.mass_node + r.mass_partner), share_partner = r.mass_partner / (r.mass_node + r.mass_partner);
       const bool may_open = Extended && r.normals == 1;
       if constexpr (Extended)
-        if (may_open) advance_opening_pair<R, Runs, Balance, Resisting>(r, i, s, before, steel_before, v, steel, energy);
+        if (may_open) advance_opening_pair<R, Runs, Balance, Resisting, Filmed>(r, i, s, before, steel_before, v, steel, energy);
       for (int k = 0; k < r.normals && !may_open; ++k) {
         const R* n = r.normal[k];
         const L vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2], sn = steel[0] * n[0] + steel[1] * n[1] + steel[2] * n[2];
@@ -203,7 +207,16 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
 }
 
 /// Apart, so that what the compiler makes of the others, to the last bit, does not depend on it.
+template <class R, bool Runs, bool Balance, bool Resisting, bool Filmed>
+[[gnu::noinline]] void special_apart(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  special<R, Runs, Balance, true, Resisting, Filmed>(layout, rules, begin, end, s, energy);
+}
+
+/// Of pairs that may come apart, by what their rules have.
 template <class R, bool Runs, bool Balance>
-[[gnu::noinline]] void special_resisting(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
-  special<R, Runs, Balance, true, true>(layout, rules, begin, end, s, energy);
+void special_extended(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+  if (s.extras.resistance && s.extras.films) return special_apart<R, Runs, Balance, true, true>(layout, rules, begin, end, s, energy);
+  if (s.extras.resistance) return special_apart<R, Runs, Balance, true, false>(layout, rules, begin, end, s, energy);
+  if (s.extras.films) return special_apart<R, Runs, Balance, false, true>(layout, rules, begin, end, s, energy);
+  special<R, Runs, Balance, true>(layout, rules, begin, end, s, energy);
 }

@@ -57,7 +57,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
   base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
-  base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data(), resistance_.size() ? resistance_.data() : nullptr};
+  base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data(), resistance_.size() ? resistance_.data() : nullptr, setup.wall_film != 0};
   base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
 }
