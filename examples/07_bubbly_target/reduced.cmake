@@ -1,10 +1,10 @@
-# The example with one mechanism fitted, in 500 runs or a round more, from the records to the expected numbers.
+# The example with two mechanisms fitted at most, in 900 runs or a round more, from the records to the expected numbers.
 include("${CMAKE_CURRENT_LIST_DIR}/../steps.cmake")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 file(COPY "${CMAKE_CURRENT_LIST_DIR}/bubbly_target.toml" "${CMAKE_CURRENT_LIST_DIR}/recordings.nc" DESTINATION "${WORK}")
 set(case "${WORK}/bubbly_target.toml")
-execute_process(COMMAND "${CALOMEL}" diagnose "${case}" --set diagnosis.leaders=1 --set diagnosis.pairs=false --set diagnosis.max_runs=500 RESULT_VARIABLE status)
+execute_process(COMMAND "${CALOMEL}" diagnose "${case}" --set diagnosis.leaders=2 --set diagnosis.pairs=false --set diagnosis.max_runs=900 RESULT_VARIABLE status)
 if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the base model, which is wrong here, has not settled
   message(FATAL_ERROR "exit status ${status} of diagnose")
 endif()
