@@ -1,26 +1,16 @@
 // posterior.nc in the tools that it is for: xarray opens every group, dimensions chain and draw first, as ArviZ expects them.
 #include <gmock/gmock.h>
 
-#include <cstdio>
 
 #include "base/json.hpp"
 #include "base/provenance.hpp"
+#include "tests/command_output.hpp"
 #include "tests/scratch.hpp"
 #include "tests/verification/reference_scores.hpp"
 #include "uq/posterior_file.hpp"
 
 namespace calomel::testing {
 namespace {
-
-/// Output of a command, and whether it ended well.
-std::pair<std::string, bool> output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) return {"", false};
-  char part[4096];
-  for (std::size_t n; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, n);
-  return {text, ::pclose(pipe) == 0};
-}
 
 /// A Python with xarray, the system's where another one comes first; empty where there is none.
 std::string python() {

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstdio>
 
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
+#include "tests/command_output.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/uq/densities.hpp"
 #include "uq/sampler/sampler.hpp"
@@ -41,16 +41,6 @@ std::vector<PosteriorGroup> all_groups(const SamplerResult& r) {
 }
 
 SamplerResult some_draws() { return run_sampler(named(), {.mean = Eigen::VectorXd::Zero(2)}, {.warmup = 50, .draws = 20}, {.seed = 2}); }
-
-/// Output of a command, and whether it ended well.
-std::pair<std::string, bool> output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (!pipe) return {"", false};
-  char part[4096];
-  for (std::size_t n; (n = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, n);
-  return {text, ::pclose(pipe) == 0};
-}
 
 }  // namespace
 
