@@ -88,7 +88,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                      .plain = entry.plain, .check = entry.check};
     for (const auto& k : entry.keys) {
-      if (k.decides) g.added.push_back(added_number(row.name, k, c.off_value(k)));
+      if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k)));
       if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
     }
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });

@@ -48,7 +48,7 @@ struct Finding {
   std::map<std::string, Interval> before, after;  ///< base parameters
   int runs = 0;
   double wall = 0;      ///< [s]; not a number where it is not told
-  bool settled = true;  ///< the base fit
+  bool settled = true;  ///< the fit that the verdict hangs on
 };
 /// Errors: InputError when the file is no diagnosis, naming what it lacks.
 Finding read_finding(const std::filesystem::path& path);

@@ -66,7 +66,7 @@ std::vector<std::string> score_lines(const Score& s) {
                              tally_line("a fault of one gauge", s.sensors), tally_line("outside the library", s.outside),
                              tally_line(fmt::format("below {:.0f} noise floors", faint_below), s.faint), "",
                              "the right gauge, where its fault is named: " + share_text(s.right_gauge)});
-  if (s.unsettled > 0) lines.push_back(fmt::format("base fits that did not settle: {}", s.unsettled));
+  if (s.unsettled > 0) lines.push_back(fmt::format("not to be trusted, for a fit on which they hang did not settle: {}", s.unsettled));
 
   lines.insert(lines.end(), {"", fmt::format("Brier score {:.3f} (0: certain of the truth, 2: certain of something else)", s.brier)});
   for (const auto& [family, of] : s.brier_by_family) lines.push_back(fmt::format("  {:<8} {:.3f} over {} cases", family, of.first, of.second));

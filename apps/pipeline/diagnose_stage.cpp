@@ -51,13 +51,14 @@ ExitStatus diagnose_stage(StageCall& call) {
                              .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
-    json["status"] = d.base.settled ? "done" : "not_to_be_trusted";
+    const bool trusted = d.unsettled().empty();
+    json["status"] = trusted ? "done" : "not_to_be_trusted";
     json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();  // of this call
     write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
     notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
     notes.say(json["summary"].get<std::string>());
-    return d.base.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+    return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });
 }
 

@@ -94,6 +94,15 @@ std::string where_and_when(const Study& study) {
   return s + fmt::format(" It shows in {} of {} stretches of time and in {} of {} bands of frequency.", late, windows.size(), high, bands.size());
 }
 
+/// "the fit of ...: message", of the first that the verdict hangs on and that has not settled.
+std::string unsettled_fit(const Json& d) {
+  const Json& names = list_at(d, "unsettled");
+  const std::string name = !names.empty() && names[0].is_string() ? names[0].get<std::string>() : "base";
+  for (const auto& r : list_at(d, "ranking"))
+    if (text_at(r, "name") == name) return fmt::format("the fit of {}: {}", title_of(r), text_at(r, "message", "not settled"));
+  return "the fit of the base model: " + text_at(part_at(d, "base_fit"), "message", "not settled");
+}
+
 }  // namespace
 
 Table mismatch_table(const Study& study) {
@@ -223,7 +232,7 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   const Json& d = summary_of(study);
   const std::string verdict = text_at(d, "verdict");
   std::string s = fmt::format("<p>Verdict: <strong>{}</strong>. {}</p>\n", escape_html(verdict), escape_html(meaning(verdict)));
-  if (text_at(d, "status", "done") != "done") s += "<p class=\"missing\"><strong>Not to be trusted:</strong> the fit of the base model: " + escape_html(text_at(part_at(d, "base_fit"), "message", "not settled")) + ".</p>\n";
+  if (text_at(d, "status", "done") != "done") s += "<p class=\"missing\"><strong>Not to be trusted:</strong> " + escape_html(unsettled_fit(d)) + ".</p>\n";
   if (const Json& ranking = list_at(d, "ranking"); verdict == "unknown" && !ranking.empty() && text_at(ranking[0], "name") != "unknown" && !text_at(ranking[0], "why").empty())
     s += fmt::format("<p>The most probable of what was tried, {}, is not named: {}</p>\n", escape_html(title_of(ranking[0])), escape_html(lower_first(text_at(ranking[0], "why"))));
 

@@ -116,7 +116,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
       if (alarm.is_string()) told.emplace_back("sampling", alarm.get<std::string>());
   }
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
-  if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: the fit of the base model has not settled, so the verdict is not to be trusted");
+  if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");

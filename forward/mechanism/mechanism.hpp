@@ -28,6 +28,7 @@ struct MechanismKey {
   double low, high;         ///< default prior range
   bool log_uniform = false;
   bool decides = true;      ///< the mechanism is off when every deciding key has its off value
+  bool asked = true;        ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
   bool shapes = false;      ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;

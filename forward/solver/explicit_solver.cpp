@@ -28,7 +28,7 @@ SolveOptions solve_options(const SolverOptions& o) {
 
 /// Everything that the stable step of a mesh follows from, whatever changed it: a case, a parameter or a mechanism.
 struct StepKey {
-  std::array<double, 12> numbers;
+  std::array<double, 13> numbers;
   bool single, group, parts;
   ElementKind kind;
   int buffer;  ///< of sub-cycling, or none
@@ -52,7 +52,7 @@ ElementKind kind_of(const SolveOptions& o) {
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
   return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(), s.hourglass,
-                      s.steel_stiffness_damping, s.steel_mass_damping, s.wall_film},
+                      s.steel_stiffness_damping, s.steel_mass_damping, s.wall_film, s.steel_stiffening()},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
           .parts = faces_may_part(s),
@@ -141,7 +141,7 @@ const Mesh& ExplicitSolver::mesh() const { return *parts_->mesh; }
 
 double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const {
   double step = 1e300;
-  if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue / s.steel_density, s.steel_stiffness_damping));
+  if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue * s.steel_stiffening() / s.steel_density, s.steel_stiffness_damping));
   if (!parts_->stiffest.empty()) {
     const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
@@ -173,7 +173,8 @@ StableSteps ExplicitSolver::stable_steps(const RunSetup& setup, const SolveOptio
       const Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, {.heated_rear = false}, step);
       return global_stable_step(run, options.threads, liquid_alone);
     };
-    return StableSteps{mass_damped_time_step(global(bound, false), setup.steel_mass_damping), subcycled ? global(liquid_bound, true) : 0};
+    const double slow = global(bound, false) / std::sqrt(setup.steel_stiffening());  // of the steel at rest; on the safe side where mercury holds the step
+    return StableSteps{mass_damped_time_step(slow, setup.steel_mass_damping), subcycled ? global(liquid_bound, true) : 0};
   });
   if (key.kind != ElementKind::b_bar) steps.whole = std::max(bound, steps.whole);
   steps.liquid = std::max(liquid_bound, steps.liquid);

@@ -55,6 +55,12 @@ struct ObservationRow {
   std::vector<Vec3> weights;
 };
 
+/// A spring in series with a dashpot beside the steel's own stiffness K (Maxwell): force share K x, dx/dt = v - x / time.
+struct RelaxingBranch {
+  double share;  ///< of its spring over the steel's stiffness [-]
+  double time;   ///< [s]
+};
+
 inline constexpr double greatest_film = 0.6;  ///< of RunSetup::wall_film, over the mass of the node that it is taken from
 
 /// The physical state of affairs in one run (or in a group of up to eight that differ in pulse energy).
@@ -68,6 +74,7 @@ struct RunSetup {
   std::shared_ptr<const LiquidLaw> liquid_law;        ///< in place of Riemer's; null: Riemer's with the numbers of `liquid`
   double steel_mass_damping = 0;                      ///< a of a M v in the steel [1/s]
   double steel_stiffness_damping = 0;                 ///< b of b K v in the steel [s]
+  std::vector<RelaxingBranch> steel_branches;         ///< beside the steel's stiffness, which is that of slow motion; empty: none
   double rear_coefficient = 0;                        ///< r of (1 - r) p' = (1 + r) rho c v_n at the rear face: 0 lets waves out, 1 holds, -1 frees
   std::vector<double> p0;                             ///< per mesh element, at energy 1 [Pa]; empty: none
   std::function<double(const Vec3&)> p0_at;           ///< the same at a point, for the rear face
@@ -100,6 +107,12 @@ struct RunSetup {
   /// b rho c, times the size of a liquid element its resistance to closing [Pa s/m]; 0 where no strain below 1 reaches the cutoff.
   [[nodiscard]] double collapse_resistance() const {
     return !(liquid.tensile_cutoff < liquid.bulk_modulus) ? 0 : collapse_viscosity * std::sqrt(liquid.bulk_modulus * liquid_density);
+  }
+  /// Stiffness of the steel in fast motion over that in slow motion.
+  [[nodiscard]] double steel_stiffening() const {
+    double sum = 1;
+    for (const auto& branch : steel_branches) sum += branch.share;
+    return sum;
   }
   /// Stiffness of the liquid from which the time step follows: the bulk modulus, or what a law of its own may come to where that is more [Pa].
   [[nodiscard]] double liquid_stiffness() const { return std::max(liquid.bulk_modulus, liquid_law ? liquid_law->greatest_stiffness() : 0.0); }

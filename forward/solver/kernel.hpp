@@ -111,6 +111,13 @@ struct RuleExtras {
   bool films = false;               ///< some pair has a film
 };
 
+/// A relaxing branch of the steel.
+template <class R>
+struct Branch {
+  R* x;               ///< node rows, of its spring [m]
+  double share, time; ///< RelaxingBranch
+};
+
 template <class R>
 struct StepData {
   R* u;                    ///< node rows, displacement [m]
@@ -128,6 +135,9 @@ struct StepData {
   R rear_late, rear_early;  ///< share of v_n after the step, and of v_n before it over that; 1/2 and 1 at r = 0
   R lambda, mu;            ///< of the steel
   R steel_beta;            ///< stiffness-proportional damping of the steel [s]
+  const R* relaxing;       ///< node rows, what the steel's branches add to the displacement that its forces answer [m]; null: none
+  const Branch<R>* branches;  ///< one a branch
+  int branch_count;
   RuleExtras<R> extras;
   alignas(64) R load[run_lanes];         ///< share of p0 that has been put in, times pulse energy
   alignas(64) R load_before[run_lanes];  ///< the same one step earlier

@@ -29,6 +29,18 @@ CALOMEL_INLINE void copy_in(const BlockData<R>& b, const StepData<R>& s, R of_u,
   __builtin_memset(f, 0, sizeof(R) * std::size_t(b.interior + b.shared_count) * width);
 }
 
+/// Adds what the steel's branches answer beside u.
+template <class R, bool Runs>
+CALOMEL_INLINE void add_relaxing(const BlockData<R>& b, const StepData<R>& s, R* w) {
+  constexpr int width = Row<R, Runs>::width;
+  const R* x = s.relaxing + std::size_t(b.first_node) * width;
+  for (std::size_t k = 0; k < std::size_t(b.interior) * width; ++k) w[k] += x[k];
+  for (std::int32_t i = 0; i < b.shared_count; ++i) {
+    const std::size_t from = std::size_t(b.shared[i]) * width, to = std::size_t(b.interior + i) * width;
+    for (int k = 0; k < width; ++k) w[to + k] += s.relaxing[from + k];
+  }
+}
+
 /// How lanes are filled from a block: W elements of one run, or one element of eight runs.
 template <class R, bool Runs>
 struct Lanes {
@@ -235,8 +247,9 @@ void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, E
   }
 }
 
-/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; both from passes of their own, for the energy balance only. Force and
-/// way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done.
+/// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; in a branch share x.K x / 2 and share x.K x / time. All from passes of their own, for the
+/// energy balance only. Force and way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done; of a branch, whose x is
+/// one of the step's end, half a step's.
 template <class R>
 void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* force, EnergyTerms* energy) {
   EnergyTerms of_u, of_v;
@@ -248,6 +261,15 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
   forces<R, false, Keep::energies>(unstressed, s, w, force, &of_v);
   const double rate = double(s.steel_beta) / double(s.dt);
   energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel, energy->heat += of_u.heat;
+  for (int k = 0; k < s.branch_count; ++k) {
+    StepData<R> in_branch = s;
+    in_branch.u = s.branches[k].x;
+    EnergyTerms of_x;
+    copy_in<R, false>(b, in_branch, R(1), R(0), w, force);
+    forces<R, false, Keep::energies>(unstressed, s, w, force, &of_x);
+    const double stored = s.branches[k].share * of_x.steel, lost = 2 * stored * double(s.dt) / s.branches[k].time;
+    energy->steel += stored - 0.5 * lost, energy->dissipated += lost;
+  }
 }
 
 template <class R, bool Runs, Keep K>
@@ -257,10 +279,11 @@ void block(const BlockData<R>& b, const StepData<R>& s, EnergyTerms* energy) {
   R* force = w + std::size_t(b.interior + b.shared_count) * width;
   const R beta = b.liquid ? s.beta : s.steel_beta;
   constexpr bool balance = K == Keep::energies;
-  const bool damped = balance && !b.liquid && beta != 0;
+  const bool relaxes = !b.liquid && s.relaxing, damped = balance && !b.liquid && (beta != 0 || relaxes);
   if constexpr (balance)
     if (damped) book_damped_steel(b, s, w, force, energy);
   copy_in<R, Runs>(b, s, R(1), beta, w, force);
+  if (relaxes) add_relaxing<R, Runs>(b, s, w);
   EnergyTerms here;
   if (damped && b.trace) {
     BlockData<R> balanced = b;

@@ -76,9 +76,17 @@ void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
 }
 
 template <class R>
-void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
-  const std::size_t stretches = damped_.size(), width = packed_.width();
-  for (std::size_t k = stretches * part / parts; k < stretches * (part + 1) / parts; ++k) {
+void Run<R>::damp_nodes(std::size_t part, std::size_t parts) {
+  const std::size_t stretches = (mass_.size() + node_chunk - 1) / node_chunk, begin = stretches * part / parts, end = stretches * (part + 1) / parts;
+  if (!motion_factor_.empty()) damp_motion(begin, end);
+  if (!branches_.empty()) relax(begin * node_chunk, std::min(mass_.size(), end * node_chunk));
+}
+
+/// Of stretches of the nodes.
+template <class R>
+void Run<R>::damp_motion(std::size_t begin, std::size_t end) {
+  const std::size_t width = packed_.width();
+  for (std::size_t k = begin; k < end; ++k) {
     damped_[k] = 0;
     for (std::size_t n = k * node_chunk; n < std::min(mass_.size(), (k + 1) * node_chunk); ++n) {
       const double f = motion_factor_[n];
@@ -88,6 +96,27 @@ void Run<R>::damp_motion(std::size_t part, std::size_t parts) {
       for (std::size_t c = 0; c < width; ++c) v[c] *= R(f);
     }
   }
+}
+
+/// Of nodes: dx/dt = v - x / time is solved exactly over a step, in which v is constant.
+template <class R>
+void Run<R>::relax(std::size_t begin, std::size_t end) {
+  const std::size_t width = packed_.width();
+  const R* v = v_.data();
+  for (const auto& branch : branches_) {
+    const double left = std::exp(-dt_ / branch.time);
+    const R keep = R(left), gain = R(branch.time * (1 - left));
+    for (std::size_t i = begin * width; i < end * width; ++i) branch.x[i] = keep * branch.x[i] + gain * v[i];
+  }
+  sum_branches(begin, end);
+}
+
+template <class R>
+void Run<R>::sum_branches(std::size_t begin, std::size_t end) {
+  const std::size_t width = packed_.width();
+  std::fill(relaxing_.data() + begin * width, relaxing_.data() + end * width, R(0));
+  for (const auto& branch : branches_)
+    for (std::size_t i = begin * width; i < end * width; ++i) relaxing_[i] += R(branch.share) * branch.x[i];
 }
 
 template <class R>
@@ -114,7 +143,7 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
   s.u = u.data(), s.v = result.data();
-  s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {};
+  s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {}, s.relaxing = nullptr;
   s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
     if (liquid_alone && !blocks_[b].liquid) {

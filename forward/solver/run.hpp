@@ -1,6 +1,6 @@
 #pragma once
 /// The arrays of one run (or of a group that fills the lanes) and the phases of its step. A step is: every block; then the
-/// shared nodes and those with a rule; then, where the steel's motion is damped, every node. The phases may be spread over
+/// shared nodes and those with a rule; then, where the steel is damped by its nodes, every node. The phases may be spread over
 /// threads in any way; the result does not depend on it.
 #include <Eigen/Core>
 #include <array>
@@ -43,14 +43,14 @@ class Run {
   [[nodiscard]] std::size_t chunk_count(bool outer) const { return plain_chunks_ + rule_chunks_ + (outer ? slow_chunks_ : 0); }
   [[nodiscard]] int subcycles() const { return subcycles_; }
   [[nodiscard]] std::size_t scratch_size() const { return scratch_rows_ * 2 * packed_.width() + 64; }
-  [[nodiscard]] bool damps_motion() const { return !motion_factor_.empty(); }
+  [[nodiscard]] bool damps_nodes() const { return !motion_factor_.empty() || !branches_.empty(); }
 
   /// The numbers of step n; `scratch` is the calling thread's.
   [[nodiscard]] StepPair<R> step(std::int64_t n, R* scratch) const;
   void advance_block(std::size_t block, const StepPair<R>& step);
   void advance_chunk(std::size_t chunk, const StepPair<R>& step);
-  /// Mass-proportional damping of the steel on one of `parts` equal parts of the nodes.
-  void damp_motion(std::size_t part, std::size_t parts);
+  /// Mass-proportional damping of the steel and its relaxing branches, on one of `parts` equal parts of the nodes.
+  void damp_nodes(std::size_t part, std::size_t parts);
   /// Energies of step n, the last one done, summed in a fixed order; of slow blocks at outer steps only.
   [[nodiscard]] EnergyTerms energies(std::int64_t n) const;
 
@@ -81,6 +81,10 @@ class Run {
   void make_masses(const NodalVolumes& volumes);
   void make_blocks();
   void make_rules(bool heated_rear);
+  void make_branches();
+  void damp_motion(std::size_t begin, std::size_t end);
+  void relax(std::size_t begin, std::size_t end);
+  void sum_branches(std::size_t begin, std::size_t end);
   void make_law(std::size_t block);
   /// What the block has of a stress before the run and of heat in the steel.
   void make_stress(std::size_t block);
@@ -127,6 +131,9 @@ class Run {
   std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0, slow_chunks_ = 0;
   std::array<std::vector<EnergyTerms>, 2> energies_;  ///< by parity of the step: of blocks, then of chunks
   std::vector<double> damped_;  ///< energy taken by damp_motion, by stretch of the nodes [J]
+  std::vector<AlignedArray<R>> branch_;  ///< x of each relaxing branch of the steel
+  AlignedArray<R> relaxing_;             ///< sum of share times x
+  std::vector<Branch<R>> branches_;
 };
 
 extern template class Run<float>;

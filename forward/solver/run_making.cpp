@@ -60,6 +60,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data(), resistance_.size() ? resistance_.data() : nullptr, setup.wall_film != 0};
   base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
   base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
+  make_branches();
 }
 
 template <class R>
@@ -127,6 +128,17 @@ void Run<R>::make_rules(bool heated_rear) {
       for (std::size_t c = 0; c < 3; ++c) r.load_area[c] = R(layout.loaded[std::size_t(s.loaded)].area[c]);
     rules_.push_back(r);
   }
+}
+
+template <class R>
+void Run<R>::make_branches() {
+  if (setup_.steel_branches.empty()) return;
+  relaxing_ = AlignedArray<R>(u_.size());
+  for (const auto& b : setup_.steel_branches) {
+    branch_.emplace_back(u_.size());
+    branches_.push_back({branch_.back().data(), b.share, b.time});
+  }
+  base_.relaxing = relaxing_.data(), base_.branches = branches_.data(), base_.branch_count = int(branches_.size());
 }
 
 template <class R>
@@ -291,6 +303,7 @@ template Run<float>::Run(const PackedMesh<float>&, const Mesh&, const NodalVolum
 template void Run<float>::make_masses(const NodalVolumes&);
 template void Run<float>::make_blocks();
 template void Run<float>::make_rules(bool);
+template void Run<float>::make_branches();
 template double Run<float>::initial_pressure(std::size_t) const;
 template void Run<float>::make_stress(std::size_t);
 template void Run<float>::make_extras();
@@ -303,6 +316,7 @@ template Run<double>::Run(const PackedMesh<double>&, const Mesh&, const NodalVol
 template void Run<double>::make_masses(const NodalVolumes&);
 template void Run<double>::make_blocks();
 template void Run<double>::make_rules(bool);
+template void Run<double>::make_branches();
 template double Run<double>::initial_pressure(std::size_t) const;
 template void Run<double>::make_stress(std::size_t);
 template void Run<double>::make_extras();

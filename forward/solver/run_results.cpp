@@ -139,6 +139,7 @@ void Run<R>::save(std::ostream& out) const {
   for (const auto& m : memory_) put(out, m.data(), m.size());
   for (const auto& t : trace_) put(out, t.data(), t.size());
   put(out, open_.data(), open_.size());
+  for (const auto& x : branch_) put(out, x.data(), x.size());
 }
 
 template <class R>
@@ -148,6 +149,8 @@ void Run<R>::restore(std::istream& in) {
   for (auto& m : memory_) get(in, m.data(), m.size());
   for (auto& t : trace_) get(in, t.data(), t.size());
   get(in, open_.data(), open_.size());
+  for (auto& x : branch_) get(in, x.data(), x.size());
+  if (!branches_.empty()) sum_branches(0, mass_.size());
 }
 
 template double Run<float>::observe(const ObservationRow&, std::size_t) const;

@@ -135,8 +135,8 @@ class TimeLoop {
       wait();
       for (std::size_t c = me; c < run_.chunk_count(s.outer); c += all) run_.advance_chunk(c, s);
       wait();
-      if (run_.damps_motion()) {
-        run_.damp_motion(me, all);
+      if (run_.damps_nodes()) {
+        run_.damp_nodes(me, all);
         wait();
       }
       if (options_.energy_balance && t == 0) balance_.add(run_.energies(n), s.outer, n <= run_.subcycles(), has_initial_state_);

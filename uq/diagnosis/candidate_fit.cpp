@@ -20,7 +20,8 @@ constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over th
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
 constexpr int most_rounds = 8;                       ///< of the second box
-constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays; twice is enough
+constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
+constexpr int stays_enough = 2;                      ///< rounds in a row
 constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
@@ -80,7 +81,8 @@ FittedCandidate fit_from_several(const PosteriorInputs& planned, const Posterior
     }
   }
   if (!best) throw NumericsError(failed);
-  return {.inputs = planned, .fit = std::move(*best)};
+  const bool stands = best->settled;
+  return {.inputs = planned, .fit = std::move(*best), .stands = stands};
 }
 
 }  // namespace
@@ -158,10 +160,11 @@ FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, cons
     const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
     stayed = stays ? stayed + 1 : 0;
     last = now;
-    return int(f.rounds.size()) <= most_rounds && stayed < 2 && worth(now);
+    return int(f.rounds.size()) <= most_rounds && stayed < stays_enough && worth(now);
   };
   PosteriorFit second = fit_posterior(in);
-  return {.inputs = std::move(in), .fit = std::move(second)};
+  const bool stands = stayed >= stays_enough || second.settled;
+  return {.inputs = std::move(in), .fit = std::move(second), .stands = stands};
 }
 
 }  // namespace calomel

@@ -27,6 +27,7 @@ struct CandidatePlan {
 struct FittedCandidate {
   PosteriorInputs inputs;  ///< of its last box
   PosteriorFit fit;
+  bool stands = false;  ///< its evidence and its numbers stayed while runs were added, or its emulator settled
 };
 
 /// Fits over the planned box and, if its log Bayes factor is `worth` that or its emulator far noisier than the base model's, which then says little, in a narrower one

@@ -216,6 +216,7 @@ void Engine::fit_linear(const Question& q) {
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, parameter_covariance(with, m).diagonal().cwiseSqrt(), m);
+  c.settled = out_.base.settled;  // on whose emulator it stands
   // The numbers themselves: what is left of the residual at this mode in their directions.
   const FirstOrder worth = FirstOrderModel(base, m).worth(q.directions);
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
@@ -304,7 +305,8 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
     c.history = kept(fit.history(full.at.u, full.at.beyond));
-    c.settled = fit.settled, c.message = fit.message;
+    c.settled = fitted.stands;
+    c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
@@ -433,6 +435,15 @@ void Engine::separate() {
 }
 
 }  // namespace
+
+std::vector<std::string> Diagnosis::unsettled() const {
+  if (verdict.mechanisms.empty()) return base.settled ? std::vector<std::string>{} : std::vector<std::string>{"base"};
+  std::vector<std::string> names;
+  for (const auto& name : verdict.mechanisms)
+    for (const auto& c : candidates)
+      if (c.explanation.name == name && !c.settled) names.push_back(name);
+  return names;
+}
 
 Diagnosis diagnose(const DiagnosisInputs& in) {
   Diagnosis out = Engine(in).run();

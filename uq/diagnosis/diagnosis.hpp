@@ -70,7 +70,7 @@ struct Alternative {
   double held_out_gain = 0;            ///< 1 - after / before
   std::vector<double> held_out_history;  ///< (values of the model): each gauge by the fit without it; empty where none was made
   int runs = 0;                        ///< made for it alone
-  bool settled = false;                ///< its emulator
+  bool settled = false;                ///< more runs would not change it
   std::string message;
 };
 
@@ -90,6 +90,10 @@ struct Diagnosis {
   int runs = 0;
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::string separating;                    ///< the measurement that would tell the first two apart
+
+  /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's. Such a verdict is not to be acted on. A name does not
+  /// hang on the base fit, which wanders where physics is left out: that of the name holds the base model, its numbers off, in its box.
+  [[nodiscard]] std::vector<std::string> unsettled() const;
 };
 
 /// Errors: those of fit_posterior and of the runs; Interrupted.

@@ -181,6 +181,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"runs", d.runs},
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},
+          {"unsettled", d.unsettled()},
           {"provenance", provenance.json()}};
 }
 

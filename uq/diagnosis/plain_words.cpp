@@ -287,7 +287,10 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
       told = unknown_summary(d, groups, m, gates);
       break;
   }
-  if (!d.base.settled) told.next_step = "Do not act on this yet: the fit of the base model has not settled, so run the diagnosis again with more rounds (emulator.rounds).";
+  std::vector<std::string> fits;
+  for (const auto& name : d.unsettled()) fits.push_back(name == "base" ? "the base model" : with_key(*alternative(d, name), groups));
+  if (!fits.empty()) told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits, "and"),
+                                                  fits[0] == "the base model" ? "rounds (emulator.rounds)" : "runs (diagnosis.max_runs)");
   return told;
 }
 

@@ -87,7 +87,11 @@ TEST(ReportDiagnosis, AVerdictThatDidNotSettleIsNotToBeTrusted) {
   write_json(dir / "diagnosis.json", d);
   const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("Not to be trusted:</strong> the fit of the base model: moves by 2 deviations a round."));
-  EXPECT_THAT(text, HasSubstr("<li>diagnosis: the fit of the base model has not settled"));
+  const std::string name = d["ranking"][0]["name"];
+  d["unsettled"] = {name}, d["ranking"][0]["message"] = "still walks";
+  write_json(dir / "diagnosis.json", d);
+  EXPECT_THAT(markup(report_of(dir, input())), HasSubstr(": still walks."));
+  EXPECT_THAT(text, HasSubstr("<li>diagnosis: a fit on which the verdict hangs has not settled"));
 }
 
 TEST(ReportDiagnosis, OneOfAnEarlierVersionIsReadAsFarAsItGoes) {

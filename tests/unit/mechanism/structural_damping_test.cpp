@@ -1,5 +1,7 @@
 #include "forward/mechanism/structural_damping.hpp"
 
+#include <complex>
+
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/solver/load.hpp"
 #include "tests/unit/mechanism/column.hpp"
@@ -29,6 +31,41 @@ TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
     }
 }
 
+// A mode of a bar with branches answers s^2 + w^2 (1 + sum m s t / (1 + s t)) = 0, which Newton's method solves; its ratio is what `loss` says a decade about `frequency`.
+TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
+  using Complex = std::complex<double>;
+  const double length = 0.1, loss = 0.02;
+  const Mesh mesh = column(160, length, Region::steel);
+  const auto entry = structural_damping();
+  for (const int n : {1, 4}) {
+    const double k = n * M_PI / length, w = steel_speed() * k;
+    for (const double times : {1.0, 3.0, 10.0}) {
+      RunSetup s = linear_setup(0, 0);
+      entry.setup(values_of(entry, {{"loss", loss}, {"frequency", times * w / (2 * M_PI)}}), s);
+      ASSERT_EQ(s.steel_branches.size(), 3u);
+      Complex root(0, w);
+      const auto residual = [&](Complex z) {
+        Complex sum = 1;
+        for (const auto& b : s.steel_branches) sum += b.share * z * b.time / (1.0 + z * b.time);
+        return z * z + w * w * sum;
+      };
+      for (int i = 0; i < 20; ++i) root -= residual(root) / ((residual(root + 1.0) - residual(root - 1.0)) / 2.0);
+      const auto got = decay(mesh, s, k, root.imag(), 4, 4);  // what the branches begin with, at rest, has gone
+      const std::string name = std::to_string(n) + "_" + std::to_string(int(10 * times));
+      measured("rate_over_theory_" + name, got.rate / -root.real());
+      measured("ratio_over_loss_" + name, -root.real() / w / loss);
+      measured("energy_balance_" + name, got.energy_error);
+      EXPECT_NEAR(got.rate, -root.real(), 0.005 * -root.real()) << name;
+      EXPECT_LT(got.energy_error, 1e-4 * n * n) << name;  // what is lost is counted to second order in w dt
+      if (times == 1) {
+        EXPECT_NEAR(-root.real() / w, loss, 0.1 * loss);  // the modulus at w is a little above the slow one
+      } else if (times == 3) {
+        EXPECT_NEAR(-root.real() / w, loss, 0.2 * loss);
+      }
+    }
+  }
+}
+
 // In a target: only the steel is damped, and what is lost is counted.
 TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   GeometryOptions g;
@@ -44,7 +81,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   const ExplicitSolver solver(mesh, steel());
   EXPECT_EQ(solver.solve(s, {}, o).dissipated, 0);
   const auto entry = structural_damping();
-  for (const auto& [key, value] : {std::pair<const char*, double>{"mass", 2e3}, {"stiffness", 1e-7}}) {
+  for (const auto& [key, value] : {std::pair<const char*, double>{"mass", 2e3}, {"stiffness", 1e-7}, {"loss", 0.02}}) {
     RunSetup damped = s;
     entry.setup(values_of(entry, {{key, value}}), damped);
     const auto out = solver.solve(damped, {}, o);

@@ -40,7 +40,7 @@ struct Stopped {
     setup.liquid.tensile_cutoff = 1.5e5, setup.liquid.viscosity = 2000, setup.collapse_viscosity = 0.1;
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) setup.p0.push_back(mesh.region[e] == Region::mercury ? 1e6 * double(e % 11) : 0);
     setup.pulse_length = 0.7e-6;
-    setup.steel_mass_damping = 100;
+    setup.steel_mass_damping = 100, setup.steel_branches = {{0.05, 1e-6}, {0.02, 1e-5}};
   }
   ~Stopped() { std::filesystem::remove(path); }
 

@@ -157,6 +157,28 @@ TEST(StableTimeStep, SharpWhereElementsAreAlike) {
   }
 }
 
+// A branch adds to the stiffness what its spring has, however slow it is, and no more.
+TEST(StableTimeStep, OfSteelWithRelaxingBranchesIsThatOfTheStifferSteel) {
+  const Mesh mesh = block({20, 1, 1}, {0, 0, 0}, {0.02, 0.001, 0.001}, [](const Vec3&) { return Region::steel; });
+  const ExplicitSolver solver(mesh, steel());
+  for (const double time : {1e-8, 1e-6, 1e-3}) {
+    RunSetup s = linear_setup(0, 0);
+    const double base = solver.stable_step(s);
+    s.steel_branches = {{0.3, time}, {0.14, time}};
+    const double limit = solver.stable_step(s);
+    EXPECT_NEAR(limit, base / 1.2, 1e-9 * base);
+    RandomStream random(9, 0);
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) s.initial_velocity.push_back({random.uniform(-1e-3, 1e-3), 0, 0});
+    s.output_interval = 0.999 * limit, s.end = 3000 * s.output_interval;
+    SolveOptions o;
+    o.time_step_safety = 1;
+    EXPECT_NO_THROW((void)solver.solve(s, {}, o)) << time;
+    if (time < 1e-3) continue;
+    s.output_interval = 1.04 * limit, s.end = 3000 * s.output_interval, o.time_step_safety = 1.05;
+    EXPECT_THROW((void)solver.solve(s, {}, o), NumericsError);
+  }
+}
+
 TEST(StableTimeStep, ARunThatLeavesAllBoundsNamesStepNodeAndElement) {
   const Mesh mesh = column(20);
   const ExplicitSolver solver(mesh, steel());
@@ -277,6 +299,7 @@ TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
       {"a film on them", [](RunSetup& s) { s.wetted_cutoff = 1e5, s.wall_film = 2e-4; }},
       {"hourglass", [&](RunSetup& s) { s.hourglass = 1, s.liquid.bulk_modulus = 20 * k; }},
       {"steel damping", [](RunSetup& s) { s.steel_stiffness_damping = 5e-7; }},
+      {"relaxing branches", [](RunSetup& s) { s.steel_branches = {{0.5, 1e-6}}; }},
       {"mass damping", [](RunSetup& s) { s.steel_mass_damping = 5e6; }},
       {"a stiff law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(20 * k); }},
       {"a stiffer law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(60 * k); }},

@@ -11,6 +11,7 @@ namespace calomel {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -53,8 +54,9 @@ Alternative wall(double log_bayes_factor) {
   return a;
 }
 
-/// A judged diagnosis; the base model's chi-squared is 400 for 100 values.
+/// A judged diagnosis, all fits of which have settled; the base model's chi-squared is 400 for 100 values.
 Diagnosis judged(std::vector<Alternative> candidates, double base_chi2 = 400) {
+  for (auto& c : candidates) c.settled = true;
   Diagnosis d;
   d.base.settled = true;
   d.evidence = {.values = 100, .chi2 = base_chi2, .log_plain = -1, .log_discrepancy = -0.5, .base_pull = 0.5};
@@ -162,12 +164,21 @@ TEST(PlainWords, UnknownSaysWhyAndWhereToLook) {
   EXPECT_THAT(told(judged({})).finding, HasSubstr("none of the effects that were tried"));
 }
 
-TEST(PlainWords, NothingIsToBeActedOnBeforeTheBaseFitSettled) {
+TEST(PlainWords, NothingIsToBeActedOnBeforeTheFitThatItHangsOnSettled) {
   Diagnosis d = judged({beam()});
+  d.base.settled = false;  // it wanders where physics is left out
+  EXPECT_THAT(d.unsettled(), ::testing::IsEmpty());
   EXPECT_THAT(told(d).text(), Not(HasSubstr("Do not act")));
-  d.base.settled = false;
+  d.candidates[0].settled = false;
+  EXPECT_THAT(d.unsettled(), ElementsAre("beam_profile"));
   EXPECT_THAT(told(d).finding, HasSubstr("the proton beam's profile"));
-  EXPECT_THAT(told(d).next_step, StartsWith("Do not act on this yet"));
+  EXPECT_THAT(told(d).next_step, StartsWith("Do not act on this yet: the fit of the proton beam's profile (beam_profile) has not settled"));
+
+  Diagnosis none = judged({}, 90);
+  EXPECT_THAT(none.unsettled(), ::testing::IsEmpty());
+  none.base.settled = false;
+  EXPECT_THAT(none.unsettled(), ElementsAre("base"));
+  EXPECT_THAT(told(none).next_step, StartsWith("Do not act on this yet: the fit of the base model has not settled"));
 }
 
 // The words repeat the gates of judge(); over random evidences they must agree with it.
