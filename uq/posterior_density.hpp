@@ -22,8 +22,9 @@ class PosteriorDensity final : public LogDensity {
   }
   void constrain(std::span<const double> x, std::span<double> values) const override {
     const auto at = posterior_.point(map(x));
-    std::copy(at.theta.begin(), at.theta.end(), values.begin());
-    if (posterior_.has_beyond()) values[at.theta.size()] = at.beyond;
+    const auto& free = posterior_.free();
+    for (std::size_t i = 0; i < free.size(); ++i) values[i] = at.theta[std::size_t(free[i])];
+    if (posterior_.has_beyond()) values[free.size()] = at.beyond;
   }
 
  private:

@@ -19,25 +19,13 @@
 #include "inverse/posterior/true_model_check.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
+#include "uq/posterior_moments.hpp"
 #include "inverse/posterior/prior.hpp"
 #include "uq/posterior_file.hpp"
 #include "uq/sampler/sampler.hpp"
 #include "uq/true_model_density.hpp"
 
 namespace calomel {
-
-namespace {
-
-/// At the mode, with Laplace's covariance carried to q: du/dq = (1 - u^2) / 2.
-SamplerStart start_at_mode(const PosteriorFit& fit) {
-  const auto& best = fit.modes[0];
-  const Eigen::Index d = fit.posterior->box().size();
-  Eigen::VectorXd by_u = Eigen::VectorXd::Ones(fit.posterior->dimension());
-  by_u.head(d) = 2 / (1 - best.at.u.array().square()).max(0.05);
-  return {.mean = fit.posterior->q(best.at.theta, best.at.beyond), .covariance = by_u.asDiagonal() * best.covariance * by_u.asDiagonal(), .points = {}};
-}
-
-}  // namespace
 
 ExitStatus sample_stage(StageCall& call) {
   auto& inputs = call.inputs;
@@ -64,7 +52,7 @@ ExitStatus sample_stage(StageCall& call) {
                        .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
   const TrueModelDensity exact(*made.inputs, fit);
   const bool second_stage = study.sampler.kind == "delayed_acceptance";
-  const auto result = second_stage ? run_sampler(density, exact, start_at_mode(fit), study.sampler, run) : run_sampler(density, start_at_mode(fit), study.sampler, run);
+  const auto result = second_stage ? run_sampler(density, exact, start_at_mode(*fit.posterior, fit.modes[0]), study.sampler, run) : run_sampler(density, start_at_mode(*fit.posterior, fit.modes[0]), study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const TrueModelCheck check = check_by_true_model(*made.inputs, fit, study.emulator.check_coarse, study.emulator.check_fine);
   const auto alarms = absorption(parameters, convergence);

@@ -25,6 +25,7 @@ struct Probe {
 const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"bubbly_liquid", {{"alpha0", "1e-4"}, {"radius", "1e-4"}, {"ambient_pressure", "3e5"}}},
                                 {"structural_damping", {{"mass", "1000.0"}, {"stiffness", "1e-7"}}},
+                                {"structural_damping", {{"loss", "0.02"}}},
                                 {"beam_profile", {{"offset_z", "3e-3"}, {"width_ratio_z", "1.1"}}},
                                 {"rear_reflection", {{"coefficient", "0.3"}}},
                                 {"sensor_response", {{"gain", "0.95"}, {"low_pass", "50e3"}, {"delay", "1e-6"}}},

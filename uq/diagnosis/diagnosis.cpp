@@ -10,6 +10,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
+#include "uq/posterior_moments.hpp"
 
 namespace calomel {
 
@@ -23,9 +24,10 @@ constexpr double alike = 4;                    ///< distance in standard deviati
 std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
 Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
 
-/// Deviations of the free parameters, natural units: Laplace's, and what the mode moved while runs were added, which his do not know of.
-Eigen::VectorXd parameter_deviations(const PosteriorFit& fit, const LocalMode& m) {
-  Eigen::VectorXd variance = parameter_covariance(*fit.posterior, m).diagonal();
+/// Means and deviations of the free parameters, natural units: of draws, and in the deviations what the mode moved while runs were added, which the draws do not know of.
+Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
+  const LocalMode& m = fit.modes[0];
+  Moments moments = sampled_moments(*fit.posterior, m, seed);
   const std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
   const auto n = double(fit.rounds.size() - first);
   const auto& free = fit.posterior->free();
@@ -35,9 +37,10 @@ Eigen::VectorXd parameter_deviations(const PosteriorFit& fit, const LocalMode& m
       const double t = fit.rounds[r].theta[std::size_t(free[i])] - m.at.theta[std::size_t(free[i])];
       sum += t, squares += t * t;
     }
-    variance[Eigen::Index(i)] += (squares - sum * sum / n) / (n - 1);
+    double& sd = moments.sd[Eigen::Index(i)];
+    sd = std::sqrt(sd * sd + (squares - sum * sum / n) / (n - 1));
   }
-  return variance.cwiseSqrt();
+  return moments;
 }
 
 /// Log evidences of a mixture's parts without and with a discrepancy, each by itself, over the whole's. The first hypothesis has none.
@@ -114,11 +117,11 @@ class Engine {
     for (const double v : x) sum += v * v;
     return x.empty() ? 0 : std::sqrt(sum / double(x.size()));
   }
-  [[nodiscard]] std::vector<Estimate> own_parameters(const LogPosterior& posterior, const Eigen::VectorXd& sd, const LocalMode& m) const {
+  [[nodiscard]] std::vector<Estimate> own_parameters(const LogPosterior& posterior, const Moments& moments) const {
     std::vector<Estimate> all;
     for (std::size_t i = 0; i < posterior.free().size(); ++i) {
       const auto k = std::size_t(posterior.free()[i]);
-      if (k < own_) all.push_back({in_.base.parameters[k].name, m.at.theta[k], sd[Eigen::Index(i)]});
+      if (k < own_) all.push_back({in_.base.parameters[k].name, moments.mean[Eigen::Index(i)], moments.sd[Eigen::Index(i)]});
     }
     return all;
   }
@@ -155,7 +158,7 @@ class Engine {
 void Engine::describe_base() {
   const LocalMode& m = mode();
   const LogPosterior& posterior = *out_.base.posterior;
-  out_.base_parameters = own_parameters(posterior, parameter_deviations(out_.base, m), m);
+  out_.base_parameters = own_parameters(posterior, parameters_of(out_.base, in_.base.seed));
   out_.handbook_pulls = pulls(m.at.theta);
   out_.base_history = kept(out_.base.history(m.at.u, m.at.beyond));
   BaseEvidence& e = out_.evidence;
@@ -215,7 +218,7 @@ void Engine::fit_linear(const Question& q) {
   add_parts(c.explanation, parts(out_.base, with, m, errors));
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
-  c.base_parameters = own_parameters(with, parameter_covariance(with, m).diagonal().cwiseSqrt(), m);
+  c.base_parameters = own_parameters(with, sampled_moments(with, m, in_.base.seed));
   c.settled = out_.base.settled;  // on whose emulator it stands
   // The numbers themselves: what is left of the residual at this mode in their directions.
   const FirstOrder worth = FirstOrderModel(base, m).worth(q.directions);
@@ -297,11 +300,11 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     add_parts(c.explanation, parts(fit, posterior, full, fit.hypotheses));
     c.explanation.chi2 = plain_chi2(fit, posterior, full, *fit.errors);
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
-    const Eigen::VectorXd deviations = parameter_deviations(fit, full);
-    c.base_parameters = own_parameters(posterior, deviations, full);
+    const Moments moments = parameters_of(fit, in_.base.seed);
+    c.base_parameters = own_parameters(posterior, moments);
     const std::size_t n = in_.base.parameters.size();
     for (std::size_t i = 0; i < added.size(); ++i) {
-      c.numbers.push_back({added[i].parameter.name, full.at.theta[n + i], deviations[Eigen::Index(n + i)]});
+      c.numbers.push_back({added[i].parameter.name, moments.mean[Eigen::Index(n + i)], moments.sd[Eigen::Index(n + i)]});
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
     c.history = kept(fit.history(full.at.u, full.at.beyond));

@@ -1,0 +1,35 @@
+#include "uq/posterior_moments.hpp"
+
+#include <cmath>
+
+#include "uq/posterior_density.hpp"
+
+namespace calomel {
+
+SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode) {
+  Eigen::VectorXd by_u = Eigen::VectorXd::Ones(posterior.dimension());
+  const auto& free = posterior.free();
+  for (std::size_t i = 0; i < free.size(); ++i) by_u[Eigen::Index(i)] = 2 / std::max(0.05, 1 - mode.at.u[free[i]] * mode.at.u[free[i]]);
+  return {.mean = posterior.q(mode.at.theta, mode.at.beyond), .covariance = by_u.asDiagonal() * mode.covariance * by_u.asDiagonal(), .points = {}};
+}
+
+Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
+  const PosteriorDensity density(posterior);
+  SamplerOptions options = default_sampler_options("dram");
+  options.warmup = 1000, options.draws = 1500;  // some 800 independent draws
+  const SamplerResult result = run_sampler(density, start_at_mode(posterior, mode), options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
+  const auto n = Eigen::Index(posterior.free().size());
+  Moments m{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
+  const Draws& draws = result.quantities;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto x = draws.of(std::size_t(i));
+    double sum = 0, squares = 0;
+    for (const double v : x) sum += v;
+    m.mean[i] = sum / double(x.size());
+    for (const double v : x) squares += (v - m.mean[i]) * (v - m.mean[i]);
+    m.sd[i] = std::sqrt(squares / double(x.size() - 1));
+  }
+  return m;
+}
+
+}  // namespace calomel
