@@ -10,8 +10,7 @@ if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the base model, which is wro
 endif()
 execute_process(COMMAND "${PROGRAM}" numbers "${WORK}/bubbly_target.out/diagnosis.json" OUTPUT_VARIABLE named OUTPUT_STRIP_TRAILING_WHITESPACE)
 string(REPLACE "\n" ";" named "${named}")
-foreach(method enc spe)
-  step("${CALOMEL}" calibrate "${case}" --method ${method})
-  step("${CALOMEL}" calibrate "${case}" --method ${method} --out "${WORK}/with" ${named})
-endforeach()
+# ENC alone: the README has SPE, too.
+step("${CALOMEL}" calibrate "${case}" --method enc)
+step("${CALOMEL}" calibrate "${case}" --method enc --out "${WORK}/with" ${named})
 step("${PROGRAM}" table "${WORK}/bubbly_target.out" "${WORK}/with" "${CMAKE_CURRENT_LIST_DIR}/expected_reduced.csv")

@@ -16,6 +16,7 @@ constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs
 constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
 constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
 constexpr double clear_of_edge = 2;    ///< standard deviations between a mode and the edge of its box: nearer, the box cuts the posterior
+constexpr double clear_of_edge_drawn_in = 1;  ///< of a box that is drawn in, whose deviations still shrink from round to round
 constexpr double room = 0.3;           ///< half widths of the box between a nested hypothesis and its edge
 constexpr double drawn_in = 4;         ///< posterior sds that a box which is drawn in reaches
 constexpr double worth_drawing = 0.7;  ///< of its width: less than that is gained
@@ -197,12 +198,12 @@ void Fit::draw_in_box() {
 
 /// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it stays.
 bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
-  const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd sd = (in_.draw_in ? clear_of_edge_drawn_in : clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < posterior.free().size(); ++i) {
     const Eigen::Index k = posterior.free()[i];
     const Parameter& p = in_.parameters[std::size_t(k)];
-    if (1 - m.at.u[k] < clear_of_edge * sd[Eigen::Index(i)] && high_[std::size_t(k)] < p.max * (1 - 1e-9)) return true;
-    if (1 + m.at.u[k] < clear_of_edge * sd[Eigen::Index(i)] && low_[std::size_t(k)] > p.min + 1e-9 * std::abs(p.min)) return true;
+    if (1 - m.at.u[k] < sd[Eigen::Index(i)] && high_[std::size_t(k)] < p.max * (1 - 1e-9)) return true;
+    if (1 + m.at.u[k] < sd[Eigen::Index(i)] && low_[std::size_t(k)] > p.min + 1e-9 * std::abs(p.min)) return true;
   }
   return false;
 }
