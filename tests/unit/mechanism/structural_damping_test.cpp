@@ -3,7 +3,9 @@
 #include <complex>
 
 #include "forward/mesh/make_mesh.hpp"
+#include "forward/parameter_group.hpp"
 #include "forward/solver/load.hpp"
+#include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"
 
 using namespace calomel;
@@ -97,4 +99,17 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
       EXPECT_EQ(again.energy_balance_error, out.energy_balance_error);
     }
   }
+}
+
+// Mass and stiffness are left to the case: about a high frequency the loss does what a stiffness does, and costs no steps.
+TEST(StructuralDamping, ADiagnosisAsksForTheLossAboutAFrequency) {
+  for (const auto& g : offered_groups(small_case()))
+    if (g.name == "structural_damping") {
+      ASSERT_EQ(g.added.size(), 1u);
+      EXPECT_EQ(g.added[0].parameter.name, "structural_damping.loss");
+      ASSERT_EQ(g.shapes.size(), 1u);
+      EXPECT_EQ(g.shapes[0].parameter.name, "structural_damping.frequency");
+      return;
+    }
+  FAIL() << "not offered";
 }
