@@ -1,7 +1,8 @@
 #include "uq/posterior_moments.hpp"
 
-#include <cmath>
+#include <algorithm>
 
+#include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
 
 namespace calomel {
@@ -18,17 +19,10 @@ Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, st
   SamplerOptions options = default_sampler_options("dram");
   options.warmup = 1000, options.draws = 1500;  // some 800 independent draws
   const SamplerResult result = run_sampler(density, start_at_mode(posterior, mode), options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
+  const auto summaries = assess(result.quantities).parameters;
   const auto n = Eigen::Index(posterior.free().size());
-  Moments m{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
-  const Draws& draws = result.quantities;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto x = draws.of(std::size_t(i));
-    double sum = 0, squares = 0;
-    for (const double v : x) sum += v;
-    m.mean[i] = sum / double(x.size());
-    for (const double v : x) squares += (v - m.mean[i]) * (v - m.mean[i]);
-    m.sd[i] = std::sqrt(squares / double(x.size() - 1));
-  }
+  Moments m{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) m.mean[i] = summaries[std::size_t(i)].mean, m.sd[i] = summaries[std::size_t(i)].sd;
   return m;
 }
 

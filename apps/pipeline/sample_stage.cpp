@@ -52,7 +52,8 @@ ExitStatus sample_stage(StageCall& call) {
                        .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
   const TrueModelDensity exact(*made.inputs, fit);
   const bool second_stage = study.sampler.kind == "delayed_acceptance";
-  const auto result = second_stage ? run_sampler(density, exact, start_at_mode(*fit.posterior, fit.modes[0]), study.sampler, run) : run_sampler(density, start_at_mode(*fit.posterior, fit.modes[0]), study.sampler, run);
+  const SamplerStart begin = start_at_mode(*fit.posterior, fit.modes[0]);
+  const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const TrueModelCheck check = check_by_true_model(*made.inputs, fit, study.emulator.check_coarse, study.emulator.check_fine);
   const auto alarms = absorption(parameters, convergence);

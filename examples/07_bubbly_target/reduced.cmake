@@ -5,7 +5,7 @@ file(MAKE_DIRECTORY "${WORK}")
 file(COPY "${CMAKE_CURRENT_LIST_DIR}/bubbly_target.toml" "${CMAKE_CURRENT_LIST_DIR}/recordings.nc" DESTINATION "${WORK}")
 set(case "${WORK}/bubbly_target.toml")
 execute_process(COMMAND "${CALOMEL}" diagnose "${case}" --set diagnosis.leaders=2 --set diagnosis.pairs=false --set diagnosis.max_runs=900 RESULT_VARIABLE status)
-if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the base model, which is wrong here, has not settled
+if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the runs are spent before the fit of what is named stands
   message(FATAL_ERROR "exit status ${status} of diagnose")
 endif()
 execute_process(COMMAND "${PROGRAM}" numbers "${WORK}/bubbly_target.out/diagnosis.json" OUTPUT_VARIABLE named OUTPUT_STRIP_TRAILING_WHITESPACE)

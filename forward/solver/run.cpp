@@ -77,7 +77,7 @@ void Run<R>::advance_chunk(std::size_t c, const StepPair<R>& pair) {
 
 template <class R>
 void Run<R>::damp_nodes(std::size_t part, std::size_t parts) {
-  const std::size_t stretches = (mass_.size() + node_chunk - 1) / node_chunk, begin = stretches * part / parts, end = stretches * (part + 1) / parts;
+  const std::size_t stretches = node_chunks(mass_.size()), begin = stretches * part / parts, end = stretches * (part + 1) / parts;
   if (!motion_factor_.empty()) damp_motion(begin, end);
   if (!branches_.empty()) relax(begin * node_chunk, std::min(mass_.size(), end * node_chunk));
 }

@@ -18,6 +18,7 @@ inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finit
 /// Whether wetted faces may come apart in the run: no strain below 1 reaches a cutoff above the bulk modulus.
 inline bool faces_may_part(const RunSetup& s) { return !s.slip_strength.empty() || s.wetted_cutoff < s.liquid.bulk_modulus; }
 inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time
+inline std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / node_chunk; }
 
 /// Volume of steel and of liquid that each mesh node carries, an eighth of each element [m^3].
 struct NodalVolumes {

@@ -21,8 +21,6 @@ Vec3 centre_of(const Mesh& mesh, std::size_t e) {
   return x;
 }
 
-std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / node_chunk; }
-
 }  // namespace
 
 template <class R>

@@ -198,12 +198,12 @@ void Fit::draw_in_box() {
 
 /// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it stays.
 bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
-  const Eigen::VectorXd sd = (in_.draw_in ? clear_of_edge_drawn_in : clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd clear = (in_.draw_in ? clear_of_edge_drawn_in : clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < posterior.free().size(); ++i) {
     const Eigen::Index k = posterior.free()[i];
     const Parameter& p = in_.parameters[std::size_t(k)];
-    if (1 - m.at.u[k] < sd[Eigen::Index(i)] && high_[std::size_t(k)] < p.max * (1 - 1e-9)) return true;
-    if (1 + m.at.u[k] < sd[Eigen::Index(i)] && low_[std::size_t(k)] > p.min + 1e-9 * std::abs(p.min)) return true;
+    if (1 - m.at.u[k] < clear[Eigen::Index(i)] && high_[std::size_t(k)] < p.max * (1 - 1e-9)) return true;
+    if (1 + m.at.u[k] < clear[Eigen::Index(i)] && low_[std::size_t(k)] > p.min + 1e-9 * std::abs(p.min)) return true;
   }
   return false;
 }

@@ -1,7 +1,6 @@
 // posterior.nc in the tools that it is for: xarray opens every group, dimensions chain and draw first, as ArviZ expects them.
 #include <gmock/gmock.h>
 
-
 #include "base/json.hpp"
 #include "base/provenance.hpp"
 #include "tests/command_output.hpp"

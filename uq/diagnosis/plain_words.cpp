@@ -287,10 +287,12 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
       told = unknown_summary(d, groups, m, gates);
       break;
   }
-  std::vector<std::string> fits;
-  for (const auto& name : d.unsettled()) fits.push_back(name == "base" ? "the base model" : with_key(*alternative(d, name), groups));
-  if (!fits.empty()) told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits, "and"),
-                                                  fits[0] == "the base model" ? "rounds (emulator.rounds)" : "runs (diagnosis.max_runs)");
+  if (const auto unsettled = d.unsettled(); !unsettled.empty()) {
+    std::vector<std::string> fits;
+    for (const auto& name : unsettled) fits.push_back(names.empty() ? "the base model" : with_key(*alternative(d, name), groups));
+    told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
+                                 names.empty() ? "rounds (emulator.rounds)" : "runs (diagnosis.max_runs)");
+  }
   return told;
 }
 
