@@ -335,6 +335,20 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   return out;
 }
 
+std::vector<BuiltInModel::RunTotals> BuiltInModel::totals(std::span<const double> theta) const {
+  const auto place = this->at(theta);
+  std::vector<RunTotals> out;
+  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
+    const RunSetup s = setup(place->at, *place->mesh, condition, {1.0});
+    SolveOptions options = solve_options(place->at.solver);
+    options.energy_balance = true;
+    options.threads = place->solver->useful_threads(s, options, threads_).threads;
+    const SolveSummary summary = place->solver->solve(s, place->rows, options);
+    out.push_back({summary.dissipated, summary.time_at_cutoff});
+  }
+  return out;
+}
+
 std::vector<std::filesystem::path> BuiltInModel::checkpoints(const std::filesystem::path& checkpoint) const {
   const std::size_t count = shape_.conditions.size();
   if (count == 1) return {checkpoint};

@@ -67,6 +67,14 @@ class BuiltInModel : public ForwardModel {
   /// The files that simulate makes of `checkpoint`: itself, or with several conditions "checkpoint.0", ... in their order.
   [[nodiscard]] std::vector<std::filesystem::path> checkpoints(const std::filesystem::path& checkpoint) const;
 
+  /// What a run tells of itself, beside the histories of its gauges; of the part that is modelled, as the energy balance is.
+  struct RunTotals {
+    double dissipated = 0;      ///< by viscosity to the end of the run, SolveSummary::dissipated [J]
+    double time_at_cutoff = 0;  ///< of the mercury, the mean over its volume, SolveSummary::time_at_cutoff [s]
+  };
+  /// Of one run at energy 1 with an energy balance at `theta` for each condition, (condition). Errors: NumericsError and InputError of a run that fails.
+  [[nodiscard]] std::vector<RunTotals> totals(std::span<const double> theta) const;
+
   [[nodiscard]] ModelDescription describe() const;
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
   [[nodiscard]] const std::vector<LocatedGauge>& gauges() const { return gauges_; }

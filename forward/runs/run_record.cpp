@@ -68,6 +68,7 @@ std::string bytes_of(const RunRecord& r) {
   out.text(r.message);
   for (const auto* values : {&r.mean, &r.energy_slope, &r.scatter, &r.pulses}) out.values(std::span<const float>(*values));
   out.values(r.energies);
+  if (!r.totals.empty()) out.values(r.totals);  // last and only where there are any: records without are what they were before there were any
   return std::move(out.bytes);
 }
 
@@ -78,6 +79,7 @@ RunRecord record_of(std::string_view bytes) {
   r.message = in.text();
   for (auto* values : {&r.mean, &r.energy_slope, &r.scatter, &r.pulses}) *values = in.values<float>();
   r.energies = in.values<double>();
+  if (!in.at_end()) r.totals = in.values<double>();
   return r;
 }
 

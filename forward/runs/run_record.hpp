@@ -18,6 +18,7 @@ struct RunRecord {
   std::vector<float> scatter;       ///< the same shape, or empty
   std::vector<float> pulses;        ///< (pulse, condition, sensor, time), or empty
   std::vector<double> energies;     ///< (pulse)
+  std::vector<double> totals;       ///< (condition, total) of a run that is asked for these alone (see total_runs.hpp), else empty
   bool operator==(const RunRecord&) const = default;
 
   /// mean in double precision, (condition, sensor, time) [-].

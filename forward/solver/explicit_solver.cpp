@@ -223,6 +223,7 @@ SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const Observ
     SolveSummary out = run_to_end(run, setup, packed.layout, rows, options, stepping.per_output);
     const auto [stress, element] = run.greatest_stress();
     out.greatest_stress = stress;
+    out.time_at_cutoff = run.time_at_cutoff();
     if (element >= 0)
       for (const NodeId n : parts_->mesh->elements[std::size_t(element)])
         for (std::size_t c = 0; c < 3; ++c) out.greatest_stress_at[c] += parts_->mesh->nodes[std::size_t(n)][c] / 8;

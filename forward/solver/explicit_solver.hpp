@@ -175,6 +175,9 @@ struct SolveSummary {
   double dissipated = 0, radiated = 0;     ///< by viscosity; through the rear face [J]
   double greatest_stress = 0;              ///< highest effective stress of any steel element's centre; runs with an energy balance only, else 0 [Pa]
   Vec3 greatest_stress_at{};               ///< centre of that element [m]
+  /// How long the mercury has been at its cutoff, the mean over its volume: sum_e V_e t_e / sum_e V_e with the time t_e of FieldSnapshot::time_at_cutoff at the end; runs with an
+  /// energy balance only, else 0 [s]
+  double time_at_cutoff = 0;
   std::int64_t resumed_from = 0;           ///< step of the checkpoint that the run went on from; 0: from the start
   std::string kernel;                      ///< instruction set
 };

@@ -63,6 +63,8 @@ class Run {
   void check_finite(std::int64_t n) const;
   /// Greatest effective stress [Pa] that any steel element has seen, and that mesh element; runs with an energy balance only.
   [[nodiscard]] std::pair<double, std::int32_t> greatest_stress() const;
+  /// Time that the liquid has been at its cutoff, the mean over its volume [s]; runs with an energy balance only, else 0.
+  [[nodiscard]] double time_at_cutoff() const;
 
   /// Everything that a step changes, as bytes.
   void save(std::ostream& out) const;
@@ -101,6 +103,8 @@ class Run {
   void start_from(const std::vector<Vec3>& field, AlignedArray<R>& to);
   [[nodiscard]] double ramp(double time) const;
   void fill_elements(FieldSnapshot& fields, double share) const;
+  /// The same of the liquid element at a place of a block.
+  [[nodiscard]] double time_at_cutoff(std::size_t block, std::size_t slot) const;
 
   /// A block's law, as the kernel's hook finds it.
   struct LawOfBlock {

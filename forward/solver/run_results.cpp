@@ -53,7 +53,7 @@ FieldSnapshot Run<R>::snapshot(std::int64_t n) const {
 template <class R>
 void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
   const bool finite = std::find(packed_.form.begin(), packed_.form.end(), Form::finite) != packed_.form.end();
-  const std::size_t count = mesh_.elements.size(), lanes = packed_.lanes(), copies = packed_.runs ? run_lanes : 1;
+  const std::size_t count = mesh_.elements.size(), copies = packed_.runs ? run_lanes : 1;
   f.pressure.resize(count), f.effective_stress.resize(count), f.time_at_cutoff.assign(count, 0);
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
@@ -71,8 +71,7 @@ void Run<R>::fill_elements(FieldSnapshot& f, double share) const {
         const double strain = finite ? (grad + Eigen::Matrix3d::Identity()).determinant() - 1 : grad.trace();
         f.pressure[e] = blocks_[b].law.advance ? memory_[b][blocks_[b].law.points + slot * copies]
                                                : setup_.liquid.pressure((setup_.p0.empty() ? 0 : setup_.p0[e] * share) + initial_pressure(e), strain, rate);
-        if (keep_ == Keep::energies)
-          f.time_at_cutoff[e] = double(state_[b][(slot / lanes * energy_state + state_time_at_cutoff) * lanes + slot % lanes]);
+        if (keep_ == Keep::energies) f.time_at_cutoff[e] = time_at_cutoff(b, slot);
       } else {
         Eigen::Matrix3d strain = 0.5 * (grad + grad.transpose());
         if (finite) strain += 0.5 * grad.transpose() * grad;
@@ -133,6 +132,27 @@ std::pair<double, std::int32_t> Run<R>::greatest_stress() const {
 }
 
 template <class R>
+double Run<R>::time_at_cutoff(std::size_t block, std::size_t slot) const {
+  const std::size_t lanes = packed_.lanes();
+  return double(state_[block][(slot / lanes * energy_state + state_time_at_cutoff) * lanes + slot % lanes]);
+}
+
+template <class R>
+double Run<R>::time_at_cutoff() const {
+  if (keep_ != Keep::energies) return 0;
+  double volume = 0, sum = 0;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    if (!blocks_[b].liquid) continue;
+    for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
+      if (packed_.elements[b][slot] < 0) continue;
+      const double own = hex_geometry(corners_of(mesh_, std::size_t(packed_.elements[b][slot]))).volume;
+      volume += own, sum += own * time_at_cutoff(b, slot);
+    }
+  }
+  return volume > 0 ? sum / volume : 0;
+}
+
+template <class R>
 void Run<R>::save(std::ostream& out) const {
   put(out, u_.data(), u_.size()), put(out, v_.data(), v_.size());
   for (const auto& s : state_) put(out, s.data(), s.size());
@@ -159,6 +179,8 @@ template FieldSnapshot Run<float>::snapshot(std::int64_t) const;
 template Eigen::Matrix3d Run<float>::steel_strain(std::size_t) const;
 template void Run<float>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<float>::greatest_stress() const;
+template double Run<float>::time_at_cutoff(std::size_t, std::size_t) const;
+template double Run<float>::time_at_cutoff() const;
 template void Run<float>::save(std::ostream&) const;
 template void Run<float>::restore(std::istream&);
 template double Run<double>::observe(const ObservationRow&, std::size_t) const;
@@ -167,6 +189,8 @@ template FieldSnapshot Run<double>::snapshot(std::int64_t) const;
 template Eigen::Matrix3d Run<double>::steel_strain(std::size_t) const;
 template void Run<double>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<double>::greatest_stress() const;
+template double Run<double>::time_at_cutoff(std::size_t, std::size_t) const;
+template double Run<double>::time_at_cutoff() const;
 template void Run<double>::save(std::ostream&) const;
 template void Run<double>::restore(std::istream&);
 

@@ -73,6 +73,14 @@ TEST(RunRecord, ComesBackFromItsBytes) {
   r = {.message = "step 3, element 7"};
   EXPECT_EQ(record_of(bytes_of(r)), r);
   EXPECT_THROW((void)record_of(bytes_of(r).substr(0, 12)), ContractFailure);
+  // A record without totals has the bytes that it had before there were any: nothing behind the energies' count and values.
+  const RunRecord plain{.done = true, .message = "", .mean = {1, 2, 3}, .energies = {0.99}};
+  RunRecord totalled = plain;
+  totalled.totals = {0.25, 1e-5};
+  EXPECT_EQ(bytes_of(plain).size(), 1 + 6 * sizeof(std::uint64_t) + 3 * sizeof(float) + sizeof(double));
+  EXPECT_EQ(bytes_of(totalled).substr(0, bytes_of(plain).size()), bytes_of(plain));
+  EXPECT_EQ(record_of(bytes_of(totalled)), totalled);
+  EXPECT_TRUE(record_of(bytes_of(plain)).totals.empty());
   r.mean = {0.1f, 1e30f};
   EXPECT_EQ(r.history(), Eigen::Vector2d(double(0.1f), double(1e30f)));
 }
