@@ -100,7 +100,7 @@ Provenance posterior_provenance(const StudyInputs& inputs) {
 
 Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) {
   const auto& study = inputs.study();
-  Provenance p{.stage = "sensitivity", .options = {{"sensitivity", echo(study.sensitivity)}}, .seed = inputs.command().seed, .inputs = {}};
+  Provenance p{.stage = "sensitivity", .options = {{"sensitivity", identity_options(study.sensitivity)}}, .seed = inputs.command().seed, .inputs = {}};
   for (const auto& q : study.parameters()) p.options["parameter"][q.name] = echo(q);
   if (by_surrogate)
     p.inputs["surrogate.nc"] = hash_file(inputs.artefact("surrogate.nc")), p.inputs["campaign.nc"] = hash_file(inputs.artefact("campaign.nc"));

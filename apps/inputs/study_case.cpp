@@ -62,6 +62,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);
   study.file.read("sensitivity", study.sensitivity);
+  if (study.sensitivity.run_totals && !study.on_mesh())
+    throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, the model is another", .key = "sensitivity.run_totals", .value = "true", .suggestion = "leave it out"}));
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "apps/inputs/provenances.hpp"
@@ -13,6 +14,7 @@
 #include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/surrogate/surrogate.hpp"
+#include "forward/total_runs.hpp"
 #include "inverse/posterior/prior.hpp"
 
 namespace calomel {
@@ -49,6 +51,29 @@ std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::
   };
 }
 
+/// Dissipated energy and time at cutoff at the campaign's points.
+TotalsOfRuns totals_of(StudyInputs& inputs, const Eigen::MatrixXd& thetas) {
+  const auto& command = inputs.command();
+  const BuiltInModel& model = inputs.model();
+  const auto progress = stage_progress("runs with an energy balance", command.quiet);
+  TotalsOfRuns out{.which = {}, .thetas = thetas, .values = {}};
+  for (const auto& c : model.shape().conditions)
+    for (const auto& t : run_totals) out.which.push_back({t.name, model.shape().conditions.size() > 1 ? c : "", t.unit});
+  out.values = totals_at(model, thetas, inputs.runs(), command.threads, [&](std::size_t done, std::size_t all) { progress("runs", done, all); }, &stop_requested());
+  return out;
+}
+
+/// What the shares of a total are and how far to believe them.
+std::string total_line(const QuantitySensitivity& q, const std::vector<Parameter>& parameters) {
+  std::string line = fmt::format("sensitivity: {}{}:", q.name, q.condition.empty() ? "" : " of " + q.condition);
+  if (!q.source.empty()) {
+    line += fmt::format(" {:.3g} {} with sd {:.2g};", q.mean, q.unit, q.sd);
+    for (std::size_t k = 0; k < parameters.size(); ++k) line += fmt::format("{} {} {:.3g} alone, {:.3g} with the others", k ? "," : "", parameters[k].name, q.sobol.first_order[k].value, q.sobol.total_order[k].value);
+    line += fmt::format("; by {}, left-out R2 {:.3f}", q.source, q.left_out_r2);
+  }
+  return line + (q.note.empty() ? "" : (q.source.empty() ? " " : "; ") + q.note);
+}
+
 std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parameter>& parameters) {
   const auto& whole = s.quantities.back();
   std::vector<std::string> lines;
@@ -56,6 +81,8 @@ std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parame
     const auto &f = whole.sobol.first_order[k], &t = whole.sobol.total_order[k];
     lines.push_back(fmt::format("sensitivity: {}: {:.3g} of the variance of all records alone ({:.3g} to {:.3g}), {:.3g} with the others ({:.3g} to {:.3g})", parameters[k].name, f.value, f.low, f.high, t.value, t.low, t.high));
   }
+  for (const auto& q : s.quantities)
+    if (std::any_of(std::begin(run_totals), std::end(run_totals), [&](const auto& t) { return q.name == t.name; })) lines.push_back(total_line(q, parameters));
   lines.push_back(fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
   return lines;
 }
@@ -75,10 +102,12 @@ ExitStatus sensitivity_stage(StageCall& call) {
   }
   std::unique_ptr<Surrogate> surrogate;
   std::optional<KnownRuns> runs;
+  std::optional<TotalsOfRuns> totals;
   if (by_surrogate) {
     surrogate = load_surrogate(inputs.artefact("surrogate.nc"));
     const Archive archive = read_archive(inputs.artefact("campaign.nc"));
     runs = KnownRuns{.thetas = archive.theta, .means = archive.mean.cast<double>()};
+    if (study.sensitivity.run_totals) totals = totals_of(inputs, archive.theta);
   }
   const ForwardModel& model = surrogate ? static_cast<const ForwardModel&>(*surrogate) : inputs.any_model();
   const auto& parameters = study.parameters();
@@ -89,11 +118,12 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .threads = command.threads,
                              .theta = parameters_at(parameters, study.sensitivity.measure == "prior"),
                              .runs = std::move(runs),
+                             .totals = std::move(totals),
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
   const Sensitivity s = analyse_sensitivity(in);
   const std::string source = by_surrogate ? "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model" : "all by the model itself";
-  write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), provenance);
+  write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);
   std::ofstream(inputs.artefact("sensitivity.csv")) << sensitivity_csv(s, parameters);
   write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, source, provenance));
   inputs.notes().say(lines_of(s, parameters));

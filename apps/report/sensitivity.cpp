@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/sensitivity_totals.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
 
@@ -25,12 +26,20 @@ const Json& summary_of(const Study& study) {
 
 std::string record_label(const Json& quantity) {
   const std::string sensor = text_at(quantity, "sensor"), condition = text_at(quantity, "condition");
+  if (sensor.empty() && is_run_total(text_at(quantity, "name"))) return condition.empty() ? "the run" : condition;
   if (sensor.empty()) return "all records";
   return condition.empty() ? sensor : sensor + ", " + condition;
 }
 
 std::string plain_quantity(const std::string& name) {
+  if (is_run_total(name)) return plain_run_total(name);
   return name == "peak" ? "greatest absolute value" : name == "time_of_peak" ? "time of the greatest value" : name == "rms" ? "root mean square" : name;
+}
+
+/// The unit in which effects on a quantity are shown, and what a number of its own unit is multiplied by.
+DisplayUnit shown_in(const Json& quantity, const DisplayUnit& of_records) {
+  const std::string unit = text_at(quantity, "unit");
+  return unit == "s" ? DisplayUnit{"\u00b5s", 1e6} : is_run_total(text_at(quantity, "name")) ? DisplayUnit{unit, 1} : of_records;
 }
 
 std::vector<std::string> names_of(const Json& indices) {
@@ -132,7 +141,7 @@ std::string trust_paragraph(const Study& study) {
   double farthest = 0;
   for (const auto& q : list_at(s, "quantities")) {
     const Json& p = part_at(q, "polynomial");
-    if (!p.is_object()) continue;
+    if (!p.is_object() || is_run_total(text_at(q, "name"))) continue;  // of a total it is what the indices are of, and no check
     ++numbers;
     if (number_at(p, "left_out_r2").value_or(0) < believable) continue;
     ++checked;
@@ -270,13 +279,12 @@ Table morris_table(const Study& study, const ReportInput& input) {
                {"sigma", "Standard deviation", 3}};
   const auto unit = display_unit(input);
   for (const auto& q : list_at(summary_of(study), "quantities")) {
-    const bool time = text_at(q, "unit") == "s";
-    const double factor = time ? 1e6 : unit.factor;
+    const auto shown = shown_in(q, unit);
     for (const auto& e : list_at(q, "morris")) {
-      std::vector<Cell> row{plain_quantity(text_at(q, "name")), record_label(q), time ? "\u00b5s" : unit.name, text_at(e, "parameter")};
+      std::vector<Cell> row{plain_quantity(text_at(q, "name")), record_label(q), shown.name, text_at(e, "parameter")};
       for (const char* key : {"mu", "mu_star", "mu_star_se", "sigma"}) {
         const auto x = number_at(e, key);
-        row.emplace_back(x ? std::optional(factor * *x) : std::nullopt);
+        row.emplace_back(x ? std::optional(shown.factor * *x) : std::nullopt);
       }
       t.rows.push_back(std::move(row));
     }
@@ -307,6 +315,7 @@ std::string sensitivity_section(const Study& study, const ReportInput& input) {
     const Table t = total_order_table(study, name);
     s += folded("The same for the " + plain_quantity(name), t);
   }
+  s += run_totals_part(study);
   if (const Table t = morris_table(study, input); !t.empty()) {
     s += "<h3>Elementary effects</h3>\n";
     s += plot("sensitivity-morris",
@@ -347,19 +356,19 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
     out["map"] = {{"begin", begin}, {"end", end}, {"total", by_parameter(map, &Windowed::total, d)}};
     out["curves"] = {{"time", time}, {"first", by_parameter(curves, &Windowed::first, d)}, {"total", by_parameter(curves, &Windowed::total, d)}, {"sd", sd}};
   }
-  for (const char* name : {"peak", "time_of_peak", "rms", "value"}) {
+  for (const char* name : {"peak", "time_of_peak", "rms", "value", "dissipated_energy", "time_at_cutoff"}) {
     Json points = Json::array();
-    const bool time = std::string(name) == "time_of_peak";
+    auto shown = unit;
     for (const auto& q : list_at(s.summary, "quantities")) {
-      if (text_at(q, "name") != name) continue;
+      if (text_at(q, "name") != name || (is_run_total(name) && text_at(q, "source").empty())) continue;  // a total without shares has no effects to look at
+      shown = shown_in(q, unit);
       for (const auto& e : list_at(q, "morris"))
         if (const auto mu = number_at(e, "mu_star"), sigma = number_at(e, "sigma"); mu && sigma) {
-          const double factor = time ? 1e6 : unit.factor;
           const auto k = std::size_t(std::find(names.begin(), names.end(), text_at(e, "parameter")) - names.begin());
-          points.push_back({{"record", record_label(q)}, {"parameter", k}, {"mu_star", rounded(factor * *mu, 4)}, {"sigma", rounded(factor * *sigma, 4)}});
+          points.push_back({{"record", record_label(q)}, {"parameter", k}, {"mu_star", rounded(shown.factor * *mu, 4)}, {"sigma", rounded(shown.factor * *sigma, 4)}});
         }
     }
-    if (!points.empty()) out["morris"].push_back({{"title", plain_quantity(name)}, {"unit", time ? "\u00b5s" : unit.name}, {"points", std::move(points)}});
+    if (!points.empty()) out["morris"].push_back({{"title", plain_quantity(name)}, {"unit", shown.name}, {"points", std::move(points)}});
   }
   return out;
 }

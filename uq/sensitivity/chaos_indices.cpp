@@ -77,6 +77,8 @@ ChaosIndices indices_of(const LegendreChaos& chaos) {
   return out;
 }
 
+Eigen::VectorXd values_of(const LegendreChaos& chaos, const Eigen::MatrixXd& x) { return basis_at(x, chaos.degrees) * chaos.coefficients; }
+
 LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values) {
   const Eigen::Index n = values.size(), d = x.rows();
   expect(x.cols() == n, "one value at each point");

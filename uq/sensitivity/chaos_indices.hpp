@@ -24,4 +24,7 @@ struct ChaosIndices {
 /// error. Errors: NumericsError for fewer values than three times the terms of a straight line.
 [[nodiscard]] LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values);
 
+/// The polynomial at points x (d, n) in [-1, 1], (n).
+[[nodiscard]] Eigen::VectorXd values_of(const LegendreChaos& chaos, const Eigen::MatrixXd& x);
+
 }  // namespace calomel

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "base/errors.hpp"
+#include "base/json.hpp"
+#include "uq/sensitivity/totals.hpp"
 
 namespace calomel {
 
@@ -99,16 +101,13 @@ class Rows {
   Eigen::Index n = 0;            ///< rows that are whole
 };
 
-Eigen::MatrixXd unit_of(const Eigen::MatrixXd& thetas, const std::vector<Parameter>& parameters) {
-  Eigen::MatrixXd out = thetas;
-  for (Eigen::Index k = 0; k < out.rows(); ++k) {
-    const auto& p = parameters[std::size_t(k)];
-    out.row(k) = (out.row(k).array() - p.min) / (p.max - p.min);
-  }
-  return out;
-}
-
 }  // namespace
+
+Json identity_options(const SensitivityOptions& options) {
+  Json json = echo(options);
+  if (!options.run_totals) json.erase("run_totals");
+  return json;
+}
 
 Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   const ModelShape& shape = in.model.shape();
@@ -163,6 +162,8 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
     if (polynomial) one.chaos = fit_chaos(2 * x.array() - 1, numbers.row(Eigen::Index(q)).transpose());
   }
   std::size_t q = out.quantities.size();
+  if (in.totals)
+    for (auto& one : analyse_totals(in, design, steps)) out.quantities.push_back(std::move(one));
   const auto record = [&](const std::string& condition, const std::string& sensor) {
     QuantitySensitivity one;
     one.name = "record", one.sensor = sensor, one.condition = condition, one.unit = shape.unit;
@@ -175,6 +176,8 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
     for (const auto& c : shape.conditions)
       for (const auto& s : shape.sensors) record(shape.conditions.size() > 1 ? c : "", s);
   record("", "");
+  for (auto& one : out.quantities)
+    if (one.note.empty() && !(one.sobol.variance > 0)) one.note = "it does not vary within these bounds, so that no parameter has a share";
   out.first_order = rows.curves.first_order(), out.total_order = rows.curves.total_order();
   out.sd = (rows.curves.variance() / std::max<double>(1, double(rows.n))).cwiseSqrt();
   return out;

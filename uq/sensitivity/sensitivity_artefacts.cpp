@@ -41,6 +41,23 @@ std::string field(const std::string& name) {
   return quoted + '"';
 }
 
+/// Those of one name have the conditions one after another, in the shape's order.
+void write_totals(NetcdfWriter& file, const TotalsOfRuns& totals, const ModelShape& shape) {
+  const auto runs = std::size_t(totals.thetas.cols());
+  file.dimension("run", runs);
+  file.variable("run_theta", {"run", "parameter"}, std::span<const double>(totals.thetas.data(), std::size_t(totals.thetas.size())), {{"long_name", "parameters of each run, in natural units"}});
+  const bool many = shape.conditions.size() > 1;
+  for (std::size_t q = 0; q < totals.which.size(); ++q) {
+    const auto& which = totals.which[q];
+    if (std::any_of(totals.which.begin(), totals.which.begin() + std::ptrdiff_t(q), [&](const auto& w) { return w.name == which.name; })) continue;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < runs; ++i)
+      for (std::size_t r = q; r < totals.which.size(); ++r)
+        if (totals.which[r].name == which.name) values.push_back(totals.values(Eigen::Index(r), Eigen::Index(i)));
+    file.variable("run_" + which.name, many ? std::vector<std::string>{"run", "condition"} : std::vector<std::string>{"run"}, values, {{"units", which.unit}});
+  }
+}
+
 }  // namespace
 
 Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance) {
@@ -51,6 +68,8 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
              {"first_order", indices_json(q.sobol.first_order, parameters)}, {"total_order", indices_json(q.sobol.total_order, parameters)}};
     one["morris"] = morris_json(q.morris, parameters);
     if (q.chaos) one["polynomial"] = chaos_json(*q.chaos, parameters);
+    if (!q.source.empty()) one["source"] = q.source, one["left_out_r2"] = number(q.left_out_r2);
+    if (!q.note.empty()) one["note"] = q.note;
     quantities.push_back(std::move(one));
   }
   const auto& whole = s.quantities.back();
@@ -83,13 +102,13 @@ std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& 
         const auto indices = indices_of(*q.chaos);
         out += fmt::format(",{},{},{}\n", text(indices.first_order[Eigen::Index(k)]), text(indices.total_order[Eigen::Index(k)]), text(q.chaos->left_out_r2));
       } else {
-        out += ",,,\n";
+        out += fmt::format(",,,{}\n", text(q.left_out_r2));
       }
     }
   return out;
 }
 
-void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const Provenance& provenance) {
+void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals, const Provenance& provenance) {
   NetcdfWriter file(path);
   file.attribute("title", "calomel sensitivity");
   file.attribute("provenance", provenance.json().dump());
@@ -115,6 +134,7 @@ void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, 
   };
   file.variable("first_order", dims, rows(s.first_order), {{"units", "1"}});
   file.variable("total_order", dims, rows(s.total_order), {{"units", "1"}});
+  if (totals) write_totals(file, *totals, shape);
   file.commit();
 }
 
