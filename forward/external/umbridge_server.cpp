@@ -4,6 +4,7 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <thread>
@@ -122,6 +123,30 @@ Refuse invalid() {
 
 }  // namespace
 
+namespace {
+
+/// A request's whole body, decompressed. The library bounds a body that tells its length, and each wait for a piece; this bounds the sum, whether pieces come without one or
+/// compressed, and the time. What is beyond the bounds is refused, with what is wrong and the status.
+template <class Refusal>
+std::string read_body(const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest, double seconds) {
+  std::string body;
+  bool late = false, large = false;
+  const auto began = std::chrono::steady_clock::now();
+  const bool whole = read([&](const char* piece, std::size_t size) {
+    late = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() > seconds;
+    large = size > largest - body.size();
+    if (late || large) return false;
+    body.append(piece, size);
+    return true;
+  });
+  if (large || (!whole && response.status == 413)) throw Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest)};
+  if (late) throw Refusal{408, "InvalidInput", fmt::format("the body did not arrive within {} s", number_text(seconds))};
+  if (!whole) throw Refusal{400, "InvalidInput", "the body breaks off"};
+  return body;
+}
+
+}  // namespace
+
 Json UmbridgeServer::evaluate(const Json& body) {
   const auto& m = model_of(body);
   const auto refuse = invalid<Refusal>();
@@ -159,12 +184,19 @@ void UmbridgeServer::route() {
     response.status = status;
     response.set_content(body.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
   };
+  const auto unknown_path = [](const httplib::Request& request) { return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))}; };
   const auto refuse = [send](httplib::Response& response, const Refusal& r) { send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}}); };
-  // The body is JSON whatever its Content-Type says; what is no JSON, NaN and Infinity included, is refused.
+  // The body is JSON whatever its Content-Type says, so the library is not to read it as a form, of which it bears 8 KB, nor as parts of one.
+  // It hands out its own request, which is not const where it was made.
+  server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
+    const_cast<httplib::Request&>(request).headers.erase("Content-Type");
+    return httplib::Server::HandlerResponse::Unhandled;
+  });
+  // What is no JSON, NaN and Infinity included, is refused.
   const auto answer = [this, send, refuse](const std::string& path, bool heavy, std::function<Json(const Json&)> make) {
-    http_->server.Post(path, [this, send, refuse, heavy, make](const httplib::Request& request, httplib::Response& response) {
+    http_->server.Post(path, [this, send, refuse, heavy, make](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& read) {
       try {
-        const Json body = Json::parse(request.body, nullptr, false);
+        const Json body = Json::parse(read_body<Refusal>(read, response, options_.largest_body, options_.timeout), nullptr, false);
         if (!body.is_object()) throw Refusal{400, "InvalidInput", "the body is not a JSON object"};
         if (!heavy) return send(response, 200, make(body));
         if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already"};
@@ -197,11 +229,19 @@ void UmbridgeServer::route() {
     (void)model_of(body);
     throw Refusal{400, "UnsupportedFeature", "no model of this server has a Hessian"};
   });
-  server.set_error_handler([refuse](const httplib::Request& request, httplib::Response& response) {
+  // Anything else is read too, so that the next request of the connection is found behind it.
+  const auto unknown = [this, refuse, unknown_path](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
+    try {
+      (void)read_body<Refusal>(read, response, options_.largest_body, options_.timeout);
+      refuse(response, unknown_path(request));
+    } catch (const Refusal& r) {
+      refuse(response, r);
+    }
+  };
+  server.Post(".*", unknown).Put(".*", unknown).Patch(".*", unknown).Delete(".*", unknown);
+  server.set_error_handler([refuse, unknown_path](const httplib::Request& request, httplib::Response& response) {
     if (!response.body.empty()) return;  // already said
-    const int status = response.status;
-    refuse(response, {status, status == 404 ? "NotFound" : status == 413 ? "InvalidInput" : "InvalidRequest",
-                      status == 404 ? fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100)) : status == 413 ? "the body is too large" : "the request cannot be read"});
+    refuse(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
   });
 }
 

@@ -1,5 +1,11 @@
 /// Every trap of the protocol, by raw HTTP.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
 
 #include "base/json.hpp"
 #include "forward/external/umbridge_server.hpp"
@@ -17,6 +23,43 @@ Answer post(const Served& served, const std::string& path, const std::string& bo
   httplib::Client client("127.0.0.1", served.port());
   const auto r = client.Post(path, body, type);
   return r ? Answer{r->status, Json::parse(r->body, nullptr, false)} : Answer{};
+}
+
+/// A connection of bytes to a port of this machine.
+class Connection {
+ public:
+  Connection(const char* address, int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET, to.sin_port = htons(std::uint16_t(port));
+    inet_pton(AF_INET, address, &to.sin_addr);
+    open_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+  }
+  ~Connection() { ::close(socket_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  [[nodiscard]] bool open() const { return open_; }
+  /// False where the other end has closed.
+  bool send(std::string_view bytes) const { return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == ssize_t(bytes.size()); }
+  /// Bytes that come within `seconds`, to the end of the first piece; nothing: none came, or the other end has closed.
+  [[nodiscard]] std::string read(double seconds) const {
+    pollfd waiting{socket_, POLLIN, 0};
+    char buffer[4096];
+    if (::poll(&waiting, 1, int(1000 * seconds)) <= 0) return "";
+    const auto n = ::recv(socket_, buffer, sizeof buffer, 0);
+    return n > 0 ? std::string(buffer, std::size_t(n)) : "";
+  }
+
+ private:
+  int socket_;
+  bool open_ = false;
+};
+
+/// Blocks of two and one number in, of one and three out. Its gradient and the action of its Jacobian divide by the last number.
+ServedModel blocks() {
+  ServedModel m{.name = "blocks", .input_sizes = {2, 1}, .output_sizes = {1, 3}, .evaluate = [](const Blocks& x, const Json&) { return Blocks{{x[0][0]}, {x[0][1], x[1][0], 7}}; }, .gradient = {}, .apply_jacobian = {}};
+  m.gradient = [](const Blocks& x, std::size_t, std::size_t in, const std::vector<double>& w, const Json&) { return in == 0 ? std::vector<double>{w[0], w[0]} : std::vector<double>{w[0] / x[1][0]}; };
+  m.apply_jacobian = [](const Blocks& x, std::size_t out, std::size_t, const std::vector<double>& v, const Json&) { return out == 0 ? std::vector<double>{v[0] / x[1][0]} : std::vector<double>{v[0], v[0], v[0]}; };
+  return m;
 }
 
 void expect_refused(const Served& served, const std::string& path, const std::string& body, int status, const std::string& type) {
@@ -42,7 +85,8 @@ TEST_F(UmbridgeServerTest, InfoAndSizesHaveNoOtherKeys) {
   EXPECT_EQ(info["models"], (Json{"line", "plain"}));
   EXPECT_EQ(post(served, "/InputSizes", R"({"name": "plain"})").body, (Json{{"inputSizes", {1, 1}}}));
   EXPECT_EQ(post(served, "/OutputSizes", R"({"name": "line", "config": {}})").body, (Json{{"outputSizes", {4}}}));
-  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "plain"})").body["support"], (Json{{"Evaluate", true}, {"Gradient", false}, {"ApplyJacobian", false}, {"ApplyHessian", false}}));
+  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "plain"})").body, (Json{{"support", {{"Evaluate", true}, {"Gradient", false}, {"ApplyJacobian", false}, {"ApplyHessian", false}}}}));
+  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "line"})").body, (Json{{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}}));
 }
 
 TEST_F(UmbridgeServerTest, EvaluateAnswersWhateverTheContentType) {
@@ -60,6 +104,8 @@ TEST_F(UmbridgeServerTest, TheModelIsLookedForBeforeTheFeatureAndTheFeatureBefor
   expect_refused(served, "/Evaluate", R"({"name": "zzz", "input": 5})", 400, "ModelNotFound");
   expect_refused(served, "/Gradient", R"({"name": "zzz"})", 400, "ModelNotFound");
   expect_refused(served, "/Gradient", R"({"name": "plain", "input": 5})", 400, "UnsupportedFeature");
+  expect_refused(served, "/ApplyJacobian", R"({"name": "zzz", "input": 5})", 400, "ModelNotFound");
+  expect_refused(served, "/ApplyJacobian", R"({"name": "plain", "input": 5})", 400, "UnsupportedFeature");
   expect_refused(served, "/ApplyHessian", R"({"name": "line", "input": 5})", 400, "UnsupportedFeature");
   expect_refused(served, "/ApplyHessian", R"({"name": "zzz"})", 400, "ModelNotFound");
 }
@@ -71,8 +117,13 @@ TEST_F(UmbridgeServerTest, WrongInputsAreRefused) {
                            R"({"input": [[1, 2]]})", R"({"name": 7, "input": [[1, 2]]})", R"({"name": "line", "input": [[1, 2]], "config": 3})", R"({"name": "line", "input": [[-200, 2]]})"})
     expect_refused(served, "/Evaluate", body, 400, "InvalidInput");
   for (const char* body : {R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "sens": [1, 2, 3, 4]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": -1, "sens": [1, 2, 3, 4]})",
-                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0})"})
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0})",
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, null]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, NaN]})",
+                           R"({"name": "line", "input": [[0, NaN]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, 4]})"})
     expect_refused(served, "/Gradient", body, 400, "InvalidInput");
+  for (const char* body : {R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, Infinity]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 1e999]})",
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 2, 3, 4]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "vec": [1, 2]})"})
+    expect_refused(served, "/ApplyJacobian", body, 400, "InvalidInput");
 }
 
 TEST_F(UmbridgeServerTest, WhatTheModelFailsAtIsItsOwn) {
@@ -84,6 +135,90 @@ TEST_F(UmbridgeServerTest, WhatTheModelFailsAtIsItsOwn) {
 TEST_F(UmbridgeServerTest, GreatBodiesAndUnknownPathsAreRefused) {
   EXPECT_EQ(post(served, "/Evaluate", std::string(10000, ' ')).status, 413);
   expect_refused(served, "/Nothing", "{}", 404, "NotFound");
+  httplib::Client client("127.0.0.1", served.port());
+  client.set_keep_alive(true);
+  for (int i = 0; i < 2; ++i) {  // on one connection: the body of what is unknown is not taken for the next request
+    EXPECT_EQ(client.Post("/Nothing", R"({"name": "line"})", "text/plain")->status, 404);
+    EXPECT_EQ(client.Put("/Evaluate", R"({"name": "line"})", "text/plain")->status, 404);
+    EXPECT_EQ(client.Get("/Evaluate")->status, 404);
+    EXPECT_EQ(client.Post("/OutputSizes", R"({"name": "line"})", "text/plain")->status, 200);
+  }
+}
+
+/// Of the block that is asked for, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
+TEST(UmbridgeServer, DerivativesHaveTheSizeOfTheirBlock) {
+  const Served served({blocks()});
+  EXPECT_EQ(post(served, "/Evaluate", R"({"name": "blocks", "input": [[1, 2], [3]]})").body, (Json{{"output", Json::array({Json::array({1.0}), Json::array({2.0, 3.0, 7.0})})}}));
+  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "sens": [5, 0, 0]})").body, (Json{{"output", Json::array({5.0, 5.0})}}));
+  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "sens": [5]})").body, (Json{{"output", Json::array({2.5})}}));
+  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "vec": [5]})").body, (Json{{"output", Json::array({2.5})}}));
+  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "vec": [5, 0]})").body, (Json{{"output", Json::array({5.0, 5.0, 5.0})}}));
+  expect_refused(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "sens": [5]})", 400, "InvalidInput");
+  expect_refused(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 1, "vec": [5, 0]})", 400, "InvalidInput");
+}
+
+TEST(UmbridgeServer, NoDerivativeIsSentThatIsNotFinite) {
+  const Served served({blocks()});
+  expect_refused(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [0]], "outWrt": 0, "inWrt": 1, "sens": [5]})", 500, "InvalidOutput");
+  expect_refused(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [0]], "outWrt": 0, "inWrt": 1, "vec": [5]})", 500, "InvalidOutput");
+}
+
+/// A form of a web page, as `curl -d` says of every body, may have 8 KB in the HTTP library: a body is JSON whatever it is called, and as long as it may be.
+TEST(UmbridgeServer, ALongBodyIsReadWhateverTheContentType) {
+  const Served served({straight_line()});
+  const std::string body = R"({"name": "line", "input": [[1, 0.1]])" + std::string(20000, ' ') + "}";
+  for (const char* type : {"application/json", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "multipart/form-data"}) EXPECT_EQ(post(served, "/Evaluate", body, type).status, 200) << type;
+  const Connection nameless("127.0.0.1", served.port());
+  nameless.send("POST /OutputSizes HTTP/1.1\r\nHost: a\r\nContent-Length: 16\r\n\r\n{\"name\": \"line\"}");
+  EXPECT_NE(nameless.read(5).find("200 OK"), std::string::npos) << "without any Content-Type";
+}
+
+/// However it comes: in pieces of which no sum is told, or compressed.
+TEST_F(UmbridgeServerTest, GreatBodiesAreRefusedHoweverTheyCome) {
+  const Connection pieces("127.0.0.1", served.port());
+  pieces.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n");
+  for (int i = 0; i < 10; ++i) pieces.send("400\r\n" + std::string(1024, ' ') + "\r\n");
+  pieces.send("0\r\n\r\n");
+  EXPECT_EQ(pieces.read(5).substr(0, 12), "HTTP/1.1 413");
+
+  httplib::Client client("127.0.0.1", served.port());
+  client.set_compress(true);
+  const auto answer = client.Post("/Evaluate", std::string(100000, ' '), "application/json");
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->status, 413);
+  const auto small = client.Post("/Evaluate", R"({"name": "line", "input": [[1, 0.1]]})" + std::string(2000, ' '), "application/json");
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->status, 200) << "compressed and small enough";
+  EXPECT_EQ(post(served, "/OutputSizes", R"({"name": "line"})").status, 200) << "and the server goes on";
+}
+
+/// A request that never ends is given up after its time, whether it stands still or drips, and others are answered meanwhile.
+TEST(UmbridgeServer, ARequestHasItsTimeToArrive) {
+  const Served served({straight_line()}, {.timeout = 1});
+  for (const bool drips : {false, true}) {
+    const Connection slow("127.0.0.1", served.port());
+    slow.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nContent-Length: 1000\r\n\r\n{");
+    EXPECT_EQ(post(served, "/OutputSizes", R"({"name": "line"})").status, 200) << "meanwhile";
+    const auto began = std::chrono::steady_clock::now();
+    const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+    std::string said;
+    while (said.empty() && seconds() < 8) {
+      if (drips) slow.send(" ");
+      said = slow.read(0.1);
+    }
+    EXPECT_EQ(said.substr(0, 10), "HTTP/1.1 4") << drips;
+    EXPECT_GT(seconds(), 0.7);
+    EXPECT_LT(seconds(), 4) << drips;
+  }
+}
+
+/// 127.0.0.2 is this machine too, but another address: a server that listens to all of them would answer there.
+TEST(UmbridgeServer, ListensAtItsHostAlone) {
+  const Served usual({straight_line()}), other({straight_line()}, {.host = "127.0.0.2"});
+  EXPECT_TRUE(Connection("127.0.0.1", usual.port()).open());
+  EXPECT_FALSE(Connection("127.0.0.2", usual.port()).open());
+  EXPECT_TRUE(Connection("127.0.0.2", other.port()).open());
+  EXPECT_FALSE(Connection("127.0.0.1", other.port()).open());
 }
 
 TEST(UmbridgeServer, RefusesWhatCannotWait) {
