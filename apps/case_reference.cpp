@@ -158,6 +158,7 @@ std::string case_reference() {
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
   s += table<MapOptions>("[map]", "map", "Maximum a posteriori, the mode of the posterior, see [theory/map.md](theory/map.md).");
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
+  s += table<PosteriorOptions>("[posterior]", "posterior", "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
   s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += table<DiagnosisOptions>("[diagnosis]", "diagnosis", "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
   s += table<SensitivityOptions>("[sensitivity]", "sensitivity", "Which parameters the records depend on, see [theory/sensitivity.md](theory/sensitivity.md).");

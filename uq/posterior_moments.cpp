@@ -14,12 +14,15 @@ SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode)
   return {.mean = posterior.q(mode.at.theta, mode.at.beyond), .covariance = by_u.asDiagonal() * mode.covariance * by_u.asDiagonal(), .points = {}};
 }
 
-Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
+SamplerResult short_chains(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
   const PosteriorDensity density(posterior);
   SamplerOptions options = default_sampler_options("dram");
   options.warmup = 1000, options.draws = 1500;  // some 800 independent draws
-  const SamplerResult result = run_sampler(density, start_at_mode(posterior, mode), options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
-  const auto summaries = assess(result.quantities).parameters;
+  return run_sampler(density, start_at_mode(posterior, mode), options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
+}
+
+Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
+  const auto summaries = assess(short_chains(posterior, mode, seed).quantities).parameters;
   const auto n = Eigen::Index(posterior.free().size());
   Moments m{Eigen::VectorXd(n), Eigen::VectorXd(n)};
   for (Eigen::Index i = 0; i < n; ++i) m.mean[i] = summaries[std::size_t(i)].mean, m.sd[i] = summaries[std::size_t(i)].sd;

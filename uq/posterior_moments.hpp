@@ -10,13 +10,16 @@ namespace calomel {
 /// At a mode, with Laplace's covariance carried to q: du/dq = (1 - u^2) / 2.
 [[nodiscard]] SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode);
 
+/// Four short chains of `dram` from the mode, some 800 independent draws: (chain, draw) in the density's coordinates and in natural units. One thread; the same seed gives the
+/// same draws. Errors: those of run_sampler.
+[[nodiscard]] SamplerResult short_chains(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed);
+
 /// Of the free parameters, in the order of LogPosterior::free(), natural units.
 struct Moments {
   Eigen::VectorXd mean, sd;
 };
 
-/// By four short chains of `dram`, so that the mean is known to some 4 % of a deviation: where a bound or the edge of the box cuts the posterior, its mode and Laplace's covariance tell neither. One thread; the same seed
-/// gives the same numbers. Errors: those of run_sampler.
+/// By short_chains, so that the mean is known to some 4 % of a deviation: where a bound or the edge of the box cuts the posterior, its mode and Laplace's covariance tell neither. Errors: those of run_sampler.
 [[nodiscard]] Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed);
 
 }  // namespace calomel

@@ -30,7 +30,7 @@ void add_basin(Provenance& provenance, const StudyInputs& inputs) {
 
 Provenance map_provenance(const StudyInputs& inputs) {
   Provenance p = posterior_provenance(inputs);
-  p.stage = "map", p.options["map"] = echo(inputs.study().map), p.options.erase("sampler");
+  p.stage = "map", p.options["map"] = echo(inputs.study().map), p.options.erase("sampler"), p.options.erase("posterior");
   if (inputs.study().map.compare_with.empty()) return p;
   const auto nested = nested_directory(inputs) / "map.json";
   if (std::filesystem::exists(nested)) p.inputs["map.compare_with"] = hash_file(nested);
@@ -94,6 +94,7 @@ Provenance of_density(const StudyInputs& inputs, std::string stage) {
 Provenance posterior_provenance(const StudyInputs& inputs) {
   const auto& external = inputs.study().external;
   Provenance p = external && external->is_log_density() ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
+  p.options["posterior"] = echo(inputs.study().posterior);
   add_basin(p, inputs);
   return p;
 }

@@ -10,7 +10,7 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "power",    "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "line", "drive", "station"};
+                                               "sampler",   "sensitivity", "diagnosis", "power",    "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "posterior", "line", "drive", "station"};
   return tables;
 }
 
@@ -56,6 +56,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("emulator", study.emulator);
   if (study.external) study.errors = errors_of_external(*study.external);
   study.file.read("errors", study.errors);
+  study.file.read("posterior", study.posterior);
   if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
   if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
@@ -81,6 +82,7 @@ Json StudyCase::echo() const {
   all["map"] = calomel::echo(map);
   all["emulator"] = calomel::echo(emulator);
   all["errors"] = calomel::echo(errors);
+  all["posterior"] = calomel::echo(posterior);
   all["sampler"] = calomel::echo(sampler);
   all["diagnosis"] = calomel::echo(diagnosis);
   all["power"] = calomel::echo(power);

@@ -18,6 +18,7 @@
 #include "inverse/data/recordings.hpp"
 #include "inverse/spe/options.hpp"
 #include "uq/diagnosis/diagnosis.hpp"
+#include "uq/posterior_options.hpp"
 #include "uq/power/power.hpp"
 #include "uq/sampler/sampler.hpp"
 #include "uq/sensitivity/sensitivity.hpp"
@@ -59,6 +60,7 @@ struct StudyCase {
   MapOptions map;
   EmulatorOptions emulator;
   ErrorOptions errors;
+  PosteriorOptions posterior;
   SamplerOptions sampler;
   DiagnosisOptions diagnosis;
   PowerOptions power;

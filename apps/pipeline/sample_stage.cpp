@@ -6,6 +6,8 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
+#include "apps/pipeline/sample_artefacts.hpp"
+#include "apps/pipeline/sample_emulator.hpp"
 #include "apps/pipeline/sample_model_stage.hpp"
 #include "apps/pipeline/sample_parts.hpp"
 #include "apps/pipeline/stage_call.hpp"
@@ -16,12 +18,11 @@
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
-#include "inverse/posterior/true_model_check.hpp"
-#include "uq/convergence/assess.hpp"
-#include "uq/posterior_density.hpp"
 #include "uq/posterior_moments.hpp"
 #include "inverse/posterior/prior.hpp"
 #include "uq/posterior_file.hpp"
+#include "uq/refinement.hpp"
+#include "uq/regions.hpp"
 #include "uq/sampler/sampler.hpp"
 #include "uq/true_model_density.hpp"
 
@@ -42,24 +43,28 @@ ExitStatus sample_stage(StageCall& call) {
   }
   const auto progress = stage_progress("sample", command.quiet);
   const CasePosterior& made = call.posterior.get(progress);
-  const PosteriorFit& fit = made.fit;
   const auto& parameters = made.inputs->parameters;
-  notes.say(stage_line("sample", emulator_sentence(fit.message)));
+  notes.say(stage_line("sample", emulator_sentence(made.fit.message)));
+  // The check comes before the chains: what they walk on is the last emulator.
+  const RefinedFit refined = check_and_refine(*made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", c.sentence)); });
+  const PosteriorFit& fit = refined.fit;
+  const TrueModelCheck& check = refined.check;
+  if (!refined.refinements.empty()) notes.say(stage_line("sample", refinement_sentence(refined)));
 
-  const PosteriorDensity density(*fit.posterior);
+  const bool second_stage = study.sampler.kind == "delayed_acceptance";
+  const SampledEmulator sampled(*made.inputs, fit, second_stage ? 0 : study.posterior.hyperparameter_draws, command.seed, command.threads);
+  const LogDensity& density = sampled.density();
   const auto journal = inputs.artefact("posterior.journal");
   const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
                        .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
   const TrueModelDensity exact(*made.inputs, fit);
-  const bool second_stage = study.sampler.kind == "delayed_acceptance";
   const SamplerStart begin = start_at_mode(*fit.posterior, fit.modes[0]);
   const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
-  const TrueModelCheck check = check_by_true_model(*made.inputs, fit, study.emulator.check_coarse, study.emulator.check_fine);
   const auto alarms = absorption(parameters, convergence);
 
   auto groups = posterior_groups(density, result);
-  for (auto& g : predictive_groups(predicting(fit, parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
+  for (auto& g : predictive_groups(sampled.predicting(parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
   const bool trusted = convergence.converged && fit.settled && check.holds;
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
@@ -70,13 +75,19 @@ ExitStatus sample_stage(StageCall& call) {
   json["message"] = verdict_sentence(convergence, fit, check);
   json["mode"] = fit_json(fit, parameters);
   json["true_model_check"] = check_json(check, parameters);
+  json["refinement"] = refinement_json(refined, study.posterior.refinements);
+  json["hyperparameters"] = sampled.hyperparameters(result, second_stage ? "delayed acceptance walks on the posterior with their estimate" : "their estimate alone (posterior.hyperparameter_draws)");
+  std::vector<std::string> own;
+  for (const auto& p : study.parameters()) own.push_back(p.name);
+  json["regions"] = regions_json(regions(result.quantities, own));
+  for (const auto& form : study.posterior.compare) json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler, {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
   json["absorption"] = alarms, json["warnings"] = made.inputs->warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
   write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
   write_json(inputs.artefact("posterior.json"), json);
   remove_journal(journal);
   notes.say(draws_lines(convergence));
-  notes.say(stage_line("sample", check.sentence));
+  if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));
   notes.warn(alarms);
   notes.warn(made.inputs->warnings);
   notes.say(stage_line("sample", convergence.message));

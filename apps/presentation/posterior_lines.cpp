@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace calomel {
@@ -31,6 +32,19 @@ std::string front_sentence(double elements_per_front, double finest_size) {
 std::string absorption_sentence(const std::string& parameter, double prior_sds) {
   return fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", parameter, std::abs(prior_sds),
                      prior_sds > 0 ? "above" : "below");
+}
+
+std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names) {
+  const auto most = std::size_t(std::max_element(widening.sd_ratio.begin(), widening.sd_ratio.end()) - widening.sd_ratio.begin());
+  return fmt::format("averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}", widening.weights.size(),
+                     widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most], names[most]);
+}
+
+std::string refinement_sentence(const RefinedFit& fit) {
+  int runs = 0;
+  for (const auto& r : fit.refinements) runs += r.runs;
+  if (fit.refinements.empty()) return fmt::format("the emulator was not refined: {}", fit.ended);
+  return fmt::format("the emulator was refined {} by {} further runs: {}", fit.refinements.size() == 1 ? "once" : fmt::format("{} times", fit.refinements.size()), runs, fit.ended);
 }
 
 std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check) {

@@ -6,6 +6,8 @@
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/posterior/true_model_check.hpp"
 #include "uq/convergence/assess.hpp"
+#include "uq/drawn_noise_density.hpp"
+#include "uq/refinement.hpp"
 
 namespace calomel {
 
@@ -20,6 +22,11 @@ std::string emulator_sentence(const std::string& message);
 std::string front_sentence(double elements_per_front, double finest_size);
 /// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
 std::string absorption_sentence(const std::string& parameter, double prior_sds);
+
+/// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
+std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
+/// How often the emulator was refined, and why it ended.
+std::string refinement_sentence(const RefinedFit& fit);
 
 /// Why the posterior is to be trusted or not, the gravest reason first.
 std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check);

@@ -91,37 +91,53 @@ MultilevelRegression::MultilevelRegression(const EmulatorRuns& runs, const Eigen
   expect(n > p, "an emulator is taught by more runs than it has coefficients");
   features_.resize(p, n);
   for (Eigen::Index i = 0; i < n; ++i) features_.col(i) = level_features(runs.u.col(i), level_[std::size_t(i)]);
-  leverage_.resize(n);
   std::vector<double> noise(std::size_t(levels_), 1.0);
   for (int pass = 0; pass < noise_passes; ++pass) {
-    Eigen::VectorXd w(n);
-    for (Eigen::Index i = 0; i < n; ++i) w[i] = 1 / noise[std::size_t(level_[std::size_t(i)])];
-    Eigen::MatrixXd normal = features_ * w.asDiagonal() * features_.transpose();
-    normal.diagonal().array() += ridge * normal.diagonal().maxCoeff();
-    inverse_ = Cholesky(normal).solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(p, p)));
-    gain_ = inverse_ * features_ * w.asDiagonal();
-    for (Eigen::Index i = 0; i < n; ++i) leverage_[i] = std::min(features_.col(i).dot(gain_.col(i)), 1 - 1e-6);
-    // Each level's noise: its squares over what the fit leaves of them.
+    weigh(noise);
     const Eigen::MatrixXd rest = outputs - fit(outputs) * features_;
-    std::vector<double> squares(std::size_t(levels_), 0.0), left(std::size_t(levels_), 0.0);
+    Eigen::VectorXd squares(n);
+    for (Eigen::Index i = 0; i < n; ++i) squares[i] = rest.col(i).cwiseAbs2().dot(weights);
+    if (!(squares.sum() > 0)) break;  // outputs without noise: any weights serve
+    const auto next = level_noise(squares, (1 - leverage_.array()).matrix());
     double relative = 0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto l = std::size_t(level_[std::size_t(i)]);
-      squares[l] += rest.col(i).cwiseAbs2().dot(weights), left[l] += 1 - leverage_[i];
-    }
-    double all_squares = 0, all_left = 0;
-    for (std::size_t l = 0; l < squares.size(); ++l) all_squares += squares[l], all_left += left[l];
-    std::vector<double> next(noise.size());
-    for (std::size_t l = 0; l < squares.size(); ++l) {
-      next[l] = (squares[l] + shared_squares * all_squares / all_left) / (left[l] + shared_squares);
-      relative = std::max(relative, std::abs(next[l] / noise[l] - 1));
-    }
-    if (!(all_squares > 0)) break;  // outputs without noise: any weights serve
+    for (std::size_t l = 0; l < next.size(); ++l) relative = std::max(relative, std::abs(next[l] / noise[l] - 1));
     noise = next;
     if (relative < 1e-6) break;
   }
   inverse_ /= noise[0];
   for (std::size_t l = 0; l < noise.size(); ++l) noise_ratio_[l] = noise[l] / noise[0];
+}
+
+void MultilevelRegression::weigh(const std::vector<double>& noise) {
+  const Eigen::Index n = features_.cols(), p = features_.rows();
+  Eigen::VectorXd w(n);
+  for (Eigen::Index i = 0; i < n; ++i) w[i] = 1 / noise[std::size_t(level_[std::size_t(i)])];
+  Eigen::MatrixXd normal = features_ * w.asDiagonal() * features_.transpose();
+  normal.diagonal().array() += ridge * normal.diagonal().maxCoeff();
+  inverse_ = Cholesky(normal).solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(p, p)));
+  gain_ = inverse_ * features_ * w.asDiagonal();
+  leverage_.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) leverage_[i] = std::min(features_.col(i).dot(gain_.col(i)), 1 - 1e-6);
+}
+
+std::vector<double> MultilevelRegression::level_noise(const Eigen::VectorXd& run_squares, const Eigen::VectorXd& run_left) const {
+  std::vector<double> squares(std::size_t(levels_), 0.0), left(std::size_t(levels_), 0.0), out(squares.size());
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const auto l = std::size_t(level_[std::size_t(i)]);
+    squares[l] += run_squares[i], left[l] += run_left[i];
+  }
+  double all_squares = 0, all_left = 0;
+  for (std::size_t l = 0; l < squares.size(); ++l) all_squares += squares[l], all_left += left[l];
+  for (std::size_t l = 0; l < squares.size(); ++l) out[l] = (squares[l] + shared_squares * all_squares / all_left) / (left[l] + shared_squares);
+  return out;
+}
+
+MultilevelRegression MultilevelRegression::with_noise_ratio(const std::vector<double>& ratio) const {
+  expect(ratio.size() == noise_ratio_.size(), "every level has a noise");
+  MultilevelRegression out = *this;
+  out.noise_ratio_ = ratio;
+  out.weigh(ratio);
+  return out;
 }
 
 Eigen::MatrixXd MultilevelRegression::residuals(const Eigen::MatrixXd& outputs) const {

@@ -73,6 +73,13 @@ class MultilevelRegression {
   [[nodiscard]] const Eigen::MatrixXd& inverse() const { return inverse_; }
   /// s_l^2 / s_0^2, (levels).
   [[nodiscard]] const std::vector<double>& noise_ratio() const { return noise_ratio_; }
+  /// Variance of each level's noise, (levels), from the squares of the runs' residuals and from what the fit leaves of each square, 1 - leverage, (runs) both:
+  /// the sum of squares over the sum of what is left, over the level's runs, leaning by a quarter of a run on those of all levels.
+  [[nodiscard]] std::vector<double> level_noise(const Eigen::VectorXd& squares, const Eigen::VectorXd& left) const;
+  /// The same runs, weighed by another noise of the levels, s_l^2 / s_0^2 (levels).
+  [[nodiscard]] MultilevelRegression with_noise_ratio(const std::vector<double>& ratio) const;
+  /// Share of each run's square that the fit takes away, (runs), below 1.
+  [[nodiscard]] const Eigen::VectorXd& leverage() const { return leverage_; }
   /// outputs - fit, each run over its level's s_l / s_0, (n_outputs, runs): as of finest runs.
   [[nodiscard]] Eigen::MatrixXd residuals(const Eigen::MatrixXd& outputs) const;
   /// What each run would be missed by if it were left out, (n_outputs, runs): (outputs - fit) / (1 - leverage).
@@ -85,6 +92,8 @@ class MultilevelRegression {
   [[nodiscard]] MultilevelRegression with_run(const Eigen::VectorXd& u, int level) const;
 
  private:
+  /// Least squares of runs with the variance noise[level], (levels): inverse_, gain_ and leverage_.
+  void weigh(const std::vector<double>& noise);
   int levels_ = 1;
   Eigen::Index parameters_ = 0;
   std::vector<int> level_;

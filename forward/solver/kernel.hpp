@@ -31,6 +31,7 @@ constexpr int liquid_state(Keep keep) { return keep == Keep::energies ? energy_s
 enum class Form : std::uint8_t {
   parallelepiped,  ///< three gradients, no coupling of hourglass and linear modes
   general,
+  plane,           ///< plane strain with one element across: four corners, each of which stands for two; lanes as runs only
   dense,           ///< steel only: any stiffness of the modes 1..7, for elements that check the fast ones
   finite           ///< finite strain: the terms of `general`, measured in the reference configuration
 };
@@ -61,15 +62,15 @@ struct LawHook {
 };
 
 /// One block as the kernel sees it. Geometry per element: liquid parallelepiped b[9] V h; liquid b[21] V h X[12];
-/// steel parallelepiped b[9] V K[45] L[6]; steel b[21] V X[12] K[45] L[6]; dense steel V K[231], the upper triangle by rows over
-/// (component, mode); with lanes as elements in groups [term][lane].
+/// steel parallelepiped b[9] V K[45] L[6]; steel b[21] V X[12] K[45] L[6]; plane liquid b[6] V X[2] h; plane steel b[6] V X[2] K[3];
+/// dense steel V K[231], the upper triangle by rows over (component, mode); with lanes as elements in groups [term][lane].
 template <class R>
 struct BlockData {
   bool liquid;
   Form form;
   std::int32_t groups;                  ///< groups of lanes (elements), or elements (runs)
   const R* geometry;
-  const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8)
+  const std::uint16_t* connectivity;    ///< (groups, 8, lanes) or (elements, 8), of plane ones 4
   const R* p0;                          ///< heating pressure at full pulse and energy 1 [Pa], per element
   R* state;                             ///< (groups, liquid_state or steel_state, lanes), null where nothing is kept
   std::int32_t first_node, interior;
@@ -159,12 +160,16 @@ struct KernelTable {
   void (*run_special)(const Layout&, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>&);
 };
 
+/// Corners of an element.
+constexpr std::size_t corner_count(Form form) { return form == Form::plane ? 4 : 8; }
+
 /// The fastest table that this processor can run; the environment variable CALOMEL_ISA (baseline, avx2, avx512) overrides.
 template <class R>
 const KernelTable<R>& kernels();
 
 /// Numbers of geometry terms per element.
 constexpr int geometry_terms(bool liquid, Form form) {
+  if (form == Form::plane) return 6 + 1 + 2 + (liquid ? 1 : 3);
   if (form == Form::dense) return 1 + 231;
   const bool parallelepiped = form == Form::parallelepiped;
   const int gradients = parallelepiped ? 9 : 21, x = parallelepiped ? 0 : 12;

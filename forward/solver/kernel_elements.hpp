@@ -68,6 +68,14 @@ CALOMEL_INLINE V volumetric_strain(const V (&grad)[3][3]) {
   }
 }
 
+/// The same from the modes of its corners.
+template <Form F, class V, class Geometry>
+CALOMEL_INLINE V element_strain(const V (&u)[3][8], Geometry g) {
+  V grad[3][3];
+  gradients<F == Form::parallelepiped>(u, g, grad);
+  return volumetric_strain<F>(grad);
+}
+
 template <class V>
 struct Sums {
   V liquid{}, hourglass{}, steel{}, dissipated{}, heat{}, kinetic{};

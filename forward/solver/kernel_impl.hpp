@@ -10,6 +10,7 @@ namespace calomel::CALOMEL_ISA {
 
 #include "forward/solver/kernel_simd.hpp"
 #include "forward/solver/kernel_elements.hpp"
+#include "forward/solver/kernel_plane.hpp"
 #include "forward/solver/kernel_nodes.hpp"
 
 /// Copies u + beta v of a block's nodes to scratch and clears its forces. Rows are padded to whole vectors.
@@ -41,6 +42,16 @@ CALOMEL_INLINE void add_relaxing(const BlockData<R>& b, const StepData<R>& s, R*
   }
 }
 
+/// Modes of the corners of an element, or forces on them: (component, mode).
+template <Form F, class V>
+struct ModesOf {
+  using type = V[3][8];
+};
+template <class V>
+struct ModesOf<Form::plane, V> {
+  using type = V[2][3];  // x and z
+};
+
 /// How lanes are filled from a block: W elements of one run, or one element of eight runs.
 template <class R, bool Runs>
 struct Lanes {
@@ -65,6 +76,23 @@ struct Lanes {
       V u[3][8];
       for (int n = 0; n < 8; ++n) gather_rows(w, at + std::size_t(n) * width, u[0][n], u[1][n], u[2][n]);
       for (int c = 0; c < 3; ++c) to_modes(u[c], um[c]);
+    }
+  }
+  static CALOMEL_INLINE void modes(const R* w, const std::uint16_t* at, V (&um)[2][3]) {
+    V u[4];
+    for (int c = 0; c < 2; ++c) {
+      for (int n = 0; n < 4; ++n) u[n] = load<V>(w + std::size_t(at[n]) * (3 * width) + std::size_t(2 * c) * width);
+      to_plane_modes(u, um[c]);
+    }
+  }
+  static CALOMEL_INLINE void add_forces(const V (&fm)[2][3], R* force, const std::uint16_t* at) {
+    V f[4];
+    for (int c = 0; c < 2; ++c) {
+      to_plane_corners(fm[c], f);
+      for (int n = 0; n < 4; ++n) {
+        R* p = force + std::size_t(at[n]) * (3 * width) + std::size_t(2 * c) * width;
+        store(p, load<V>(p) + f[n]);
+      }
     }
   }
   static CALOMEL_INLINE void add_forces(const V (&fm)[3][8], R* force, const std::uint16_t* at) {
@@ -121,9 +149,9 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
   const V lambda = V{} + s.lambda, mu = V{} + s.mu;
   for (std::int32_t g = 0; g < b.groups; ++g) {
-    const std::uint16_t* at = b.connectivity + std::size_t(g) * 8 * L::per_group;
+    const std::uint16_t* at = b.connectivity + std::size_t(g) * corner_count(F) * L::per_group;
     const auto coefficient = L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group);
-    V um[3][8], fm[3][8];
+    typename ModesOf<F, V>::type um, fm;
     L::modes(w, at, um);
     if constexpr (Liquid) {
       liquid.p0 = L::heating(b.p0, g, s.load);
@@ -171,6 +199,7 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
   constexpr int terms = geometry_terms(true, F), W = L::width, stretch = 256 / W;
   constexpr bool balance = K == Keep::energies;
   alignas(64) double strain[256], heating[256];
+  alignas(64) R lanes[2 * W];
   Sums<V> sums;
   LiquidStep<V> liquid = liquid_step<R, Runs>(s);
   const double ratio = s.dt > 0 ? double(s.beta) / double(s.dt) : 0;
@@ -180,23 +209,21 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
     double* before = b.law.memory + offset;
     double* pressure = before + b.law.points;
     for (std::int32_t g = first; g < last; ++g) {
-      V um[3][8], grad[3][3];
-      L::modes(w, b.connectivity + std::size_t(g) * 8 * L::per_group, um);
-      gradients<F == Form::parallelepiped>(um, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group), grad);
-      const V e = volumetric_strain<F>(grad);
+      typename ModesOf<F, V>::type um;
+      L::modes(w, b.connectivity + std::size_t(g) * corner_count(F) * L::per_group, um);
+      const V e = element_strain<F>(um, L::coefficients(b.geometry + std::size_t(g) * terms * L::per_group));
       V p0 = L::heating(b.p0, g, s.load);
       if (b.initial) p0 += L::numbers(b.initial, g);
-      for (int l = 0; l < W; ++l) {
-        const std::size_t i = std::size_t(g - first) * W + std::size_t(l);
-        strain[i] = (double(e[l]) + ratio * before[i]) / (1 + ratio);
-        heating[i] = double(p0[l]);
-      }
+      const std::size_t at = std::size_t(g - first) * W;
+      store(lanes, e), store(lanes + W, p0);  // a loop over memory is one over whole vectors
+      for (std::size_t l = 0; l < W; ++l) strain[at + l] = (double(lanes[l]) + ratio * before[at + l]) / (1 + ratio), heating[at + l] = double(lanes[W + l]);
     }
     b.law.advance(b.law.law, {count, double(s.dt), strain, before, heating, pressure, pressure + b.law.points, b.law.points});
     for (std::int32_t g = first; g < last; ++g) {
-      const std::uint16_t* at = b.connectivity + std::size_t(g) * 8 * L::per_group;
-      for (int l = 0; l < W; ++l) liquid.pressure[l] = R(pressure[std::size_t(g - first) * W + std::size_t(l)]);
-      V um[3][8], fm[3][8];
+      const std::uint16_t* at = b.connectivity + std::size_t(g) * corner_count(F) * L::per_group;
+      for (std::size_t l = 0; l < W; ++l) lanes[l] = R(pressure[std::size_t(g - first) * W + l]);
+      liquid.pressure = load<V>(lanes);
+      typename ModesOf<F, V>::type um, fm;
       V* state = nullptr;
       if constexpr (K != Keep::nothing) {
         state = reinterpret_cast<V*>(b.state) + std::size_t(g) * liquid_state(K);
@@ -213,6 +240,9 @@ void law_elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* fo
 
 template <class R, bool Runs, Keep K>
 void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
+  if constexpr (Runs)
+    if (b.form == Form::plane)
+      return b.liquid ? elements<R, Runs, true, Form::plane, K, true>(b, s, w, force, energy) : elements<R, Runs, false, Form::plane, K, true>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
       case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K, true>(b, s, w, force, energy);
       case Form::finite: return elements<R, Runs, true, Form::finite, K, true>(b, s, w, force, energy);
@@ -227,6 +257,8 @@ void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R*
 
 template <class R, bool Runs, Keep K>
 void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
+  if constexpr (Runs)
+    if (b.form == Form::plane && b.law.advance) return law_elements<R, Runs, Form::plane, K>(b, s, w, force, energy);
   if (b.liquid && b.law.advance) switch (b.form) {
       case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, K>(b, s, w, force, energy);
       case Form::finite: return law_elements<R, Runs, Form::finite, K>(b, s, w, force, energy);
@@ -234,6 +266,8 @@ void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, E
     }
   if constexpr (K != Keep::nothing)  // of stressed runs something is always kept
     if (b.initial) return stressed_forces<R, Runs, K>(b, s, w, force, energy);
+  if constexpr (Runs)
+    if (b.form == Form::plane) return b.liquid ? elements<R, Runs, true, Form::plane, K>(b, s, w, force, energy) : elements<R, Runs, false, Form::plane, K>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
       case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K>(b, s, w, force, energy);
       case Form::finite: return elements<R, Runs, true, Form::finite, K>(b, s, w, force, energy);

@@ -50,7 +50,7 @@ std::vector<std::int32_t> element_order(const Mesh& mesh, const std::vector<std:
 
 }  // namespace
 
-std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces) {
+std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces, const PlanePairs& pairs) {
   std::map<NodeId, Vec3> area;
   const double gauss = 1 / std::sqrt(3.0);
   for (const auto& face : faces) {
@@ -67,7 +67,7 @@ std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Fac
       }
       const Vec3 normal{t1[1] * t2[2] - t1[2] * t2[1], t1[2] * t2[0] - t1[0] * t2[2], t1[0] * t2[1] - t1[1] * t2[0]};
       for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t c = 0; c < 3; ++c) area[face.nodes[k]][c] += n[k] * normal[c];
+        for (std::size_t c = 0; c < 3; ++c) area[pairs.of(face.nodes[k])][c] += n[k] * normal[c];
     }
   }
   std::vector<BoundaryNode> out;
@@ -86,9 +86,11 @@ double node_cost(const Layout& layout, bool slow) {
   return shared * double(plain) + (slow ? 0 : ruled * double(layout.special.size()));
 }
 
-Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow) {
+Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow, PlanePairs pairs) {
   expect(block_size >= 8 && block_size <= 8192, "a block holds 8 to 8192 elements");
   Layout layout;
+  layout.pairs = std::move(pairs);
+  const auto leader = [&](NodeId n) { return std::size_t(layout.pairs.of(n)); };
   const auto order = element_order(mesh, parallelepiped, slow);
   const auto is_slow = [&](std::int32_t e) { return !slow.empty() && slow[std::size_t(e)]; };
   const auto kind = [&](std::int32_t e) { return std::tuple(is_slow(e), mesh.region[std::size_t(e)], parallelepiped[std::size_t(e)]); };
@@ -105,15 +107,15 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
   // A node is shared when two blocks touch it or a rule beyond its element forces applies.
   constexpr std::int32_t untouched = -1, shared = -2;
   std::vector<std::int32_t> owner(mesh.nodes.size(), untouched);
-  layout.rear = boundary_nodes(mesh, mesh.rear);
-  layout.loaded = boundary_nodes(mesh, mesh.loaded);
-  for (const auto& pair : mesh.slip) owner[std::size_t(pair.steel)] = owner[std::size_t(pair.mercury)] = shared;
+  layout.rear = boundary_nodes(mesh, mesh.rear, layout.pairs);
+  layout.loaded = boundary_nodes(mesh, mesh.loaded, layout.pairs);
+  for (const auto& pair : mesh.slip) owner[leader(pair.steel)] = owner[leader(pair.mercury)] = shared;
   for (const auto& n : layout.rear) owner[std::size_t(n.node)] = shared;
   for (const auto& n : layout.loaded) owner[std::size_t(n.node)] = shared;
   for (std::size_t b = 0; b < layout.blocks.size(); ++b)
     for (const auto e : layout.blocks[b].elements)
       for (const NodeId n : mesh.elements[std::size_t(e)]) {
-        auto& o = owner[std::size_t(n)];
+        auto& o = owner[leader(n)];
         o = o == untouched ? std::int32_t(b) : o == std::int32_t(b) ? o : shared;
       }
 
@@ -125,7 +127,7 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
     std::vector<NodeId> mine;
     for (const auto e : block.elements)
       for (const NodeId n : mesh.elements[std::size_t(e)])
-        if (owner[std::size_t(n)] == std::int32_t(b)) mine.push_back(n), owner[std::size_t(n)] = -3 - std::int32_t(b);
+        if (owner[leader(n)] == std::int32_t(b)) mine.push_back(NodeId(leader(n))), owner[leader(n)] = -3 - std::int32_t(b);
     std::stable_sort(mine.begin(), mine.end(), [&](NodeId a, NodeId c) { return mesh.fixed[std::size_t(a)] < mesh.fixed[std::size_t(c)]; });
     for (const NodeId n : mine) {
       const auto bits = mesh.fixed[std::size_t(n)];
@@ -139,8 +141,11 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
   for (const auto& block : layout.blocks)
     for (const auto e : block.elements)
       for (const NodeId n : mesh.elements[std::size_t(e)])
-        if (layout.to_solver[std::size_t(n)] < 0) layout.to_solver[std::size_t(n)] = layout.nodes++;
-  expect(std::size_t(layout.nodes) == mesh.nodes.size(), "every node belongs to an element");
+        if (layout.to_solver[leader(n)] < 0) layout.to_solver[leader(n)] = layout.nodes++;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    layout.to_solver[n] = layout.to_solver[leader(NodeId(n))];
+    expect(layout.to_solver[n] >= 0, "every node belongs to an element");
+  }
 
   // Local connectivity and the outbox.
   std::vector<std::vector<std::size_t>> rows(std::size_t(layout.nodes - layout.first_shared));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forward/mesh/mesh.hpp"
+#include "forward/solver/plane_pairs.hpp"
 
 namespace calomel {
 
@@ -24,7 +25,7 @@ struct Block {
   std::int32_t interior = 0;
   std::vector<NodeRange> ranges;              ///< interior nodes by fixed directions
   std::vector<std::int32_t> shared;           ///< solver ids of the other nodes; local id = interior + position
-  std::vector<std::uint16_t> connectivity;    ///< (elements, 8) local ids
+  std::vector<std::uint16_t> connectivity;    ///< (elements, 8) local ids; of nodes that move as one, the same
   std::size_t outbox = 0;                     ///< where its forces on shared nodes go
 };
 
@@ -46,6 +47,7 @@ struct BoundaryNode {
 
 struct Layout {
   std::vector<Block> blocks;
+  PlanePairs pairs;                           ///< mesh nodes that share a solver node; of most meshes none
   std::vector<std::int32_t> to_solver;        ///< mesh node -> solver node
   std::int32_t nodes = 0;
   std::int32_t first_shared = 0;              ///< solver ids from here on are shared
@@ -62,7 +64,8 @@ struct Layout {
 };
 
 /// `block_size`: elements per block. `slow`: per element, whether it takes long steps (subcycles.hpp); empty: none does. Blocks of fast elements come first.
-Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow = {});
+/// `pairs`: nodes that are to share a solver node.
+Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow = {}, PlanePairs pairs = {});
 
 /// What a block costs beside others: general elements of liquid count 1 each (`bench_solver --kinds`). `own_law`: the liquid's is not Riemer's.
 double block_cost(const Block& block, bool own_law);
@@ -70,7 +73,7 @@ double block_cost(const Block& block, bool own_law);
 /// The same of the nodes that blocks share or that have a rule, of slow blocks alone or of the others.
 double node_cost(const Layout& layout, bool slow);
 
-/// Shares of the faces' area vectors at their nodes, exact for bilinear faces.
-std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces);
+/// Shares of the faces' area vectors at their nodes, exact for bilinear faces; nodes that move as one have one share, at their leader.
+std::vector<BoundaryNode> boundary_nodes(const Mesh& mesh, const std::vector<Face>& faces, const PlanePairs& pairs = {});
 
 }  // namespace calomel

@@ -13,16 +13,41 @@ Corners corners_of(const Mesh& mesh, std::size_t e) {
 
 namespace {
 
-Form form_of(const Block& block, ElementKind kind) {
+/// Whether pairs of nodes move as one: where lanes are runs of fast elements in plane strain.
+PlanePairs pairs_of(const Mesh& mesh, ElementKind kind, bool lanes_are_runs) { return lanes_are_runs && kind == ElementKind::fast ? plane_pairs(mesh) : PlanePairs{}; }
+
+Form form_of(const Layout& layout, const Block& block, ElementKind kind) {
+  if (layout.pairs) return Form::plane;
   if (kind == ElementKind::finite) return Form::finite;
   if (kind == ElementKind::b_bar && !block.liquid) return Form::dense;
   return block.parallelepiped ? Form::parallelepiped : Form::general;
 }
 
+/// The terms of one element in plane strain, as below. `across`: its own axis that runs across.
+template <class Put>
+void write_plane_terms(const HexGeometry& g, const LinearElastic& steel, bool liquid, double share, int across, Put&& put) {
+  // A corner stands for two: modes are half of the hexahedron's, forces twice. In powers of two, so that nothing is rounded anew.
+  const int hourglass = 2 - across, axes[2] = {across == 0 ? 1 : 0, across == 2 ? 1 : 2};
+  for (const int i : {0, 2}) {
+    for (const int axis : axes) put(2 * g.mode_gradient(i, linear_modes[std::size_t(axis)] - 1));
+    put(2 * g.mode_gradient(i, hourglass_modes[std::size_t(hourglass)] - 1));
+  }
+  put(share * g.volume);
+  for (const int i : {0, 2}) put(0.5 * g.hourglass(i, hourglass));
+  if (liquid) {
+    put(4 * liquid_hourglass(g));
+    return;
+  }
+  const HourglassStiffness k = hourglass_stiffness(g, steel);
+  const int x = hourglass, z = 6 + hourglass;
+  put(4 * share * k.bending(x, x)), put(4 * share * k.bending(x, z)), put(4 * share * k.bending(z, z));
+}
+
 /// The terms of one element in the order of `BlockData`, each handed to `put`.
 template <class Put>
-void write_terms(const Corners& corners, const LinearElastic& steel, Form form, bool liquid, double share, Put&& put) {
+void write_terms(const Corners& corners, const LinearElastic& steel, Form form, bool liquid, double share, int across, Put&& put) {
   const HexGeometry g = hex_geometry(corners);
+  if (form == Form::plane) return write_plane_terms(g, steel, liquid, share, across, put);
   if (form == Form::dense) {
     const ModeStiffness k = b_bar_stiffness(corners, steel);
     put(share * g.volume);
@@ -53,29 +78,31 @@ void write_terms(const Corners& corners, const LinearElastic& steel, Form form, 
 
 template <class R>
 PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow)
-    : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048, slow)) {
+    : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048, slow, pairs_of(mesh, kind, lanes_are_runs))) {
   const std::size_t group_size = lanes(), blocks = layout.blocks.size();
   form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), size.resize(blocks), elements.resize(blocks);
   parallel_for(blocks, threads, [&](std::size_t b) {
     const Block& block = layout.blocks[b];
-    form[b] = form_of(block, kind);
+    form[b] = form_of(layout, block, kind);
     const std::size_t terms = std::size_t(geometry_terms(block.liquid, form[b]));
-    const std::size_t groups = (block.elements.size() + group_size - 1) / group_size;
+    const std::size_t groups = (block.elements.size() + group_size - 1) / group_size, corners = corner_count(form[b]);
     geometry[b] = AlignedArray<R>(groups * group_size * terms);
-    connectivity[b].resize(groups * group_size * 8);
+    connectivity[b].resize(groups * group_size * corners);
     elements[b].assign(groups * group_size, -1);
     if (block.liquid) size[b] = AlignedArray<R>(groups * group_size);
     for (std::size_t slot = 0; slot < groups * group_size; ++slot) {
       const std::size_t group = slot / group_size, lane = slot % group_size;
       const bool padding = slot >= block.elements.size();
       const std::size_t source = padding ? group * group_size : slot;
-      for (std::size_t k = 0; k < 8; ++k) connectivity[b][(group * 8 + k) * group_size + lane] = block.connectivity[source * 8 + k];
+      const std::uint8_t across = layout.pairs ? layout.pairs.across[std::size_t(block.elements[source])] : 0;
+      for (std::size_t k = 0; k < corners; ++k)
+        connectivity[b][(group * corners + k) * group_size + lane] = block.connectivity[source * 8 + (corners == 8 ? k : plane_corners(across)[k])];
       if (padding) continue;  // zero geometry: no force
       const auto element = std::size_t(block.elements[slot]);
       elements[b][slot] = block.elements[slot];
       if (block.liquid) size[b][slot] = R(facts.size[element]);
       std::size_t term = 0;
-      write_terms(corners_of(mesh, element), steel, form[b], block.liquid, double(facts.stiffness[element]),
+      write_terms(corners_of(mesh, element), steel, form[b], block.liquid, double(facts.stiffness[element]), across,
                   [&](double value) { geometry[b][(group * terms + term++) * group_size + lane] = R(value); });
       expect(term == terms, "every geometry term of an element is packed");
     }

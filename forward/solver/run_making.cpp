@@ -68,12 +68,15 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
   inverse_mass_ = AlignedArray<R>(mass_.size());
   const bool damped = setup_.steel_mass_damping != 0;
   if (damped) motion_factor_.resize(mass_.size()), damped_.resize(node_chunks(mass_.size()));
+  std::vector<double> steel(mass_.size(), 0);
   for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
     const auto s = std::size_t(layout.to_solver[n]);
-    const double steel = setup_.steel_density * volumes.steel[n];
-    mass_[s] = parted_mass_[s] = steel + setup_.liquid_density * volumes.liquid[n];
-    inverse_mass_[s] = R(1 / mass_[s]);
-    if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel / mass_[s]);
+    const double of_steel = setup_.steel_density * volumes.steel[n];
+    steel[s] += of_steel, mass_[s] += of_steel + setup_.liquid_density * volumes.liquid[n];
+  }
+  for (std::size_t s = 0; s < mass_.size(); ++s) {
+    parted_mass_[s] = mass_[s], inverse_mass_[s] = R(1 / mass_[s]);
+    if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel[s] / mass_[s]);
   }
 }
 
@@ -188,7 +191,7 @@ void Run<R>::make_extras() {
   for (std::size_t i = 0; i < mesh_.slip.size(); ++i) pair_of[packed_.layout.to_solver[std::size_t(mesh_.slip[i].mercury)]] = i;
   for (std::size_t i = 0; i < rules_.size(); ++i) rule_of[rules_[i].node] = i, strength_[i] = R(unlimited_cutoff);
   if (parting)
-    for (const BoundaryNode& n : boundary_nodes(mesh_, mesh_.wetted)) {
+    for (const BoundaryNode& n : boundary_nodes(mesh_, mesh_.wetted, packed_.layout.pairs)) {
       const auto pair = pair_of.find(packed_.layout.to_solver[std::size_t(n.node)]);
       if (pair == pair_of.end()) continue;
       const std::size_t rule = rule_of.at(pair->first);

@@ -72,9 +72,9 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
-    add("beyond the finest mesh", local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
+    add(beyond_term, local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
   }
-  if (directions.mesh > 0) add("mesh", directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o, mesh_kernel));
+  if (directions.mesh > 0) add(mesh_term, directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o, mesh_kernel));
 }
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
@@ -100,6 +100,12 @@ double ErrorModel::freedom() const {
 ErrorModel ErrorModel::with(ErrorTerm term) const {
   ErrorModel out = *this;
   out.add(std::move(term.name), std::move(term.covariance));
+  return out;
+}
+
+ErrorModel ErrorModel::without(std::string_view name) const {
+  ErrorModel out = *this;
+  std::erase_if(out.terms_, [&](const ErrorTerm& t) { return t.name == name; });
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,11 @@ TimeKernel matern32(double time);
 /// 0.64, 0.39, 0.10 at 1, 5, 10, 20, 40 us.
 double mesh_kernel(double seconds);
 
+/// Names of the terms that stand for the mesh and for the numerical noise.
+inline constexpr const char* beyond_term = "beyond the finest mesh";
+inline constexpr const char* mesh_term = "mesh";
+inline constexpr const char* record_noise_term = "numerical noise of the records";
+
 /// A Gaussian error, (size, size) on the coarse grid.
 struct ErrorTerm {
   std::string name;
@@ -107,6 +113,8 @@ class ErrorModel {
   [[nodiscard]] double freedom() const;
   /// With one more term.
   [[nodiscard]] ErrorModel with(ErrorTerm term) const;
+  /// Without the term of this name, where there is one.
+  [[nodiscard]] ErrorModel without(std::string_view name) const;
   /// Shares of the covariance's trace, by name.
   [[nodiscard]] std::vector<std::pair<std::string, double>> shares() const;
 

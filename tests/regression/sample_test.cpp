@@ -11,6 +11,7 @@ using calomel::read_json;
 using calomel::read_text;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 namespace {
@@ -71,7 +72,7 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_EQ(json["status"], "done");
   EXPECT_TRUE(json["converged"].get<bool>());
   EXPECT_TRUE(json["true_model_check"]["holds"].get<bool>());
-  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance"}) EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions"}) EXPECT_TRUE(json.contains(key)) << key;
   ASSERT_EQ(json["parameters"].size(), 3u);  // the two, and how far past the finest mesh
   for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
   const std::array<double, 2> truth{true_density, true_speed};
@@ -83,6 +84,13 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
     const double laplace = json["mode"]["sd"][p["name"].get<std::string>()];
     EXPECT_NEAR(laplace / p["sd"].get<double>(), 1, 0.4) << p["name"];
   }
+  EXPECT_EQ(json["refinement"]["made"], 0);
+  EXPECT_THAT(first.said, Not(HasSubstr("was refined")));
+  EXPECT_EQ(json["hyperparameters"]["draws"], 6);
+  for (const auto& ratio : json["hyperparameters"]["sd_ratio"]) EXPECT_NEAR(ratio.get<double>(), 1, 0.5);
+  EXPECT_THAT(first.said, HasSubstr(json["hyperparameters"]["sentence"].get<std::string>()));
+  EXPECT_EQ(json["regions"]["parameters"], Json({"density", "sound_speed"}));
+  EXPECT_FALSE(json.contains("compared"));
   const NetcdfReader file(dir / "a" / "posterior.nc");
   EXPECT_EQ(file.shape("posterior/density"), (std::vector<std::size_t>{4, 4000}));
   EXPECT_EQ(file.dimensions("posterior/density"), (std::vector<std::string>{"chain", "draw"}));
@@ -121,6 +129,22 @@ TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   const auto last = run(dir, "sample case.toml --out killed --threads 2");
   ASSERT_EQ(last.status, 0) << last.said;
   EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
+}
+
+TEST(SampleVerb, TakesTheEstimateOfTheNoiseAloneWhereItIsAskedToAndComparesOtherErrors) {
+  const auto dir = folder("sample_compared");
+  const auto out = run(dir, "sample case.toml --out a --set posterior.hyperparameter_draws=0 --set 'posterior.compare=[\"no_mesh_errors\",\"independent\"]'");
+  ASSERT_EQ(out.status, 0) << out.said;
+  const Json json = read_json(dir / "a" / "posterior.json");
+  EXPECT_EQ(json["hyperparameters"]["draws"], 0);
+  EXPECT_FALSE(json["hyperparameters"]["reason"].get<std::string>().empty());
+  ASSERT_EQ(json["compared"].size(), 2u);
+  for (const auto& form : json["compared"]) {
+    EXPECT_FALSE(form["what"].get<std::string>().empty());
+    EXPECT_EQ(form["regions"]["parameters"], Json({"density", "sound_speed"}));
+    // Errors that leave something out give a narrower answer.
+    EXPECT_LT(form["parameters"][0]["sd"].get<double>(), json["parameters"][0]["sd"].get<double>());
+  }
 }
 
 TEST(SampleVerb, SaysWhyAPosteriorIsNotToBeTrusted) {

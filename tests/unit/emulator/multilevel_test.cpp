@@ -115,6 +115,34 @@ TEST(MultilevelRegression, FindsThatACoarseMeshIsNoisierAndItsVarianceIsThatOfRe
   EXPECT_NEAR(squares / (0.01 * variance), 1, 0.35);  // 200 repeats of two outputs: standard error 0.07, the rest is what the ratio's own error does
 }
 
+TEST(MultilevelRegression, WithAnotherNoiseRatioIsLeastSquaresWithItsWeights) {
+  const Design d = design(20, 7, 0.1);
+  const MultilevelRegression e(d.runs, d.outputs, equal);
+  const MultilevelRegression same = e.with_noise_ratio(e.noise_ratio()), other = e.with_noise_ratio({1, 0.3});
+  EXPECT_LT((same.fit(d.outputs) - e.fit(d.outputs)).norm(), 1e-4 * e.fit(d.outputs).norm());  // the ratio was found to a part in 10^6
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(9, 9), right = Eigen::MatrixXd::Zero(9, 2);
+  for (Eigen::Index j = 0; j < d.outputs.cols(); ++j) {
+    const Eigen::VectorXd x = e.level_features(d.runs.u.col(j), d.runs.level[std::size_t(j)]);
+    const double w = d.runs.level[std::size_t(j)] == 0 ? 1 : 1 / 0.3;
+    normal += w * x * x.transpose(), right += w * x * d.outputs.col(j).transpose();
+  }
+  EXPECT_LT((other.fit(d.outputs).transpose() - inverse(normal) * right).norm(), 1e-8);
+  EXPECT_LT((other.inverse() - inverse(normal)).norm(), 1e-8 * other.inverse().norm());
+  EXPECT_GT((other.fit(d.outputs) - e.fit(d.outputs)).norm(), 1e-4);
+  EXPECT_NEAR(other.leverage().sum(), 9, 1e-6);  // coefficients
+}
+
+TEST(MultilevelRegression, NoiseOfALevelIsItsSquaresOverWhatIsLeftAndLeansOnAll) {
+  const Design d = design(20, 7, 0.1);
+  const MultilevelRegression e(d.runs, d.outputs, equal);
+  Eigen::VectorXd squares = Eigen::VectorXd::Constant(27, 4), left = Eigen::VectorXd::Constant(27, 0.5);
+  squares.tail(7).setConstant(1), left.tail(7).setConstant(0.25);
+  const double all = (80.0 + 7) / (10 + 1.75);
+  const auto noise = e.level_noise(squares, left);
+  EXPECT_NEAR(noise[0], (7 + 0.25 * all) / (1.75 + 0.25), 1e-12);
+  EXPECT_NEAR(noise[1], (80 + 0.25 * all) / (10 + 0.25), 1e-12);
+}
+
 TEST(MultilevelRegression, VarianceGrowsOutsideTheDesignAndFallsWithOneMoreRun) {
   const Design d = design(20, 6, 0.1);
   const MultilevelRegression e(d.runs, d.outputs, equal);

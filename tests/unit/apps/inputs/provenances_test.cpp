@@ -23,7 +23,7 @@ class Provenances : public ::testing::Test {
   Provenance of(const std::string& method, std::vector<std::string> set = {}) const {
     const CommandLine command{.verb = "calibrate", .case_file = dir / "case.toml", .out = dir, .overrides = std::move(set), .quiet = true};
     const StudyInputs inputs(command);
-    return method == "sample" ? posterior_provenance(inputs) : calibration_provenance(inputs, method);
+    return method == "sample" ? posterior_provenance(inputs) : method == "diagnose" ? diagnosis_provenance(inputs) : calibration_provenance(inputs, method);
   }
   std::vector<std::string> inputs(const std::string& method, std::vector<std::string> set = {}) const {
     std::vector<std::string> names;
@@ -54,4 +54,10 @@ TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
   write_atomically(dir / "surrogate.nc", "learnt anew");
   EXPECT_NE(of("spe").identity(), spe);
   EXPECT_EQ(of("spe", {"spe.mesh_correction=false"}).identity(), bare);
+}
+
+TEST_F(Provenances, WhatSampleDoesWithTheEmulatorIsItsAlone) {
+  const std::vector<std::string> changed{"posterior.hyperparameter_draws=3", "posterior.refinements=0"};
+  EXPECT_NE(of("sample", changed).identity(), of("sample").identity());
+  for (const char* other : {"map", "diagnose", "enc", "spe"}) EXPECT_EQ(of(other, changed).identity(), of(other).identity()) << other;
 }

@@ -47,3 +47,18 @@ TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
   check.holds = true;
   EXPECT_EQ(verdict_sentence(convergence, fit, check), "converged");
 }
+
+TEST(PosteriorLines, TheWideningNamesItsRangeAndWhatItIsGreatestIn) {
+  const NoiseWidening w{.sd_ratio = {1.02, 1.31, 0.98}, .sd_ratio_alike = {}, .shift = {}, .plug_in_draws = 100, .weights = {0.5, 0.5}, .effective_draws = 2};
+  EXPECT_EQ(widening_sentence(w, {"density", "sound_speed", "cutoff"}),
+            "averaged over 2 draws of the emulator's noise, worth 2.0: deviations are 0.98 to 1.31 times those with its estimate alone, most of sound_speed");
+}
+
+TEST(PosteriorLines, RefinementsAreCountedWithTheirRunsAndWhyTheyEnded) {
+  RefinedFit fit{.fit = {}, .check = {}, .refinements = {}, .ended = "it holds"};
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was not refined: it holds");
+  fit.refinements.push_back({.check = {}, .runs = 20});
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined once by 20 further runs: it holds");
+  fit.refinements.push_back({.check = {}, .runs = 7});
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined 2 times by 27 further runs: it holds");
+}
