@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <tuple>
 
 #include "base/linear_algebra.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
@@ -43,19 +42,21 @@ Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
   return moments;
 }
 
-/// Log evidences of a mixture's parts without and with a discrepancy, each by itself, over the whole's. The first hypothesis has none.
-std::pair<double, double> parts(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses) {
+/// Evidence of the hypotheses of each scale of a discrepancy, each by itself, over the whole's and `plus` more.
+EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0) {
   const double whole = log_evidence(posterior, m);
-  const auto of = [&](std::vector<WeightedErrors> part) {
-    if (part.empty()) return -std::numeric_limits<double>::infinity();
-    double total = 0;
-    for (const auto& h : part) total += std::exp(h.log_weight);
-    for (auto& h : part) h.log_weight -= std::log(total);
+  std::map<double, std::vector<WeightedErrors>> parts;
+  for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
+  EvidenceByScale all;
+  for (auto& [scale, part] : parts) {
+    double weight = 0;
+    for (const auto& h : part) weight += std::exp(h.log_weight);
+    for (auto& h : part) h.log_weight -= std::log(weight);
     const LogPosterior p = fit.under(part);
     const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
-    return modes.empty() ? -std::numeric_limits<double>::infinity() : log_evidence(p, modes[0]) - whole;
-  };
-  return {of({hypotheses[0]}), of({hypotheses.begin() + 1, hypotheses.end()})};
+    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
+  }
+  return all;
 }
 
 /// An explanation as it was fitted: what a further one is put on top of.
@@ -64,8 +65,6 @@ struct Fitted {
   PosteriorInputs inputs;
   PosteriorFit fit;
 };
-
-void add_parts(Explanation& e, const std::pair<double, double>& over_whole) { e.log_plain = e.log_bayes_factor + over_whole.first, e.log_discrepancy = e.log_bayes_factor + over_whole.second; }
 
 class Engine {
  public:
@@ -82,6 +81,7 @@ class Engine {
     fit_linear();
     fit_leaders();
     judge_all();
+    if (puzzled() && out_.verdict.kind == VerdictKind::unknown) fit_rest();
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
     hold_out();
     locate_all();
@@ -131,6 +131,7 @@ class Engine {
     for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
     return best;
   }
+  [[nodiscard]] bool puzzled() const { return out_.evidence.chi2 > greatest_plausible(out_.evidence); }
   /// Whether an explanation of this log Bayes factor could lead what was fitted so far.
   [[nodiscard]] bool may_lead(double worth) const { return worth > worth_fitting && worth > best_so_far() - hopeless; }
   void describe_base();
@@ -139,6 +140,7 @@ class Engine {
   void fit_linear();
   void fit_linear(const Question& q);
   void fit_leaders();
+  void fit_rest();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
   void judge_all();
@@ -165,7 +167,7 @@ void Engine::describe_base() {
   e.values = double(grid().size());
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
   e.base_pull = root_mean_square(out_.handbook_pulls);
-  std::tie(e.log_plain, e.log_discrepancy) = parts(out_.base, posterior, m, out_.base.hypotheses);
+  e.by_scale = by_scale(out_.base, posterior, m, out_.base.hypotheses);
 }
 
 /// Questions about a fit with these numbers added.
@@ -215,7 +217,7 @@ void Engine::fit_linear(const Question& q) {
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
   c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) + q.choice;
-  add_parts(c.explanation, parts(out_.base, with, m, errors));
+  c.explanation.by_scale = by_scale(out_.base, with, m, errors, c.explanation.log_bayes_factor);
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, sampled_moments(with, m, in_.base.seed));
@@ -235,13 +237,12 @@ void Engine::fit_linear(const Question& q) {
 /// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case.
 void Engine::fit_leaders() {
   int fitted = 0;
-  const bool puzzled = out_.evidence.chi2 > greatest_plausible(out_.evidence);
   for (const auto& q : asked_) {
     const std::string& name = in_.groups[q.group].name;
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
-    if ((fitted == 0 && puzzled) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
+    if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
       fit(q);
       ++fitted;
       continue;
@@ -252,10 +253,27 @@ void Engine::fit_leaders() {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
       c.numbers.push_back({a.parameter.name, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)]});
     }
-    add_parts(c.explanation, {std::min(0.0, out_.evidence.log_plain), std::min(0.0, out_.evidence.log_discrepancy)});  // it leaves what the base model leaves
+    c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
+    for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
     c.message = "to first order";
     out_.candidates.push_back(std::move(c));
   }
+}
+
+/// Where nothing that leads explains the records, all others: the base fit has pushed its own numbers to where it misses least, and an effect that they imitate, or that is not
+/// linear, may be worth nothing there to first order.
+void Engine::fit_rest() {
+  for (const auto& q : asked_) {
+    const std::string& name = in_.groups[q.group].name;
+    const auto to_first_order = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name && !c.explanation.fitted && c.runs == 0; });
+    if (q.sensor || to_first_order == out_.candidates.end()) continue;
+    const Alternative before = *to_first_order;
+    out_.candidates.erase(to_first_order);
+    const std::size_t others = out_.candidates.size();
+    fit(q);
+    if (out_.candidates.size() == others) out_.candidates.push_back(before);  // it did not fit into the budget
+  }
+  judge_all();
 }
 
 /// A group beside the base model's parameters, or beside those of what was fitted already.
@@ -297,7 +315,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     const LogPosterior& posterior = *fit.posterior;
     c.explanation.fitted = true;
     c.explanation.log_bayes_factor = log_bayes_factor(fit, out_.base) + c.choice;
-    add_parts(c.explanation, parts(fit, posterior, full, fit.hypotheses));
+    c.explanation.by_scale = by_scale(fit, posterior, full, fit.hypotheses, c.explanation.log_bayes_factor);
     c.explanation.chi2 = plain_chi2(fit, posterior, full, *fit.errors);
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
     const Moments moments = parameters_of(fit, in_.base.seed);
@@ -313,7 +331,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
-    add_parts(c.explanation, {out_.evidence.log_plain, out_.evidence.log_discrepancy});
+    c.explanation.by_scale = out_.evidence.by_scale;
     c.explanation.chi2 = out_.evidence.chi2, c.explanation.base_pull = out_.evidence.base_pull;
   }
   c.runs = runs_ - before;

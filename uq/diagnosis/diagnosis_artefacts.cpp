@@ -120,6 +120,12 @@ Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
           {"band_map_q_values", matrix_json(l.band_map_q_values)}, {"region", region}};
 }
 
+Json by_scale_json(const EvidenceByScale& all) {
+  Json out = Json::array();
+  for (const auto& s : all) out.push_back({{"scale", number(s.scale)}, {"weight", number(s.weight)}, {"log_evidence", number(s.log_evidence)}});
+  return out;
+}
+
 }  // namespace
 
 Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provenance& provenance) {
@@ -136,7 +142,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["heldout_gain"] = number(c.held_out_gain);
         entry["log_bayes_factor"] = number(c.explanation.log_bayes_factor), entry["first_order_log_bayes_factor"] = number(c.first_log_bayes_factor);
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
-        entry["log_without_discrepancy"] = number(c.explanation.log_plain), entry["log_with_discrepancy"] = number(c.explanation.log_discrepancy), entry["farthest"] = number(c.explanation.farthest);
+        entry["by_discrepancy"] = by_scale_json(c.explanation.by_scale), entry["discrepancy"] = number(mean_scale(c.explanation.by_scale)), entry["farthest"] = number(c.explanation.farthest);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
@@ -176,8 +182,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
                                {"handbook", handbook_json(d, in.base.parameters)}}},
           {"absorbed", absorbed},
           {"separating_measurement", d.separating},
-          {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"log_without_discrepancy", number(d.evidence.log_plain)},
-                        {"log_with_discrepancy", number(d.evidence.log_discrepancy)}}},
+          {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
+                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}}},
           {"runs", d.runs},
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},

@@ -136,7 +136,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
       return {differ + "; " + name + " would account for it, but the simulation's own discretisation does so nearly as well.", finer};
     case Gate::explained:
       return {begin + fmt::format(" comes nearest, but accounts for only {:.0f} % of the mismatch.", 100 * share_explained(d.evidence, all[0], gates).value_or(0)), look};
-    case Gate::adequate:
+    case Gate::remainder:
       return {begin + " comes nearest, but with it the records are still not explained.", look};
     case Gate::plausible:
       return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)), "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
@@ -252,8 +252,10 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
       return {"A number of the simulation's discretisation explains the records nearly as well.", "Finer meshes (emulator.element_sizes)."};
     case Gate::explained:
       return {fmt::format("It accounts for {:.0f} % of the mismatch only; {:.0f} % is asked.", share, 100 * g.explained), "A second effect beside it that accounts for the rest."};
-    case Gate::adequate:
-      return {"With it the records are still not explained (" + chi2_words(e.chi2, d.evidence, g) + ").", "A second effect beside it that accounts for the rest."};
+    case Gate::remainder:
+      return {fmt::format("With it the records are still not explained: it leaves a discrepancy of {:.2g} % of the records, where {:.2g} % is let pass.", 100 * mean_scale(e.by_scale),
+                          100 * greatest_remainder(d.evidence, g)),
+              "A second effect beside it that accounts for the rest."};
     case Gate::plausible:
       return {fmt::format("It would have to be stronger than is plausible ({}).", plain_size(*a, groups)), "Knowing by other means that it can be that strong."};
     case Gate::handbook:

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
 
 #include "base/log_sum.hpp"
 
@@ -13,14 +16,24 @@ namespace {
 
 const char* base_fits = "the base model explains the records within their errors";
 
-/// Probabilities by the tempered evidences. A name claims that with it nothing is left out; whatever needs a discrepancy beside it, the base model or an explanation,
-/// is "unknown": half of what that has before the records is the base model's.
+/// Evidence of a part of the scales by itself.
+double log_part(const EvidenceByScale& e, const std::function<bool(double)>& belongs) {
+  std::vector<double> logs, weights;
+  double total = 0;
+  for (const auto& s : e)
+    if (belongs(s.scale)) logs.push_back(s.log_evidence), weights.push_back(s.weight), total += s.weight;
+  return logs.empty() ? -std::numeric_limits<double>::infinity() : log_sum(logs, weights) - std::log(total);
+}
+
+/// Probabilities by the tempered evidences. "None" claims that nothing is left out, a name that what it leaves is small beside what it accounts for; whatever needs more of
+/// a discrepancy, the base model or an explanation, is "unknown": half of what that has before the records is the base model's.
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
   const double n = double(all.size()), of_a_name = n > 0 ? (1 - g.prior_none - g.prior_unknown) / n : 0, of_base = n > 0 ? 0.5 : 1;
-  std::vector<double> unknown{base.log_discrepancy}, weights{of_base}, logs, priors;
-  for (const auto& e : all) unknown.push_back(e.log_discrepancy), weights.push_back((1 - of_base) / n);
-  std::vector<Ranked> out{{"none", g.prior_none, base.log_plain}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
-  for (const auto& e : all) out.push_back({e.name, of_a_name, e.log_plain});
+  const double left = greatest_remainder(base, g);
+  std::vector<double> unknown{log_beyond(base.by_scale, 0)}, weights{of_base}, logs, priors;
+  for (const auto& e : all) unknown.push_back(log_beyond(e.by_scale, left)), weights.push_back((1 - of_base) / n);
+  std::vector<Ranked> out{{"none", g.prior_none, log_within(base.by_scale, 0)}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
+  for (const auto& e : all) out.push_back({e.name, of_a_name, log_within(e.by_scale, left)});
   for (const auto& r : out) logs.push_back(r.log_evidence / g.temperature), priors.push_back(r.probability);
   for (auto& x : unknown) x /= g.temperature;
   logs[1] = log_sum(unknown, weights);
@@ -31,6 +44,25 @@ std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanati
 }
 
 }  // namespace
+
+double log_within(const EvidenceByScale& e, double scale) {
+  return log_part(e, [&](double s) { return s <= scale; });
+}
+
+double log_beyond(const EvidenceByScale& e, double scale) {
+  return log_part(e, [&](double s) { return s > scale; });
+}
+
+double mean_scale(const EvidenceByScale& e) {
+  std::vector<double> logs, weights;
+  for (const auto& s : e) logs.push_back(s.log_evidence), weights.push_back(s.weight);
+  const auto share = shares(logs, weights);
+  double mean = 0;
+  for (std::size_t i = 0; i < e.size(); ++i) mean += share[i] * e[i].scale;
+  return mean;
+}
+
+double greatest_remainder(const BaseEvidence& base, const Gates& gates) { return gates.remainder * mean_scale(base.by_scale); }
 
 std::string text(VerdictKind kind) {
   switch (kind) {
@@ -64,9 +96,10 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
   if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
   if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
-  if (e.chi2 > greatest_plausible(base, g)) return Gate::adequate;
+  const double left = greatest_remainder(base, g);
+  if (e.chi2 > greatest_plausible(base, g) && !(log_within(e.by_scale, left) >= log_beyond(e.by_scale, left))) return Gate::remainder;
   if (e.farthest > g.farthest) return Gate::plausible;
-  if (e.base_pull > std::max(base.base_pull, 1.0)) return Gate::handbook;
+  if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   return Gate::passed;
 }
 
@@ -99,8 +132,9 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
       return unknown(fmt::format("numerics: {} explains as much as {}", next->name, best.name));
     case Gate::explained:
       return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * explained));
-    case Gate::adequate:
-      return unknown(fmt::format("{} comes nearest, but with it the records are still not explained (chi-squared {:.4g} for {:.0f} values)", best.name, best.chi2, base.values));
+    case Gate::remainder:
+      return unknown(fmt::format("{} comes nearest, but leaves too much: a discrepancy of {:.2g} % of the records, where the base model needs {:.2g} %", best.name,
+                                 100 * mean_scale(best.by_scale), 100 * mean_scale(base.by_scale)));
     case Gate::plausible:
       return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
     case Gate::handbook:

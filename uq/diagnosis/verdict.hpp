@@ -6,12 +6,27 @@
 
 namespace calomel {
 
+/// Evidence under the hypotheses about the errors with a discrepancy of one scale.
+struct ScaleEvidence {
+  double scale = 0;         ///< standard deviation over the record's size; 0: no discrepancy
+  double weight = 1;        ///< of these hypotheses before the records; all weights sum to 1
+  double log_evidence = 0;  ///< over that of the base model's whole mixture
+};
+/// One entry a scale, rising.
+using EvidenceByScale = std::vector<ScaleEvidence>;
+
+/// Log evidence of the scales up to `scale`, and of those beyond it, each part by itself: -infinity of a part without a scale.
+[[nodiscard]] double log_within(const EvidenceByScale& e, double scale);
+[[nodiscard]] double log_beyond(const EvidenceByScale& e, double scale);
+/// Scale of the discrepancy that the records ask for: its mean over these hypotheses.
+[[nodiscard]] double mean_scale(const EvidenceByScale& e);
+
 /// What is known of one explanation beside the base model.
 struct Explanation {
   std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
-  double log_plain = 0, log_discrepancy = 0;  ///< the same of its parts without and with a discrepancy
+  EvidenceByScale by_scale;     ///< the same, scale by scale of a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
@@ -23,8 +38,7 @@ struct Explanation {
 struct BaseEvidence {
   double values = 0;       ///< compared
   double chi2 = 0;         ///< at its best, without any discrepancy
-  double log_plain = 0;    ///< evidence without a discrepancy, less that of the mixture with one
-  double log_discrepancy = 0;  ///< the same of the part with a discrepancy
+  EvidenceByScale by_scale;
   double base_pull = 0;
 };
 
@@ -35,7 +49,9 @@ struct Gates {
   double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
+  double remainder = 1.0 / 3;   ///< or, of a name: scale of the discrepancy that it leaves, over that which the base model needs, at most. No law is the target's to the last digit
   double farthest = 3;
+  double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is shared by all explanations alike
 };
@@ -46,7 +62,7 @@ std::string text(VerdictKind kind);
 struct Ranked {
   std::string name;  ///< "none", "unknown", or an explanation's
   double probability = 0;
-  double log_evidence = 0;  ///< over the base model's whole: "none" and a name without a discrepancy, "unknown" the base model and all explanations with one
+  double log_evidence = 0;  ///< over the base model's whole: "none" without a discrepancy, a name with no more than it may leave, "unknown" the base model and all explanations with more
 };
 
 struct Verdict {
@@ -57,7 +73,7 @@ struct Verdict {
 };
 
 /// Which of the rule's gates an explanation meets first that it does not pass.
-enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, adequate, plausible, handbook };
+enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, plausible, handbook };
 
 /// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
 [[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
@@ -67,6 +83,9 @@ enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, e
 
 /// Whether no record of these gauges tells the two apart.
 [[nodiscard]] bool same_class(const Explanation& a, const Explanation& b);
+
+/// The greatest scale of a discrepancy that a name may leave.
+[[nodiscard]] double greatest_remainder(const BaseEvidence& base, const Gates& gates = {});
 
 /// The greatest chi-squared that is not implausible of an adequate fit.
 [[nodiscard]] double greatest_plausible(const BaseEvidence& base, const Gates& gates = {});

@@ -39,7 +39,7 @@ std::vector<ParameterGroup> groups() {
 
 Alternative beam() {
   Alternative a;
-  a.explanation = {.name = "beam_profile", .log_bayes_factor = 106, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true};
+  a.explanation = {.name = "beam_profile", .log_bayes_factor = 106, .by_scale = {{0, 0.5, 108}, {0.08, 0.5, 98}}, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true};
   a.groups = {"beam_profile"};
   a.numbers = {{"beam_profile.width_ratio_z", 0.99, 0.02}, {"beam_profile.offset_z", 2.312e-3, 1.61e-4}};
   a.held_out = {0.12, 0.06};
@@ -48,7 +48,7 @@ Alternative beam() {
 
 Alternative wall(double log_bayes_factor) {
   Alternative a;
-  a.explanation = {.name = "wall_thinning", .log_bayes_factor = log_bayes_factor, .chi2 = 300, .base_pull = 1, .fitted = true};
+  a.explanation = {.name = "wall_thinning", .log_bayes_factor = log_bayes_factor, .by_scale = {{0, 0.5, log_bayes_factor - 1}, {0.08, 0.5, log_bayes_factor - 0.5}}, .chi2 = 300, .base_pull = 1, .fitted = true};
   a.groups = {"wall_thinning"}, a.place = "top";
   a.numbers = {{"wall_thinning.fraction", 0.12, 0.04}};
   return a;
@@ -59,7 +59,7 @@ Diagnosis judged(std::vector<Alternative> candidates, double base_chi2 = 400) {
   for (auto& c : candidates) c.settled = true;
   Diagnosis d;
   d.base.settled = true;
-  d.evidence = {.values = 100, .chi2 = base_chi2, .log_plain = -1, .log_discrepancy = -0.5, .base_pull = 0.5};
+  d.evidence = {.values = 100, .chi2 = base_chi2, .by_scale = {{0, 0.5, -1}, {0.08, 0.5, -0.5}}, .base_pull = 0.5};
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.explanation.log_bayes_factor > b.explanation.log_bayes_factor; });
   d.candidates = std::move(candidates);
   std::vector<Explanation> all;
@@ -148,7 +148,7 @@ TEST(PlainWords, UnknownSaysWhyAndWhereToLook) {
   EXPECT_THAT(finding(a).finding, HasSubstr("none of the effects that were tried is it"));
   a = beam(), a.explanation.chi2 = 300;
   EXPECT_THAT(finding(a).finding, HasSubstr("the proton beam's profile comes nearest, but accounts for only 30 % of the mismatch"));  // 100 of 335
-  a = beam(), a.explanation.chi2 = 140;
+  a = beam(), a.explanation.chi2 = 140, a.explanation.by_scale = {{0, 0.5, 98}, {0.08, 0.5, 108}};
   EXPECT_THAT(finding(a).finding, HasSubstr("with it the records are still not explained"));
   a = beam(), a.explanation.farthest = 4;
   EXPECT_THAT(finding(a).finding, HasSubstr("stronger than is plausible (offset_z 2.31 ± 0.16 mm in place of 0 mm and width_ratio_z 0.990 ± 0.020 in place of 1)"));
@@ -186,10 +186,11 @@ TEST(PlainWords, TheGateThatIsNotPassedAgreesWithTheVerdict) {
   RandomStream random(3, 0);
   int named = 0, unknown = 0;
   for (int trial = 0; trial < 4000; ++trial) {
-    const BaseEvidence base{.values = 100, .chi2 = 150 + 400 * random.uniform(), .base_pull = 2 * random.uniform()};
+    const auto by_scale = [&] { return EvidenceByScale{{0, 0.2, 20 * random.uniform()}, {0.02, 0.3, 20 * random.uniform()}, {0.08, 0.5, 20 * random.uniform()}}; };
+    const BaseEvidence base{.values = 100, .chi2 = 150 + 400 * random.uniform(), .by_scale = by_scale(), .base_pull = 2 * random.uniform()};
     std::vector<Explanation> all;
     for (int i = 0; i < 3; ++i)
-      all.push_back({.name = std::string(1, char('a' + i)), .numerical = random.uniform() < 0.2, .log_bayes_factor = 150 * random.uniform(), .chi2 = 60 + 200 * random.uniform(), .farthest = 4 * random.uniform(),
+      all.push_back({.name = std::string(1, char('a' + i)), .numerical = random.uniform() < 0.2, .log_bayes_factor = 150 * random.uniform(), .by_scale = by_scale(), .chi2 = 60 + 200 * random.uniform(), .farthest = 4 * random.uniform(),
                      .base_pull = 2 * random.uniform(), .fitted = true});
     std::sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.log_bayes_factor > y.log_bayes_factor; });
     const Verdict v = judge(base, all);

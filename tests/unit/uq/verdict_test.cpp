@@ -3,16 +3,21 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <limits>
+
 namespace calomel {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-BaseEvidence poor() { return {.values = 100, .chi2 = 400, .log_plain = -120, .log_discrepancy = -0.1, .base_pull = 1.5}; }
-BaseEvidence good() { return {.values = 100, .chi2 = 66, .log_plain = -0.2, .log_discrepancy = -1.5, .base_pull = 0.4}; }
-Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .log_plain = 102, .log_discrepancy = 97, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
-Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .log_plain = -90, .log_discrepancy = 4, .chi2 = 350, .base_pull = 1, .fitted = true}; }
+/// Without a discrepancy, and with one of 8 % of the records.
+EvidenceByScale with_and_without(double plain, double discrepancy) { return {{0, 0.5, plain}, {0.08, 0.5, discrepancy}}; }
+BaseEvidence poor() { return {.values = 100, .chi2 = 400, .by_scale = with_and_without(-120, -0.1), .base_pull = 1.5}; }
+BaseEvidence good() { return {.values = 100, .chi2 = 66, .by_scale = with_and_without(-0.2, -1.5), .base_pull = 0.4}; }
+Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .by_scale = with_and_without(102, 97), .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
+Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .base_pull = 1, .fitted = true}; }
 
 TEST(Verdict, NamesWhatExplainsAndLeads) {
   const Verdict v = judge(poor(), {rear(), beam()});
@@ -27,7 +32,7 @@ TEST(Verdict, NamesWhatExplainsAndLeads) {
 
 TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
   Explanation part = beam();  // gains much, and still leaves what only a discrepancy takes up
-  part.log_plain = -30, part.log_discrepancy = 100, part.chi2 = 200;
+  part.by_scale = with_and_without(-30, 100), part.chi2 = 200;
   const Verdict v = judge(poor(), {part, rear()});
   EXPECT_EQ(v.kind, VerdictKind::unknown);
   EXPECT_EQ(v.ranking[0].name, "unknown");
@@ -38,9 +43,9 @@ TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
 TEST(Verdict, AnExplanationIsAsProbableAsItsEvidenceAndPriorSay) {
   const Gates g;
   BaseEvidence base = poor();
-  base.log_plain = base.log_discrepancy = -1000;
+  base.by_scale = with_and_without(-1000, -1000);
   Explanation one = beam();
-  one.log_plain = one.log_discrepancy = 50;
+  one.by_scale = with_and_without(50, 50);
   const Verdict v = judge(base, {one});
   ASSERT_EQ(v.ranking[0].name, "beam_profile");
   const double name = 1 - g.prior_none - g.prior_unknown, unknown = 0.5 * g.prior_unknown;
@@ -72,8 +77,8 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("has a log Bayes factor of"));
   x = beam(), x.chi2 = 300;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("explains only"));
-  x = beam(), x.chi2 = 140;
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("still not explained"));
+  x = beam(), x.chi2 = 140, x.by_scale = with_and_without(97, 102);
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("leaves too much: a discrepancy of 7.9 % of the records, where the base model needs 8 %"));
   x = beam(), x.farthest = 4;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("plausible"));
   x = beam(), x.base_pull = 3;
@@ -84,6 +89,31 @@ TEST(Verdict, SaysUnknownForEachReason) {
   mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
   EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
+}
+
+// No law is the target's to the last digit: what is left may be more than the errors, if it is small beside what the name accounts for.
+TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
+  Explanation x = beam();
+  x.chi2 = 140;
+  x.by_scale = {{0, 0.2, 70}, {0.02, 0.3, 100}, {0.08, 0.5, 80}};
+  BaseEvidence base = poor();
+  base.by_scale = {{0, 0.2, -120}, {0.02, 0.3, -60}, {0.08, 0.5, -0.1}};
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);
+  EXPECT_GT(judge(base, {x}).ranking[0].probability, 0.99);
+  x.by_scale[2].log_evidence = 120;
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
+  x.by_scale[2].log_evidence = 80;
+  base.by_scale[1].log_evidence = 30;  // the base model needs no more than the name leaves
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
+}
+
+TEST(Verdict, PartsOfTheEvidenceAreTheirOwnMeans) {
+  const EvidenceByScale e{{0, 0.25, std::log(2)}, {0.01, 0.25, std::log(4)}, {0.03, 0.5, std::log(1)}};
+  EXPECT_NEAR(log_within(e, 0), std::log(2), 1e-12);
+  EXPECT_NEAR(log_within(e, 0.02), std::log(3), 1e-12);
+  EXPECT_NEAR(log_beyond(e, 0), std::log(2), 1e-12);
+  EXPECT_EQ(log_beyond(e, 0.03), -std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(mean_scale(e), (0.25 * 4 * 0.01 + 0.5 * 0.03) / 2, 1e-12);
 }
 
 TEST(Verdict, NamesAClassAsAClass) {
