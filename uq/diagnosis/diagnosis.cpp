@@ -81,7 +81,6 @@ class Engine {
     fit_linear();
     fit_leaders();
     judge_all();
-    if (puzzled() && out_.verdict.kind == VerdictKind::unknown) fit_rest();
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
     hold_out();
     locate_all();
@@ -140,7 +139,6 @@ class Engine {
   void fit_linear();
   void fit_linear(const Question& q);
   void fit_leaders();
-  void fit_rest();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
   void judge_all();
@@ -258,22 +256,6 @@ void Engine::fit_leaders() {
     c.message = "to first order";
     out_.candidates.push_back(std::move(c));
   }
-}
-
-/// Where nothing that leads explains the records, all others: the base fit has pushed its own numbers to where it misses least, and an effect that they imitate, or that is not
-/// linear, may be worth nothing there to first order.
-void Engine::fit_rest() {
-  for (const auto& q : asked_) {
-    const std::string& name = in_.groups[q.group].name;
-    const auto to_first_order = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name && !c.explanation.fitted && c.runs == 0; });
-    if (q.sensor || to_first_order == out_.candidates.end()) continue;
-    const Alternative before = *to_first_order;
-    out_.candidates.erase(to_first_order);
-    const std::size_t others = out_.candidates.size();
-    fit(q);
-    if (out_.candidates.size() == others) out_.candidates.push_back(before);  // it did not fit into the budget
-  }
-  judge_all();
 }
 
 /// A group beside the base model's parameters, or beside those of what was fitted already.
