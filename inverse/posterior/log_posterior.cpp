@@ -117,14 +117,17 @@ LogPosterior::Likelihood LogPosterior::likelihood(const Hypothesis& h, const Eig
   return l;
 }
 
-LogPosterior::Density LogPosterior::density(const Point& at) const {
+LogPosterior::Density LogPosterior::density(const Point& at, bool slopes) const {
   Density out;
   const auto f = Eigen::Index(free_.size()), n = dimension();
   const Eigen::VectorXd x = emulator_.features(at.u, at.beyond), hx = emulator_.inverse() * x;
-  const Eigen::MatrixXd all = emulator_.features_slope(at.u, at.beyond);
-  Eigen::MatrixXd dx(all.rows(), n);
-  dx.leftCols(f) = all(Eigen::all, free_);
-  if (has_beyond_) dx.col(f) = all.col(all.cols() - 1);
+  Eigen::MatrixXd dx;
+  if (slopes) {
+    const Eigen::MatrixXd all = emulator_.features_slope(at.u, at.beyond);
+    dx.resize(all.rows(), n);
+    dx.leftCols(f) = all(Eigen::all, free_);
+    if (has_beyond_) dx.col(f) = all.col(all.cols() - 1);
+  }
   out.variance = x.dot(hx);
 
   std::vector<Eigen::VectorXd> gradients;
@@ -133,15 +136,17 @@ LogPosterior::Density LogPosterior::density(const Point& at) const {
   double chi2 = 0;
   for (const auto& h : hypotheses_) {
     const Likelihood l = likelihood(h, h.data - h.coefficients * x, out.variance);
-    const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.inflation).sum());
-    gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
     logs.push_back(l.value + h.log_weight);
+    if (slopes) {
+      const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.inflation).sum());
+      gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
+    }
     if (logs.size() == 1 || logs.back() > logs[best]) best = logs.size() - 1, chi2 = l.chi2;
   }
   out.log_likelihood = log_sum(logs), out.chi2 = chi2;
   out.weights = shares(logs);
   out.likelihood_gradient = Eigen::VectorXd::Zero(n);
-  for (std::size_t j = 0; j < logs.size(); ++j) out.likelihood_gradient += out.weights[j] * gradients[j];
+  for (std::size_t j = 0; j < gradients.size(); ++j) out.likelihood_gradient += out.weights[j] * gradients[j];
 
   out.prior_gradient = Eigen::VectorXd::Zero(n);
   const Eigen::VectorXd by_u = box_.slope(at.u);
@@ -167,7 +172,7 @@ double LogPosterior::log_likelihood_of(const Eigen::VectorXd& prediction, double
 
 double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const {
   const Point at = point(q);
-  const Density density = this->density(at);
+  const Density density = this->density(at, gradient != nullptr);
   double value = density.log_posterior();
   if (!std::isfinite(value)) {
     if (gradient) gradient->setZero(dimension());

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """How often the posterior holds the truth, over records of another code with nothing concealed. Needs Python 3 alone.
 
-  coverage_of_posterior.py run   BUILD_DIR WORK_DIR [--cases N] [--seed S] [--threads T] [--set table.key=value]...
-  coverage_of_posterior.py table WORK_DIR
+  coverage_of_posterior.py run   BUILD_DIR WORK_DIR [--cases N] [--seed S] [--suite DIR] [--threads T] [--set table.key=value]...
+  coverage_of_posterior.py table WORK_DIR [--with EARLIER.csv]...
 
 `run` has `calomel challenge make` record N slices by the reference generator (its own mesh, step, viscosity, steel, gauge places, gains, pulse length and energies, all drawn by the seed),
 samples each posterior on meshes of 2 and 1 mm, and beside it, on the same emulator and the same runs, the posteriors under the forms of `[posterior] compare`. A case
-that is done is not done again, and one that was cut off goes on from its runs. `table` counts how often the central intervals of each parameter and the joint region of the
-three hold the truth, with exact binomial intervals (Clopper and Pearson 1934) of 95 %, and writes coverage.csv, a line a case, form and parameter.
+that is done is not done again, and one that was cut off goes on from its runs. --suite takes the cases of a suite that is there in which nothing is concealed. `table` counts how often the central intervals of each parameter and the joint region of the
+three hold the truth, with exact binomial intervals (Clopper and Pearson 1934) of 95 %, and writes coverage.csv, a line a case, form and parameter. --with counts the
+lines of other suites too.
 """
 import argparse
 import csv
@@ -27,13 +28,24 @@ def case_names(work):
     return sorted(os.listdir(folder)) if os.path.isdir(folder) else []
 
 
+def make_suite(args, program, suite):
+    if args.suite:
+        os.makedirs(args.work, exist_ok=True)
+        if not os.path.lexists(suite):
+            os.symlink(os.path.abspath(args.suite), suite)
+        return
+    subprocess.run([program, "challenge", "make", "--seed", str(args.seed), "--out", suite, "--none", str(args.cases), "--single", "0", "--outside", "0", "--sensor", "0", "--pair", "0",
+                    "--threads", str(args.threads)], check=True)
+
+
 def run(args):
     program = os.path.join(args.build, "apps", "calomel")
     suite = os.path.join(args.work, "suite")
-    subprocess.run([program, "challenge", "make", "--seed", str(args.seed), "--out", suite, "--none", str(args.cases), "--single", "0", "--outside", "0", "--sensor", "0", "--pair", "0",
-                    "--threads", str(args.threads)], check=True)
+    make_suite(args, program, suite)
     failed = 0
     for name in case_names(args.work):
+        if conceals(args.work, name):
+            continue
         out = os.path.join(args.work, name)
         command = [program, "sample", os.path.join(suite, "cases", name, "case.toml"), "--out", out, "--threads", str(args.threads), "--quiet"]
         for s in (*SET, *args.set):
@@ -43,6 +55,17 @@ def run(args):
             failed += 1
             print(f"{name}: exit status {status}", file=sys.stderr)
     return 1 if failed else 0
+
+
+def conceals(work, name):
+    """Whether the truth of a case has an effect."""
+    with open(os.path.join(work, "suite", "truth", name + ".toml"), encoding="utf-8") as f:
+        return any(line.startswith("[[effect]]") for line in f)
+
+
+def seed_of(work):
+    with open(os.path.join(work, "suite", "suite.json"), encoding="utf-8") as f:
+        return str(json.load(f)["provenance"]["seed"])
 
 
 def truth_of(work, name):
@@ -108,18 +131,29 @@ def rows_of(work, name):
         return []
     with open(path, encoding="utf-8") as f:
         told = json.load(f)
-    truth = truth_of(work, name)
+    truth, seed = truth_of(work, name), seed_of(work)
     rows = []
     for form, part in [("posterior", told)] + [(form, told["compared"][form]) for form in FORMS]:
         region = part["regions"]
         shares = {round(100 * s["share"]): s for s in region["shares"]}
-        base = {"case": name, "form": form, "converged": part["converged"]}
+        base = {"seed": seed, "case": name, "form": form, "converged": part["converged"]}
         for i, parameter in enumerate(region["parameters"]):
             sd, t = math.sqrt(region["covariance"][i][i]), truth[parameter]
             rows.append({**base, "what": parameter, "truth": t, "mean": region["mean"][i], "sd": sd, "deviations": (region["mean"][i] - t) / sd,
                          **{f"in_{p}": int(shares[p]["low"][i] <= t <= shares[p]["high"][i]) for p in (50, 90)}})
         square = square_distance(region, truth)
         rows.append({**base, "what": "joint", "truth": "", "mean": "", "sd": "", "deviations": math.sqrt(square), **{f"in_{p}": int(square <= shares[p]["square_radius"]) for p in (50, 90)}})
+    return rows
+
+
+def earlier_rows(path):
+    """Rows of a coverage.csv."""
+    rows = []
+    with open(path, newline="", encoding="utf-8") as f:
+        for row in csv.DictReader(f):
+            for key in ("mean", "sd", "deviations"):
+                row[key] = float(row[key]) if row[key] else ""
+            rows.append({**row, "converged": row["converged"] == "True", "in_50": int(row["in_50"]), "in_90": int(row["in_90"])})
     return rows
 
 
@@ -130,14 +164,17 @@ def share_text(k, n):
 
 def table(args):
     rows = [row for name in case_names(args.work) for row in rows_of(args.work, name)]
+    own = len(rows)
+    for earlier in args.earlier:
+        rows += earlier_rows(earlier)
     if not rows:
         print("no case is done yet", file=sys.stderr)
         return 1
     with open(os.path.join(args.work, "coverage.csv"), "w", newline="", encoding="utf-8") as f:
         out = csv.DictWriter(f, rows[0].keys())
         out.writeheader()
-        out.writerows(rows)
-    cases = sorted({r["case"] for r in rows})
+        out.writerows(rows[:own])
+    cases = {(r["seed"], r["case"]) for r in rows}
     whats = [w for w in dict.fromkeys(r["what"] for r in rows)]
     sure = sum(r["converged"] for r in rows if r["form"] == "posterior" and r["what"] == "joint")
     print(f"{len(cases)} records, {sure} of them with a posterior that says it is to be trusted\n")
@@ -159,10 +196,12 @@ def main():
     runs.add_argument("work")
     runs.add_argument("--cases", type=int, default=5)
     runs.add_argument("--seed", type=int, default=1)
+    runs.add_argument("--suite")
     runs.add_argument("--threads", type=int, default=1)
     runs.add_argument("--set", action="append", default=[])
     tables = verbs.add_parser("table")
     tables.add_argument("work")
+    tables.add_argument("--with", dest="earlier", action="append", default=[])
     args = parser.parse_args()
     return run(args) if args.verb == "run" else table(args)
 
