@@ -16,11 +16,10 @@ constexpr double least_width = 0.03;                 ///< the same over the numb
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
 constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
-constexpr double zoom = 0.4, box_in_deviations = 4;  ///< a further box over the one before, at least, and in deviations of the answer
-constexpr int most_boxes = 3;                        ///< after the first
+constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 8;                       ///< of a further box
+constexpr int most_rounds = 8;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
 constexpr int stays_enough = 2;                      ///< rounds in a row
 constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
@@ -146,30 +145,26 @@ FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, cons
   PosteriorFit fit = fit_posterior(in);
   double last = log_bayes_factor(fit, base);
   if (!is_rough(fit) && !worth(last)) return {.inputs = std::move(in), .fit = std::move(fit)};
-  // Again about the answer, and about that where it is still rough: over a wide box a quadratic is only so good.
-  bool stands = false;
-  for (int box = 0; box == 0 || (box < most_boxes && is_rough(fit)); ++box) {
-    const LocalMode& mode = fit.modes[0];
-    const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
-    in.centre = mode.at.theta;
-    for (std::size_t k = 0; k < in.half_width.size(); ++k)
-      in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-    in.known = std::move(fit.runs);
-    in.known_dimension = in.parameters.size();
-    int stayed = 0;
-    in.go_on = [&](const PosteriorFit& f) {
-      if (is_rough(f)) return f.rounds.size() == 1;
-      const double now = log_bayes_factor(f, base);
-      const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
-      stayed = stays ? stayed + 1 : 0;
-      last = now;
-      return int(f.rounds.size()) <= most_rounds && stayed < stays_enough && worth(now);
-    };
-    fit = fit_posterior(in);
-    stands = stayed >= stays_enough || fit.settled;
-  }
-  in.go_on = {};  // it looks at what ends here
-  return {.inputs = std::move(in), .fit = std::move(fit), .stands = stands};
+  // Again about the answer: over a wide box a quadratic is only so good.
+  const LocalMode& mode = fit.modes[0];
+  const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
+  in.centre = mode.at.theta;
+  for (std::size_t k = 0; k < in.half_width.size(); ++k)
+    in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+  in.known = std::move(fit.runs);
+  in.known_dimension = in.parameters.size();
+  int stayed = 0;
+  in.go_on = [&](const PosteriorFit& f) {
+    if (is_rough(f)) return f.rounds.size() == 1;
+    const double now = log_bayes_factor(f, base);
+    const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
+    stayed = stays ? stayed + 1 : 0;
+    last = now;
+    return int(f.rounds.size()) <= most_rounds && stayed < stays_enough && worth(now);
+  };
+  PosteriorFit second = fit_posterior(in);
+  const bool stands = stayed >= stays_enough || second.settled;
+  return {.inputs = std::move(in), .fit = std::move(second), .stands = stands};
 }
 
 }  // namespace calomel

@@ -253,8 +253,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::explained:
       return {fmt::format("It accounts for {:.0f} % of the mismatch only; {:.0f} % is asked.", share, 100 * g.explained), "A second effect beside it that accounts for the rest."};
     case Gate::remainder:
-      return {fmt::format("With it the records are still not explained: it leaves a discrepancy of {:.2g} % of the records, where {:.2g} % is let pass.", 100 * mean_scale(e.by_scale),
-                          100 * greatest_remainder(d.evidence, g)),
+      return {fmt::format("With it the records are still not explained ({}): it leaves {:.0f} % of the mismatch, where {:.0f} % is let pass.", chi2_words(e.chi2, d.evidence, g), 100 - share, 100 * (1 - least_explained(g))),
               "A second effect beside it that accounts for the rest."};
     case Gate::plausible:
       return {fmt::format("It would have to be stronger than is plausible ({}).", plain_size(*a, groups)), "Knowing by other means that it can be that strong."};

@@ -62,6 +62,8 @@ double mean_scale(const EvidenceByScale& e) {
   return mean;
 }
 
+double least_explained(const Gates& gates) { return 1 - gates.remainder * gates.remainder; }
+
 double greatest_remainder(const BaseEvidence& base, const Gates& gates) { return gates.remainder * mean_scale(base.by_scale); }
 
 std::string text(VerdictKind kind) {
@@ -96,8 +98,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
   if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
   if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
-  const double left = greatest_remainder(base, g);
-  if (e.chi2 > greatest_plausible(base, g) && !(log_within(e.by_scale, left) >= log_beyond(e.by_scale, left))) return Gate::remainder;
+  if (e.chi2 > greatest_plausible(base, g) && share_explained(base, e, g).value_or(0) < least_explained(g)) return Gate::remainder;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   return Gate::passed;
@@ -133,8 +134,8 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::explained:
       return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * explained));
     case Gate::remainder:
-      return unknown(fmt::format("{} comes nearest, but leaves too much: a discrepancy of {:.2g} % of the records, where the base model needs {:.2g} %", best.name,
-                                 100 * mean_scale(best.by_scale), 100 * mean_scale(base.by_scale)));
+      return unknown(fmt::format("{} comes nearest, but with it the records are still not explained: it leaves {:.0f} % of what the base model leaves (chi-squared {:.4g} for {:.0f} values)", best.name,
+                                 100 * (1 - explained), best.chi2, base.values));
     case Gate::plausible:
       return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
     case Gate::handbook:

@@ -49,7 +49,7 @@ struct Gates {
   double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
-  double remainder = 1.0 / 3;   ///< or, of a name: scale of the discrepancy that it leaves, over that which the base model needs, at most. No law is the target's to the last digit
+  double remainder = 1.0 / 3;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
@@ -84,7 +84,10 @@ enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, e
 /// Whether no record of these gauges tells the two apart.
 [[nodiscard]] bool same_class(const Explanation& a, const Explanation& b);
 
-/// The greatest scale of a discrepancy that a name may leave.
+/// The least share of the excess of chi-squared that a name must explain where the records are not explained within their errors.
+[[nodiscard]] double least_explained(const Gates& gates = {});
+
+/// The greatest scale of a discrepancy that a name may leave, for its probability.
 [[nodiscard]] double greatest_remainder(const BaseEvidence& base, const Gates& gates = {});
 
 /// The greatest chi-squared that is not implausible of an adequate fit.
