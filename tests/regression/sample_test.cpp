@@ -72,6 +72,7 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_EQ(json["status"], "done");
   EXPECT_TRUE(json["converged"].get<bool>());
   EXPECT_TRUE(json["true_model_check"]["holds"].get<bool>());
+  EXPECT_EQ(json["final"], json["converged"].get<bool>() && json["warnings"].empty());
   for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions"}) EXPECT_TRUE(json.contains(key)) << key;
   ASSERT_EQ(json["parameters"].size(), 3u);  // the two, and how far past the finest mesh
   for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
