@@ -5,10 +5,10 @@
   coverage_of_posterior.py table WORK_DIR [--with EARLIER.csv]...
 
 `run` has `calomel challenge make` record N slices by the reference generator (its own mesh, step, viscosity, steel, gauge places, gains, pulse length and energies, all drawn by the seed),
-samples each posterior on meshes of 2 and 1 mm, and beside it, on the same emulator and the same runs, the posteriors under the forms of `[posterior] compare`. A case
-that is done is not done again, and one that was cut off goes on from its runs. --suite takes the cases of a suite that is there in which nothing is concealed. `table` counts how often the central intervals of each parameter and the joint region of the
-three hold the truth, with exact binomial intervals (Clopper and Pearson 1934) of 95 %, and writes coverage.csv, a line a case, form and parameter. --with counts the
-lines of other suites too.
+samples each posterior on meshes of 2 and 1 mm (--set 'emulator.element_sizes=[1e-3,0.5e-3]' for others), and beside it, on the same emulator and the same runs, the posteriors under the forms of `[posterior] compare`. A case
+that is done is not done again, and one that was cut off goes on from its runs. --suite takes those cases of a suite in which nothing is concealed in place of making one.
+`table` counts how often the central intervals of each parameter and the joint region of the three hold the truth, with exact binomial intervals (Clopper and Pearson 1934) of
+95 %, and writes coverage.csv, a line a case, form and parameter. --with counts the lines of other suites too.
 """
 import argparse
 import csv

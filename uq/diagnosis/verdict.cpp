@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "base/log_sum.hpp"
@@ -16,8 +15,9 @@ namespace {
 
 const char* base_fits = "the base model explains the records within their errors";
 
-/// Evidence of a part of the scales by itself.
-double log_part(const EvidenceByScale& e, const std::function<bool(double)>& belongs) {
+/// Evidence of those scales by themselves that belong, as said by a function of the scale.
+template <class Belongs>
+double log_part(const EvidenceByScale& e, const Belongs& belongs) {
   std::vector<double> logs, weights;
   double total = 0;
   for (const auto& s : e)
@@ -97,8 +97,9 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (i > 0 && !same_class(all[0], e) && all[0].log_bayes_factor - e.log_bayes_factor >= g.lead) return Gate::rival;
   const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
   if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
-  if (share_explained(base, e, g).value_or(0) < g.explained) return Gate::explained;
-  if (e.chi2 > greatest_plausible(base, g) && share_explained(base, e, g).value_or(0) < least_explained(g)) return Gate::remainder;
+  const double share = share_explained(base, e, g).value_or(0);
+  if (share < g.explained) return Gate::explained;
+  if (e.chi2 > greatest_plausible(base, g) && share < least_explained(g)) return Gate::remainder;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   return Gate::passed;

@@ -26,7 +26,7 @@ struct Explanation {
   std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
-  EvidenceByScale by_scale;     ///< the same, scale by scale of a discrepancy
+  EvidenceByScale by_scale;           ///< the same, scale by scale of a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
@@ -38,7 +38,7 @@ struct Explanation {
 struct BaseEvidence {
   double values = 0;       ///< compared
   double chi2 = 0;         ///< at its best, without any discrepancy
-  EvidenceByScale by_scale;
+  EvidenceByScale by_scale;  ///< its evidence, scale by scale of a discrepancy
   double base_pull = 0;
 };
 
