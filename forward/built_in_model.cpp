@@ -216,7 +216,7 @@ RingDown BuiltInModel::ring_down(const ForwardCase& at, const Mesh& mesh, const 
   const double longer = std::max(3 * at.time.end, 2e-3);
   linear.time.end = at.time.output_interval * std::ceil((at.time.end + longer) / at.time.output_interval);
   RunSetup s = setup(linear, mesh, condition, {1.0});
-  s.slip_strength.clear();
+  s.slip_strength.clear(), s.slip_hold.clear();
   SolveOptions options = solve_options(at.solver);
   options.threads = solver.useful_threads(s, options, threads_).threads;
   return {.interval = s.output_interval, .sensors = rows.size(), .strain = solver.solve(s, rows, options).observations};

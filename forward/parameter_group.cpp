@@ -18,11 +18,17 @@ constexpr double least_infinite = 0.01;  ///< of the upper end of its range: the
 
 }  // namespace
 
-AddedParameter added_number(const std::string& mechanism, const MechanismKey& k, double off) {
+AddedParameter added_number(const std::string& mechanism, const MechanismKey& k, double off, double whole) {
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name;
   a.unit = k.unit, a.doc = k.doc;
+  if (!k.shows_below.empty()) {
+    a.share_of = k.shows_below, a.whole = whole;
+    p.nominal = 1, p.min = 0, p.max = 1;
+    a.strengths = {0};
+    return a;
+  }
   if (off == -std::numeric_limits<double>::infinity()) {  // a pressure that nothing falls below: at the middle of its range it acts as it can
     a.inverse = true;
     p.nominal = 0, p.min = 1 / k.high, p.max = 0;
@@ -51,7 +57,10 @@ void set_added(std::map<std::string, double>& numbers, std::span<const double> v
   expect(values.size() == added.size(), "one value for each number that is added");
   for (std::size_t k = 0; k < added.size(); ++k) {
     if (values[k] == *added[k].parameter.nominal) continue;
-    numbers[added[k].parameter.key] = added[k].inverse ? 1 / values[k] : values[k];
+    const AddedParameter& a = added[k];
+    const auto whole = a.share_of.empty() ? numbers.end() : numbers.find(a.share_of);
+    const double unit = a.share_of.empty() ? 1 : whole == numbers.end() ? a.whole : whole->second;
+    numbers[a.parameter.key] = a.inverse ? 1 / values[k] : unit * values[k];
     for (const auto& [key, number] : added[k].with) numbers[key] = number;
   }
 }
@@ -66,6 +75,15 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
   const double ratio = std::log(k.high / k.low);
   p.prior = "lognormal", p.mu = 0.5 * std::log(k.high * k.low), p.sigma = ratio / 4;
   for (const double part : {1.0 / 6, 0.5, 5.0 / 6}) a.strengths.push_back(k.low * std::exp(part * ratio));
+  return a;
+}
+
+/// Where a stretch begins or ends: looked at first where it is said to.
+AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high) {
+  AddedParameter a;
+  Parameter& p = a.parameter;
+  p.name = mechanism + '.' + key, p.key = "mechanism." + p.name, p.min = low, p.max = high, p.nominal = at;
+  a.unit = "m", a.doc = "where the stretch " + key + 's';
   return a;
 }
 
@@ -88,7 +106,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                      .plain = entry.plain, .check = entry.check};
     for (const auto& k : entry.keys) {
-      if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k)));
+      if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
       if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
     }
     const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
@@ -109,6 +127,8 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
         if (one.part) {
           one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
           for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
+          const double reach = 0.25 * (end - begin);  // half the distance of two quarters
+          one.shapes.push_back(place_of(row.name, "begin", std::max(begin - reach, 0.0), begin, begin + reach)), one.shapes.push_back(place_of(row.name, "end", end - reach, end, end + reach));
         }
         groups.push_back(std::move(one));
       }

@@ -16,6 +16,8 @@ struct MechanismKey;
 struct AddedParameter {
   Parameter parameter;   ///< its key is the dotted key of the case, its name "GROUP.KEY"
   bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
+  std::string share_of;  ///< dotted key of the number that the case's number is `value` times of: off at 1, where its law sets in at once; empty: none
+  double whole = 1;      ///< that number in the case, where no parameter sets it
   std::vector<double> strengths;  ///< values at which its effect is first looked at
   std::vector<std::pair<std::string, double>> with;  ///< dotted keys that are set while it is on: the wall that it is about
   std::string unit, doc;  ///< of the case's number
@@ -36,15 +38,16 @@ struct ParameterGroup {
 };
 
 /// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is the range of the registry, reaching to the off value: uniform, half-Cauchy
-/// about the geometric middle for a log-uniform one, uniform in the inverse for one that is infinite where it is off.
-[[nodiscard]] AddedParameter added_number(const std::string& mechanism, const MechanismKey& key, double off);
+/// about the geometric middle for a log-uniform one, uniform in the inverse for one that is infinite where it is off. `whole`: of a key with `shows_below`, that number, of which it is then
+/// a uniform share.
+[[nodiscard]] AddedParameter added_number(const std::string& mechanism, const MechanismKey& key, double off, double whole = 1);
 
 /// Sets the numbers of the case that `values` (added) say, by dotted key. A value at its nominal is left alone: with all of them there a run is the base model's.
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
-/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on.
-/// The prior of a shape is lognormal, its range two deviations either way.
+/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on; where a quarter begins and ends are shapes of it, uniform half a quarter's half either way.
+/// The prior of another shape is lognormal, its range two deviations either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 
 }  // namespace calomel

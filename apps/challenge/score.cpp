@@ -60,12 +60,15 @@ double brier_of(const JudgedCase& c) {
   return sum;
 }
 
-/// The value that an interval is about: of a key that is infinite where it is off (a low pass), the reciprocal.
-double as_estimated(const std::string& mechanism, const std::string& key, double value) {
+/// Whether a key is estimated by its reciprocal: one that is infinite where it is off (a low pass), unless it is a share of another number.
+bool by_reciprocal(const std::string& mechanism, const std::string& key) {
   for (const auto& k : mechanisms().get(mechanism).keys)
-    if (k.name == key && !std::isfinite(k.off)) return 1 / value;
-  return value;
+    if (k.name == key && !std::isfinite(k.off) && k.shows_below.empty()) return true;
+  return false;
 }
+
+/// The reciprocal with its deviation, to first order.
+Interval reciprocal(const Interval& i) { return {1 / i.mean, i.sd / (i.mean * i.mean)}; }
 
 /// Counts a 95 % interval, where there is one.
 void count_interval(const Interval& i, double truth, Share& covered, double& square) {
@@ -102,7 +105,9 @@ void count_coverage(const std::vector<JudgedCase>& cases, Score& s) {
       const auto dot = name.find('.');
       const std::string mechanism = name.substr(0, dot), key = name.substr(dot + 1);
       const auto found = entry->numbers.find((entry->gauge.empty() || mechanism != "sensor_response" ? "" : entry->gauge + '.') + name);
-      if (found != entry->numbers.end()) count_interval(found->second, as_estimated(mechanism, key, truth), s.numbers_covered, numbers);
+      if (found == entry->numbers.end()) continue;
+      const bool inverse = by_reciprocal(mechanism, key);
+      count_interval(inverse ? reciprocal(found->second) : found->second, inverse ? 1 / truth : truth, s.numbers_covered, numbers);
     }
   }
   s.base_pull = root_mean(base, s.base_covered.of), s.numbers_pull = root_mean(numbers, s.numbers_covered.of);

@@ -29,15 +29,19 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
                       .suggestion = "set geometry.wetted = \"slip\""});
   const auto pairs = pairs_at_wall(mesh, stretch);
   if (pairs.empty()) throw nothing_there(stretch, "interface");
-  s.slip_strength.resize(mesh.slip.size(), infinite);
-  for (const std::size_t i : pairs) s.slip_strength[i] = std::min(s.slip_strength[i], v["strength"]);
+  s.slip_strength.resize(mesh.slip.size(), infinite), s.slip_hold.resize(mesh.slip.size(), 0);
+  for (const PairAtWall& p : pairs) {
+    // Where the stretch ends within what a pair stands for, the rest of it holds as the mercury does.
+    const double rest = p.share < 1 ? (1 - p.share) * s.wetted_cutoff : 0, strength = p.share * v["strength"] + rest;
+    if (strength < s.slip_strength[p.pair]) s.slip_strength[p.pair] = strength, s.slip_hold[p.pair] = rest;
+  }
 }
 
 }  // namespace
 
 MechanismEntry interface() {
   std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinite, .low = 0, .high = 1.5e5, .least = 0,
-                                  .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds"}};
+                                  .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds", .shows_below = "material.mercury.tensile_cutoff"}};
   for (auto& k : stretch_keys(faces())) keys.push_back(std::move(k));
   return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound",
           .plain = "a wetted wall that the mercury leaves early",

@@ -32,6 +32,7 @@ struct MechanismKey {
   bool shapes = false;      ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
+  std::string shows_below;  ///< number of the case below which alone its value shows ("material.mercury.tensile_cutoff"), and from which on it is off; empty: none
   std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
   std::vector<std::string> choices;  ///< a word in the case file, one of these; its value is that one's index. Such a key does not decide and is no parameter
 };

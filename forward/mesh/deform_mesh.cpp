@@ -125,10 +125,32 @@ void for_wetted(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied
   }
 }
 
-/// Whether a place on the wetted side lies within a stretch of a wall.
-bool is_within(const WallThinning& stretch, const Point& x) {
-  const double along = x[stretch.wall == "front" || stretch.wall == "rear" ? 2 : 0];
-  return along >= stretch.begin && along <= stretch.end;
+/// Shares of the wall about each node of its wetted side, from the middle of one face beside it to that of the next, that lie within the stretch; 0 of all other nodes. An edge across
+/// the stretch's direction has no extent along it: in or out.
+std::vector<double> shares_within(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match, const WallThinning& stretch) {
+  const Eigen::Index axis = stretch.wall == "front" || stretch.wall == "rear" ? 2 : 0;
+  const auto along = [&](NodeId n) { return hexahedron::point(mesh.nodes[std::size_t(n)])[axis]; };
+  struct Extent {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  };
+  std::vector<Extent> extent(mesh.nodes.size());
+  for_wetted(mesh, tied, match, stretch.wall == "all" ? nullptr : &stretch.wall, [&](FaceId face, FaceId, const Columns&) {
+    const auto nodes = face_nodes(tied, face);
+    double middle = 0;
+    for (const NodeId n : nodes) middle += along(n) / double(nodes.size());
+    for (const NodeId n : nodes) {
+      Extent& e = extent[std::size_t(n)];
+      e.low = std::min({e.low, middle, along(n)}), e.high = std::max({e.high, middle, along(n)});
+    }
+  });
+  std::vector<double> shares(extent.size(), 0.0);
+  for (std::size_t n = 0; n < extent.size(); ++n) {
+    const auto [low, high] = extent[n];
+    if (!(low <= high)) continue;
+    const double within = std::min(high, stretch.end) - std::max(low, stretch.begin);
+    shares[n] = high > low ? std::clamp(within / (high - low), 0.0, 1.0) : double(within >= 0);
+  }
+  return shares;
 }
 
 }  // namespace
@@ -202,13 +224,15 @@ void thin_wall(Mesh& mesh, const WallThinning& thinning) {
     if (auto& m = move[std::size_t(n)]; d.squaredNorm() > m.squaredNorm()) m = d;
   };
   bool found = false;
+  const auto shares = shares_within(mesh, tied, match, thinning);
   for_wetted(mesh, tied, match, &thinning.wall, [&](FaceId, FaceId g, const Columns& wall) {
     found = true;
     const Columns liquid = walk(mesh, tied, match, g);
     for (const auto& column : wall.nodes) {
       const Point inner = hexahedron::point(mesh.nodes[std::size_t(column.front())]), outer = hexahedron::point(mesh.nodes[std::size_t(column.back())]);
-      if (!is_within(thinning, inner)) continue;
-      const Point d = thinning.fraction * (outer - inner);
+      const double share = shares[std::size_t(column.front())];
+      if (share == 0) continue;
+      const Point d = share * thinning.fraction * (outer - inner);
       const auto s = lengths_along(mesh, column);
       for (std::size_t i = 0; i < column.size(); ++i) raise(column[i], d * (1 - s[i] / s.back()));
       for (const auto& below : liquid.nodes) {
@@ -228,17 +252,13 @@ void thin_wall(Mesh& mesh, const WallThinning& thinning) {
   displace_nodes(mesh, displacement);
 }
 
-std::vector<std::size_t> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch) {
+std::vector<PairAtWall> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch) {
   const auto tied = tied_elements(mesh);
-  const auto match = matching_faces(tied, mesh.nodes.size());
-  std::vector<bool> at(mesh.nodes.size(), false);
-  for_wetted(mesh, tied, match, stretch.wall == "all" ? nullptr : &stretch.wall, [&](FaceId face, FaceId, const Columns&) {
-    for (const NodeId n : face_nodes(tied, face)) at[std::size_t(n)] = at[std::size_t(n)] || is_within(stretch, hexahedron::point(mesh.nodes[std::size_t(n)]));
-  });
-  std::vector<std::size_t> rows;
+  const auto shares = shares_within(mesh, tied, matching_faces(tied, mesh.nodes.size()), stretch);
+  std::vector<PairAtWall> pairs;
   for (std::size_t i = 0; i < mesh.slip.size(); ++i)
-    if (at[std::size_t(mesh.slip[i].steel)]) rows.push_back(i);
-  return rows;
+    if (const double share = shares[std::size_t(mesh.slip[i].steel)]; share > 0) pairs.push_back({i, share});
+  return pairs;
 }
 
 }  // namespace calomel

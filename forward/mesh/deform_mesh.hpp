@@ -31,12 +31,18 @@ struct WallThinning {
 };
 
 /// Moves the wetted side of a wall outwards by `fraction` of the thickness; the outer side, and gauges on it, stay. The
-/// mercury follows, less and less towards the middle of what faces the wall.
+/// mercury follows, less and less towards the middle of what faces the wall. A node stands for the wall half way to its neighbours along it, and moves by the share of
+/// that which lies between begin and end: what is thinned depends on both without steps.
 /// Errors: InputError on "wall" when the mesh has no such wall between steel and mercury, on "fraction" out of range.
 void thin_wall(Mesh& mesh, const WallThinning& thinning);
 
-/// Rows of Mesh::slip on the wetted side of a wall between begin and end, in ascending order (the fraction does not matter); of wall "all" on every wetted face, those of plates
+struct PairAtWall {
+  std::size_t pair = 0;  ///< row of Mesh::slip
+  double share = 1;      ///< of what it stands for along the wall, half way to its neighbours, that lies between begin and end, in (0, 1]
+};
+
+/// Of the wetted side of a wall between begin and end, in ascending order (the fraction does not matter); of wall "all" on every wetted face, those of plates
 /// inside as well. Empty where the mesh has no such wall between mercury and outside, or nothing of it between begin and end.
-[[nodiscard]] std::vector<std::size_t> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch);
+[[nodiscard]] std::vector<PairAtWall> pairs_at_wall(const Mesh& mesh, const WallThinning& stretch);
 
 }  // namespace calomel

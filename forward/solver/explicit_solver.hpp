@@ -96,8 +96,8 @@ struct RunSetup {
   /// face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
   double wall_film = 0;
   /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
-  /// normal traction. Empty: none.
-  std::vector<double> slip_strength;
+  /// normal traction but slip_hold, 0 where that is empty [Pa]. Empty: none.
+  std::vector<double> slip_strength, slip_hold;
   /// Time constants of a pair that comes apart at the wetted_cutoff [s]: beyond that traction it pulls with K tau / l times the rate of its gap, tau being
   /// parting_time while the gap grows and meeting_time while it closes, l the thickness of mercury that moves with the wall (half an element). 0: at once.
   double parting_time = 0, meeting_time = 0;

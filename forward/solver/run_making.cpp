@@ -32,6 +32,7 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
   expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
+  expect(setup.slip_hold.empty() || setup.slip_hold.size() == setup.slip_strength.size(), "what is held apart is given for every slip pair, where strengths are");
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
   u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
@@ -208,6 +209,7 @@ void Run<R>::make_extras() {
       strength_[rule] = R(std::min(strength * std::abs(area), unlimited_cutoff));
       const bool weak = setup_.wetted_cutoff > own;
       if (!weak && strength < unlimited_cutoff) hold_[rule] = strength_[rule];
+      if (weak && !setup_.slip_hold.empty()) hold_[rule] = R(setup_.slip_hold[pair->second] * std::abs(area));
       if (resisting && !weak) {
         const double stiffness = setup_.liquid.bulk_modulus * std::abs(area) / thickness;
         resistance_[2 * rule] = R(stiffness * setup_.parting_time), resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);

@@ -18,6 +18,7 @@ constexpr double spare = 3;                          ///< runs of the coarser me
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
 constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
+constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
 constexpr int most_rounds = 8;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
@@ -102,7 +103,8 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   }
   for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value that did best
     plan.added.push_back(group.shapes[i]);
-    sides.push_back({question.shapes[i], *group.shapes[i].parameter.sigma});
+    const Parameter& p = group.shapes[i].parameter;
+    sides.push_back({question.shapes[i], p.sigma ? *p.sigma : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
   }
   Eigen::VectorXd u = fit.modes[0].at.u;
   const auto& free = fit.posterior->free();
@@ -111,6 +113,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   reach_back(in);
   for (std::size_t i = 0; i < plan.added.size(); ++i) {
     in.parameters.push_back(plan.added[i].parameter);
+    if (Parameter& p = in.parameters.back(); !plan.added[i].share_of.empty()) p.max = *p.nominal - sets_in, p.nominal.reset();  // the base model's runs lie beyond the step
     in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
   }
   const auto d = Eigen::Index(in.parameters.size());

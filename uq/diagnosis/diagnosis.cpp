@@ -125,6 +125,17 @@ class Engine {
     return all;
   }
 
+  /// A number that is added, in the case's unit where it is a share of another, which these parameters of the case's own have or else the case.
+  [[nodiscard]] Estimate told(const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own) const {
+    if (a.share_of.empty()) return {a.parameter.name, mean, sd};
+    Estimate whole{.name = {}, .mean = a.whole};
+    for (std::size_t k = 0; k < own_; ++k)
+      if (in_.base.parameters[k].key == a.share_of)
+        for (const auto& e : own)
+          if (e.name == in_.base.parameters[k].name) whole = e;
+    return {a.parameter.name, mean * whole.mean, std::hypot(sd * whole.mean, mean * whole.sd)};
+  }
+
   [[nodiscard]] double best_so_far() const {
     double best = 0;
     for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
@@ -249,7 +260,7 @@ void Engine::fit_leaders() {
     c.explanation = {.name = name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = worth, .chi2 = out_.evidence.chi2, .base_pull = out_.evidence.base_pull};
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
-      c.numbers.push_back({a.parameter.name, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)]});
+      c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)], out_.base_parameters));
     }
     c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
     for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
@@ -304,7 +315,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     c.base_parameters = own_parameters(posterior, moments);
     const std::size_t n = in_.base.parameters.size();
     for (std::size_t i = 0; i < added.size(); ++i) {
-      c.numbers.push_back({added[i].parameter.name, moments.mean[Eigen::Index(n + i)], moments.sd[Eigen::Index(n + i)]});
+      c.numbers.push_back(told(added[i], moments.mean[Eigen::Index(n + i)], moments.sd[Eigen::Index(n + i)], c.base_parameters));
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
     c.history = kept(fit.history(full.at.u, full.at.beyond));

@@ -182,11 +182,16 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
     for (const auto& p : g.added)
       if (!added && p.parameter.name == name) added = &p;
   if (!added) {
-    out.value = with_sd(n.mean, n.sd, "");
+    for (const auto& g : groups)
+      for (const auto& p : g.shapes)
+        if (!added && p.parameter.name == name) added = &p;
+    const auto unit = shown_unit(added ? added->unit : "", std::abs(n.mean));
+    if (added) out.doc = added->doc;
+    out.value = with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name);
     return out;
   }
   out.doc = added->doc;
-  const double off = added->parameter.nominal.value_or(0);
+  const double off = added->parameter.nominal.value_or(0) * (added->share_of.empty() ? 1 : added->whole);
   out.deviations = n.sd > 0 ? std::abs(n.mean - off) / n.sd : 0;
   if (added->inverse) {
     const double sign = added->parameter.max > 0 ? 1 : -1, size = sign * n.mean;  // of a number that is none at minus infinity its inverse is below 0
@@ -198,7 +203,7 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
   }
   const auto unit = shown_unit(added->unit, std::max({std::abs(n.mean), std::abs(n.sd), std::abs(off)}));
   out.value = with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name);
-  out.off = fmt::format("{:.3g}{}{}", unit.factor * off, unit.name.empty() ? "" : " ", unit.name);
+  out.off = added->share_of.empty() ? fmt::format("{:.3g}{}{}", unit.factor * off, unit.name.empty() ? "" : " ", unit.name) : "the mercury's own";
   return out;
 }
 

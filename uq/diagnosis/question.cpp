@@ -32,7 +32,7 @@ std::vector<std::vector<double>> shapes_of(const ParameterGroup& g) {
   std::vector<double> middle;
   for (const auto& s : g.shapes) middle.push_back(*s.parameter.nominal);
   std::vector<std::vector<double>> all;
-  if (g.shapes.empty()) all.push_back(middle);
+  if (std::all_of(g.shapes.begin(), g.shapes.end(), [](const auto& s) { return s.strengths.empty(); })) all.push_back(middle);
   for (std::size_t k = 0; k < g.shapes.size(); ++k)
     for (const double value : g.shapes[k].strengths) {
       all.push_back(middle);
@@ -238,7 +238,10 @@ std::string label(const Question& q, const std::vector<ParameterGroup>& groups, 
   return q.sensor ? groups[q.group].name + " of " + shape.sensors[*q.sensor] : label(groups[q.group]);
 }
 
-double prior_sd(const AddedParameter& a, double strength) { return a.parameter.prior == "half_cauchy" ? strength : Prior(a.parameter).scale(); }
+double prior_sd(const AddedParameter& a, double strength) {
+  if (!a.share_of.empty()) return std::abs(strength - *a.parameter.nominal);  // it sets in at once, whatever the share
+  return a.parameter.prior == "half_cauchy" ? strength : Prior(a.parameter).scale();
+}
 
 double implausibility(const AddedParameter& a, double value) {
   const Parameter& p = a.parameter;

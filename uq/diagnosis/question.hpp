@@ -53,7 +53,7 @@ struct Answers {
 /// "interface (top)", "sensor_response of S08".
 [[nodiscard]] std::string label(const Question& q, const std::vector<ParameterGroup>& groups, const ModelShape& shape);
 
-/// Of a number's prior; of a half-Cauchy one the strength that it is asked at.
+/// Of a number's prior; of a half-Cauchy one the strength that it is asked at, of a share how far it is from off there.
 [[nodiscard]] double prior_sd(const AddedParameter& a, double strength);
 
 /// How far a value lies from the middle of its prior, in standard deviations: its range is taken for two of them either way. Half-Cauchy: powers of ten above its

@@ -1,5 +1,7 @@
 #include "forward/mechanism/interface.hpp"
 
+#include <fmt/format.h>
+
 #include "forward/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"
@@ -55,6 +57,9 @@ namespace {
 
 std::string weak(const std::string& lines) { return "[mechanism.interface]\nenabled = true\nstrength = 5e4\n" + lines; }
 
+/// Of a node at x with neighbours h away: its part of [begin, end].
+double share_of_stretch(double x, double h, double begin, double end) { return std::clamp((std::min(x + h / 2, end) - std::max(x - h / 2, begin)) / h, 0.0, 1.0); }
+
 RunSetup setup_of(const BuiltInModel& m) { return m.setup(m.forward_case(), m.mesh(), 0, {1.0}); }
 
 }  // namespace
@@ -62,15 +67,33 @@ RunSetup setup_of(const BuiltInModel& m) { return m.setup(m.forward_case(), m.me
 TEST(Interface, OnlyTheNamedStretchIsWeak) {
   const BuiltInModel one(small_case(weak("wall = \"top\"\nbegin = 0.02\nend = 0.04\n")), {.pulses = 1}), all(small_case(weak("")), {.pulses = 1});
   const RunSetup s = setup_of(one), a = setup_of(all);
-  int rows = 0;
+  int whole = 0, parts = 0;
   for (std::size_t i = 0; i < one.mesh().slip.size(); ++i) {
     const Vec3& x = one.mesh().nodes[std::size_t(one.mesh().slip[i].steel)];
-    const bool inside = x[2] > 0.0269 && x[0] >= 0.02 && x[0] <= 0.04;
-    EXPECT_EQ(s.slip_strength[i], inside ? 5e4 : std::numeric_limits<double>::infinity());
+    const double share = x[2] > 0.0269 ? share_of_stretch(x[0], 0.003, 0.02, 0.04) : 0;
+    if (share > 1e-9) {
+      EXPECT_NEAR(s.slip_strength[i], share * 5e4 + (1 - share) * s.wetted_cutoff, 1e-6);
+      EXPECT_NEAR(s.slip_hold[i], (1 - share) * s.wetted_cutoff, 1e-6);
+    } else {
+      EXPECT_EQ(s.slip_strength[i], std::numeric_limits<double>::infinity());
+    }
     EXPECT_EQ(a.slip_strength[i], 5e4);
-    rows += inside;
+    EXPECT_EQ(a.slip_hold[i], 0);
+    whole += share > 1 - 1e-9, parts += share > 1e-9 && share < 1 - 1e-9;
   }
-  EXPECT_GT(rows, 4);
+  EXPECT_GT(whole, 4);
+  EXPECT_GT(parts, 1);
+}
+
+// What the gauges see of a stretch changes little by little with where it ends: a diagnosis looks for it.
+TEST(Interface, TheEndOfAStretchMovesWithoutSteps) {
+  const auto changed = [](double end) {
+    const auto history = BuiltInModel(small_case(weak(fmt::format("wall = \"top\"\nbegin = 0.02\nend = {}\n", end))), {.pulses = 1}).evaluate({}).mean;
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
+  };
+  const Eigen::VectorXd at = changed(0.0390), near = changed(0.0391), far = changed(0.0420);  // 0.0405 is the middle between two nodes: half the element beyond is not told apart before
+  EXPECT_GT((near - at).norm(), 0);
+  EXPECT_LT((near - at).norm(), 0.3 * (far - at).norm());
 }
 
 // Above what the mercury holds it cannot show.
