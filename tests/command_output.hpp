@@ -16,4 +16,12 @@ inline std::pair<std::string, bool> output_of(const std::string& command) {
   return {text, ::pclose(pipe) == 0};
 }
 
+/// A Python with xarray and netCDF4, the system's where another one comes first; empty where there is none.
+inline std::string python_with_xarray() {
+  for (const std::string name : {"python3", "/usr/bin/python3"})
+    if (output_of(name + " -c 'import xarray, netCDF4'").second) return name;
+  return "";
+}
+inline constexpr const char* no_xarray = "no python3 with xarray and netCDF4 is here: packages.txt lists python3-xarray and python3-netcdf4";
+
 }  // namespace calomel::testing

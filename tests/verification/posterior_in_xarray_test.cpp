@@ -11,13 +11,6 @@
 namespace calomel::testing {
 namespace {
 
-/// A Python with xarray, the system's where another one comes first; empty where there is none.
-std::string python() {
-  for (const std::string name : {"python3", "/usr/bin/python3"})
-    if (output_of(name + " -c 'import xarray, netCDF4'").second) return name;
-  return "";
-}
-
 /// Draws of eight schools by nuts, with everything that a posterior.nc may have beside.
 std::filesystem::path written() {
   const auto data = Json::parse(R"({"y": [28, 8, -3, 7, -1, 1, 18, 12], "sigma": [15, 10, 16, 11, 9, 11, 10, 18]})");
@@ -52,8 +45,8 @@ const char* const script =
     "    assert bool((v == v).all()), (g, name)\n";
 
 TEST(PosteriorFile, OpensInXarrayGroupByGroupWithChainAndDrawFirst) {
-  const std::string python3 = python();
-  if (python3.empty()) GTEST_SKIP() << "no python3 with xarray and netCDF4 is here (Debian: python3-xarray, python3-netcdf4)";
+  const std::string python3 = python_with_xarray();
+  ASSERT_NE(python3, "") << no_xarray;
   const auto path = written();
   const auto command = [&](const std::string& how) { return python3 + " -c \"" + script + "\" '" + path.string() + "' " + how; };
   const auto [text, well] = output_of(command("as_it_is"));

@@ -105,6 +105,50 @@ TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
   EXPECT_TRUE(walls.contains("top") && walls.contains("bottom"));
 }
 
+// A face's strength is a share of the cutoff: that of the run where it is a parameter, else the case's.
+TEST(OfferedGroups, AStrengthIsAShareOfTheCutoff) {
+  const ForwardCase c = testing::small_case();
+  const auto groups = offered_groups(c);
+  const auto face = std::find_if(groups.begin(), groups.end(), [](const auto& g) { return g.name == "interface" && g.part; });
+  ASSERT_NE(face, groups.end());
+  const AddedParameter& strength = face->added[0];
+  EXPECT_EQ(strength.whole, c.mercury.tensile_cutoff);
+  std::map<std::string, double> numbers, of_run{{"material.mercury.tensile_cutoff", 4e5}}, off;
+  set_added(numbers, std::vector<double>{0.25}, std::vector<AddedParameter>{strength});
+  set_added(of_run, std::vector<double>{0.25}, std::vector<AddedParameter>{strength});
+  set_added(off, std::vector<double>{1.0}, std::vector<AddedParameter>{strength});
+  EXPECT_DOUBLE_EQ(numbers.at("mechanism.interface.strength"), 0.25 * c.mercury.tensile_cutoff);
+  EXPECT_DOUBLE_EQ(of_run.at("mechanism.interface.strength"), 1e5);
+  EXPECT_TRUE(off.empty());
+}
+
+// Begin and end of a stretch are shapes: no stretch of a box's length can end before it begins, and one that is moved is the case's with those keys.
+TEST(LevelRuns, MovesTheEndsOfAStretch) {
+  const ForwardCase c = testing::small_case();
+  RunStore store({.stage = "runs", .options = "ends", .seed = 0, .inputs = {}}, scratch_file("ends"));
+  LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
+  int moved = 0;
+  for (const auto& g : offered_groups(c)) {
+    if (g.name != "wall_thinning" || !g.part) continue;
+    ASSERT_EQ(g.shapes.size(), 2u);
+    const Parameter &begin = g.shapes[0].parameter, &end = g.shapes[1].parameter;
+    EXPECT_LE(begin.min, *begin.nominal);
+    EXPECT_LT(*begin.nominal, begin.max);
+    EXPECT_LT(begin.max, end.min);
+    EXPECT_LT(end.min, *end.nominal);
+    EXPECT_LT(*end.nominal, end.max);
+    if (!g.place.starts_with("top, 15 ")) continue;
+    std::vector<AddedParameter> all = g.added;
+    all.insert(all.end(), g.shapes.begin(), g.shapes.end());
+    const RunRecord r = runs.run(Eigen::MatrixXd(Eigen::Vector3d(0.2, 0.0163, 0.0281)), {0}, all, 1, {}, nullptr)[0];
+    ASSERT_TRUE(r.done) << r.message;
+    const Eigen::VectorXd said = mean_of("[mechanism.wall_thinning]\nenabled = true\nfraction = 0.2\nwall = \"top\"\nbegin = 0.0163\nend = 0.0281\n");
+    EXPECT_LT((r.history() - said).norm(), 1e-6 * said.norm());
+    ++moved;
+  }
+  EXPECT_EQ(moved, 1);
+}
+
 TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
   for (const auto& g : offered_groups(testing::small_case())) {
     EXPECT_FALSE(g.plain.empty() || g.check.empty()) << g.name;

@@ -97,6 +97,43 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   EXPECT_NE(out_base, base);
 }
 
+// A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of the whole.
+TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
+  const Experiment experiment(0.3, 0, 0, 1, 1);
+  ParameterGroup opened = Experiment::groups()[1];
+  opened.name = "opened";
+  AddedParameter& a = opened.added[0];
+  a = added("opened", "strength", 0, 1, {0});
+  a.parameter.nominal = 1, a.share_of = "material.mercury.tensile_cutoff", a.whole = 2e5;
+  const RunAdded runs = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> which) {
+    std::vector<AddedParameter> known(which.begin(), which.end());
+    Eigen::MatrixXd with = thetas;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (which[k].parameter.name != "opened.strength") continue;
+      known[k].parameter.name = "echo.strength";
+      for (auto& share : with.row(Eigen::Index(2 + k))) share = share < 1 ? 0.3 + 0.005 * share : 0;
+    }
+    return Experiment::runs()(with, level, known);
+  };
+  const PosteriorInputs base = experiment.base();
+  const auto diagnosed = [&](ParameterGroup group) {
+    return diagnose({.base = base, .groups = {Experiment::groups()[0], std::move(group)}, .run = runs, .linear = {}, .options = {.leaders = 2}, .say = {}, .round = {}});
+  };
+  const Diagnosis d = diagnosed(opened);
+  ASSERT_THAT(d.verdict.mechanisms, ElementsAre("opened")) << d.verdict.reason;
+  const Estimate& strength = d.candidates[0].numbers[0];
+  EXPECT_GT(strength.mean, 0.1 * a.whole);
+  EXPECT_LT(strength.mean, 0.9 * a.whole);
+  EXPECT_GT(strength.sd, 0.15 * a.whole) << "the records do not tell the share";
+  // Control: the same step as a number like any other, whose box holds the base model's runs, is worth less.
+  ParameterGroup plain = opened;
+  plain.added[0].share_of.clear();
+  double other = 0;
+  for (const auto& c : diagnosed(plain).candidates)
+    if (c.explanation.name == "opened") other = c.explanation.log_bayes_factor;
+  EXPECT_LT(other, d.candidates[0].explanation.log_bayes_factor - 5);
+}
+
 TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
   const Diagnosis d = Experiment(0, 0, 0, 1.12, 1).diagnosed();
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;

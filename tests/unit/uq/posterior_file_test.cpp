@@ -120,14 +120,15 @@ TEST(PosteriorFile, NcdumpShowsGroupsDimensionsAndUnits) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
-// Where they are installed, the tools that the file is for.
+// The tools that the file is for.
 TEST(PosteriorFile, XarrayReadsEveryGroupWithItsCoordinates) {
-  if (!output_of("python3 -c 'import xarray, netCDF4'").second) GTEST_SKIP() << "python3 with xarray and netCDF4 is not here";
+  const std::string python3 = python_with_xarray();
+  ASSERT_NE(python3, "") << no_xarray;
   const auto path = scratch("xarray") / "posterior.nc";
   const auto r = some_draws();
   write_posterior(path, all_groups(r), {.stage = "sample"});
   const auto [text, well] = output_of(
-      "python3 -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
+      python3 + " -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
       "print(dict(d.sizes), float(d[\"density\"].sel(chain=3, draw=19)), d.attrs[\"inference_library\"])\n"
       "for g in [\"sample_stats\", \"log_likelihood\", \"posterior_predictive\", \"prior\", \"observed_data\", \"unconstrained_posterior\"]:\n"
       "  e = x.open_dataset(p, group=g)\n  assert set(e.coords) == set(e.dims), g\n"

@@ -213,7 +213,7 @@ TEST(Coverage, OfAMechanismsNumbersInItsOwnUnits) {
               .strength = 0.1,
               .numbers = {{"sensor_response.low_pass", 5e4}}};
   Finding g = named("sensor_response");
-  g.ranking = {{.name = "sensor_response", .probability = 1, .numbers = {{"T2.sensor_response.low_pass", {2.1e-5, 1e-6}}}, .gauge = "T2"}};
+  g.ranking = {{.name = "sensor_response", .probability = 1, .numbers = {{"T2.sensor_response.low_pass", {1 / 2.1e-5, 1e-6 / (2.1e-5 * 2.1e-5)}}}, .gauge = "T2"}};
   const Score right = score_of({judged(fault, g)});
   EXPECT_EQ(right.numbers_covered.count, 1u);
   EXPECT_EQ(right.right_gauge.count, 1u);
@@ -222,6 +222,17 @@ TEST(Coverage, OfAMechanismsNumbersInItsOwnUnits) {
   EXPECT_EQ(other.numbers_covered.of, 0u);
   EXPECT_EQ(other.right_gauge.of, 1u);
   EXPECT_EQ(other.right_gauge.count, 0u);
+}
+
+// A face's strength is estimated as it is, though it is infinite where it is off: none at all is a number, too.
+TEST(Coverage, OfAFacesStrength) {
+  Truth face = single("interface");
+  face.numbers = {{"interface.strength", 0}, {"interface.begin", 0.02}};
+  Finding f = named("interface");
+  f.ranking = {{.name = "interface", .probability = 1, .numbers = {{"interface.strength", {8e4, 5e4}}, {"interface.begin", {0.025, 0.001}}}}};
+  const Score s = score_of({judged(face, f)});
+  EXPECT_EQ(s.numbers_covered.of, 2u);
+  EXPECT_EQ(s.numbers_covered.count, 1u);
 }
 
 TEST(Recovery, HoldsBaseParametersAndHeldOutGaugesBeforeAndAfter) {
