@@ -49,7 +49,7 @@ struct Gates {
   double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
-  double remainder = 1.0 / 3;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
+  double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
