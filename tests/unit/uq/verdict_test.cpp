@@ -94,14 +94,14 @@ TEST(Verdict, SaysUnknownForEachReason) {
 // No law is the target's to the last digit: what is left may be more than the errors, if it is small beside what the name accounts for.
 TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   BaseEvidence base = poor();
-  base.chi2 = 1065;  // 1000 above that of nothing missing
-  base.by_scale = {{0, 0.2, -120}, {0.02, 0.3, -60}, {0.08, 0.5, -0.1}};
+  base.chi2 = 2065;  // 2000 above that of nothing missing
+  base.by_scale = {{0, 0.2, -120}, {0.015, 0.3, -60}, {0.08, 0.5, -0.1}};
   Explanation x = beam();
-  x.by_scale = {{0, 0.2, 70}, {0.02, 0.3, 100}, {0.08, 0.5, 80}};
-  x.chi2 = 65 + 105;
+  x.by_scale = {{0, 0.2, 70}, {0.015, 0.3, 100}, {0.08, 0.5, 80}};
+  x.chi2 = 65 + 120;  // a sixteenth is 125
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);
   EXPECT_GT(judge(base, {x}).ranking[0].probability, 0.99);
-  x.chi2 = 65 + 120;
+  x.chi2 = 65 + 130;
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
   x.by_scale[2].log_evidence = 130;  // it needs as much of a discrepancy as the base model
   EXPECT_EQ(judge(base, {x}).ranking[0].name, "unknown");
