@@ -58,9 +58,9 @@ void set_added(std::map<std::string, double>& numbers, std::span<const double> v
   for (std::size_t k = 0; k < added.size(); ++k) {
     if (values[k] == *added[k].parameter.nominal) continue;
     const AddedParameter& a = added[k];
-    const auto whole = a.share_of.empty() ? numbers.end() : numbers.find(a.share_of);
-    const double unit = a.share_of.empty() ? 1 : whole == numbers.end() ? a.whole : whole->second;
-    numbers[a.parameter.key] = a.inverse ? 1 / values[k] : unit * values[k];
+    const auto of_run = numbers.find(a.share_of);
+    const double whole = of_run == numbers.end() ? a.whole : of_run->second;
+    numbers[a.parameter.key] = a.inverse ? 1 / values[k] : whole * values[k];
     for (const auto& [key, number] : added[k].with) numbers[key] = number;
   }
 }

@@ -17,7 +17,7 @@ struct AddedParameter {
   Parameter parameter;   ///< its key is the dotted key of the case, its name "GROUP.KEY"
   bool inverse = false;  ///< the case's number is 1 / value, none (infinite) at 0
   std::string share_of;  ///< dotted key of the number that the case's number is `value` times of: off at 1, where its law sets in at once; empty: none
-  double whole = 1;      ///< that number in the case, where no parameter sets it
+  double whole = 1;      ///< that number in the case, where no parameter sets it; 1 of a value that is no share
   std::vector<double> strengths;  ///< values at which its effect is first looked at
   std::vector<std::pair<std::string, double>> with;  ///< dotted keys that are set while it is on: the wall that it is about
   std::string unit, doc;  ///< of the case's number
@@ -46,7 +46,7 @@ struct ParameterGroup {
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
-/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on; where a quarter begins and ends are shapes of it, uniform half a quarter's half either way.
+/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on; where a quarter begins and ends are shapes of it, uniform within a quarter of its length either way.
 /// The prior of another shape is lognormal, its range two deviations either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 

@@ -177,21 +177,22 @@ std::string plain_name(const Alternative& a, std::span<const ParameterGroup> gro
 PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<const ParameterGroup> groups) {
   PlainNumber out;
   const std::string name = a.sensor.empty() ? n.name : n.name.substr(a.sensor.size() + 1);
-  const AddedParameter* added = nullptr;
-  for (const auto& g : groups)
-    for (const auto& p : g.added)
-      if (!added && p.parameter.name == name) added = &p;
-  if (!added) {
+  const auto first_of = [&](std::vector<AddedParameter> ParameterGroup::*numbers) -> const AddedParameter* {
     for (const auto& g : groups)
-      for (const auto& p : g.shapes)
-        if (!added && p.parameter.name == name) added = &p;
-    const auto unit = shown_unit(added ? added->unit : "", std::abs(n.mean));
-    if (added) out.doc = added->doc;
+      for (const auto& p : g.*numbers)
+        if (p.parameter.name == name) return &p;
+    return nullptr;
+  };
+  const AddedParameter* added = first_of(&ParameterGroup::added);
+  if (!added) {
+    const AddedParameter* shape = first_of(&ParameterGroup::shapes);
+    const auto unit = shown_unit(shape ? shape->unit : "", std::abs(n.mean));
+    if (shape) out.doc = shape->doc;
     out.value = with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name);
     return out;
   }
   out.doc = added->doc;
-  const double off = added->parameter.nominal.value_or(0) * (added->share_of.empty() ? 1 : added->whole);
+  const double off = added->whole * added->parameter.nominal.value_or(0);
   out.deviations = n.sd > 0 ? std::abs(n.mean - off) / n.sd : 0;
   if (added->inverse) {
     const double sign = added->parameter.max > 0 ? 1 : -1, size = sign * n.mean;  // of a number that is none at minus infinity its inverse is below 0

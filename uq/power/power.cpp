@@ -57,7 +57,7 @@ std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, co
         const double up = reach_of(a, 1), sign = up > 0 ? 1 : -1, range = up > 0 ? up : reach_of(a, -1), prior_sd = question.directions.prior_sd[Eigen::Index(i)];
         const auto value = [&](double from_off) {  // of the case's number
           const double v = *a.parameter.nominal + sign * from_off;
-          return a.inverse ? 1 / v : a.share_of.empty() ? v : v * a.whole;
+          return a.inverse ? 1 / v : a.whole * v;
         };
         Detectable d{.mechanism = group.name, .place = question.sensor ? problem.shape.sensors[*question.sensor] : group.place, .of_gauge = question.sensor.has_value(), .number = a.parameter.name,
                      .off = value(0), .from = {}, .farthest = value(range), .limited_by = {}};

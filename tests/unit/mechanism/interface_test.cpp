@@ -91,7 +91,7 @@ TEST(Interface, TheEndOfAStretchMovesWithoutSteps) {
     const auto history = BuiltInModel(small_case(weak(fmt::format("wall = \"top\"\nbegin = 0.02\nend = {}\n", end))), {.pulses = 1}).evaluate({}).mean;
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
   };
-  const Eigen::VectorXd at = changed(0.0390), near = changed(0.0391), far = changed(0.0420);  // 0.0405 is the middle between two nodes: half the element beyond is not told apart before
+  const Eigen::VectorXd at = changed(0.0390), near = changed(0.0391), far = changed(0.0420);  // within what one pair of nodes stands for, and beyond it
   EXPECT_GT((near - at).norm(), 0);
   EXPECT_LT((near - at).norm(), 0.3 * (far - at).norm());
 }
