@@ -3,15 +3,34 @@
 #include <algorithm>
 
 #include "uq/convergence/assess.hpp"
+#include "forward/campaign/design.hpp"
 #include "uq/posterior_density.hpp"
+#include "uq/sampler/modes.hpp"
 
 namespace calomel {
+
+namespace {
+
+constexpr std::size_t design_points = 128;
+constexpr double inner = 0.9;  ///< half width of the design, in the box's
+
+}  // namespace
 
 SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode) {
   Eigen::VectorXd by_u = Eigen::VectorXd::Ones(posterior.dimension());
   const auto& free = posterior.free();
   for (std::size_t i = 0; i < free.size(); ++i) by_u[Eigen::Index(i)] = 2 / std::max(0.05, 1 - mode.at.u[free[i]] * mode.at.u[free[i]]);
   return {.mean = posterior.q(mode.at.theta, mode.at.beyond), .covariance = by_u.asDiagonal() * mode.covariance * by_u.asDiagonal(), .points = {}};
+}
+
+SamplerStart start_at_modes(const LogPosterior& posterior, const std::vector<LocalMode>& modes, std::uint64_t seed, int threads) {
+  const EmulatorBox& box = posterior.box();
+  const Eigen::MatrixXd unit = sobol_points(std::size_t(box.size()), design_points, seed);
+  Eigen::MatrixXd design(posterior.dimension(), unit.cols()), starts(posterior.dimension(), Eigen::Index(modes.size()));
+  for (Eigen::Index i = 0; i < unit.cols(); ++i) design.col(i) = posterior.q(box.theta(inner * (2 * unit.col(i).array() - 1).matrix()), 0);
+  for (std::size_t i = 0; i < modes.size(); ++i) starts.col(Eigen::Index(i)) = posterior.q(modes[i].at.theta, modes[i].at.beyond);
+  const auto found = density_modes(PosteriorDensity(posterior), design, starts, threads);
+  return found.size() > 1 ? start_at_modes(found) : start_at_mode(posterior, modes[0]);
 }
 
 SamplerResult short_chains(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {

@@ -5,6 +5,12 @@
 
 namespace calomel {
 
+Json modes_json(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes) {
+  Json all = Json::array();
+  for (const auto& m : modes) all.push_back({{"theta", named(posterior.parameters(), posterior.theta(m.x))}, {"share", m.weight}});
+  return all;
+}
+
 Json hyperparameters_json(const std::string& why_none) { return {{"draws", 0}, {"reason", why_none}}; }
 
 Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseWidening& widening, const std::vector<std::string>& names) {

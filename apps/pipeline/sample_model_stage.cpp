@@ -6,6 +6,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
+#include "apps/pipeline/sample_artefacts.hpp"
 #include "apps/pipeline/sample_parts.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/progress.hpp"
@@ -13,29 +14,35 @@
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
+#include "forward/campaign/design.hpp"
 #include "inverse/posterior/direct_start.hpp"
-#include "inverse/posterior/model_mode.hpp"
 #include "uq/model_density.hpp"
+#include "uq/sampler/modes.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr double long_wait = 600;  ///< [s] that is told before the chains begin
+constexpr double search_share = 0.01;                              ///< of the chains' evaluations, for the search of modes
+constexpr std::size_t fewest_points = 64, most_points = 1024;      ///< of its design
+constexpr double inner = 0.02;                                     ///< share of the bounds' distance at either end that the design leaves out
 
-/// Chains begin about the mode of a log density, or where the records are fitted best.
-SamplerStart start_of(StageCall& call, const ModelPosterior& posterior) {
-  if (posterior.is_log_density()) {
-    const ModelMode mode = find_mode(posterior, call.inputs.command().seed);
-    return {.mean = mode.q, .covariance = mode.covariance, .points = {}};
-  }
-  const auto in = posterior_inputs_without_start(call.inputs);
-  const DirectStart start = find_direct_start(*in);
-  const Eigen::VectorXd q = posterior.q(start.theta);
-  Eigen::VectorXd by_coordinate(q.size());  // dq over the change of a parameter's coordinate
-  const Eigen::VectorXd scale = posterior.scale(q);
-  for (Eigen::Index k = 0; k < q.size(); ++k) by_coordinate[k] = (in->parameters[std::size_t(k)].logarithmic() ? start.theta[std::size_t(k)] : 1.0) / scale[k];
-  return {.mean = q, .covariance = by_coordinate.asDiagonal() * start.covariance * by_coordinate.asDiagonal(), .points = {}};
+/// All modes from a design over the bounds, the nominal values, and, of records, the ends of least squares by the model itself.
+std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posterior, const LogDensity& density) {
+  const auto& command = call.inputs.command();
+  const Eigen::Index d = posterior.dimension();
+  const double wanted = search_share * usual_evaluations(call.inputs.study().sampler, std::size_t(d));
+  const Eigen::ArrayXXd unit = sobol_points(std::size_t(d), std::clamp(std::size_t(wanted), fewest_points, most_points), command.seed);
+  const Eigen::ArrayXXd place = inner + (1 - 2 * inner) * unit;
+  std::vector<std::vector<double>> starts;
+  if (posterior.is_log_density())
+    starts.push_back(nominal(call.inputs.external().shape()));
+  else
+    starts = find_direct_start(*posterior_inputs_without_start(call.inputs)).ends;
+  Eigen::MatrixXd q(d, Eigen::Index(starts.size()));
+  for (std::size_t i = 0; i < starts.size(); ++i) q.col(Eigen::Index(i)) = posterior.q(starts[i]);
+  return density_modes(density, (place / (1 - place)).log().matrix(), q, command.threads);
 }
 
 std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
@@ -63,15 +70,18 @@ ExitStatus sample_model_stage(StageCall& call) {
   const auto grid = errors ? std::optional(errors->grid()) : std::nullopt;
   const Eigen::VectorXd error_variance = errors ? Eigen::VectorXd(errors->covariance().diagonal()) : Eigen::VectorXd();
   const ModelPosterior posterior(model, std::move(errors));
-  const auto start = start_of(call, posterior);
-  const Clock clock;
-  (void)posterior.log_density(start.mean);
-  const auto& s = study.sampler;
-  const double wait = clock.seconds() * double(s.chains) * (double(s.warmup) + double(s.draws) * s.thin) / std::min(s.chains, command.threads);
-  if (wait > long_wait)
-    notes.warn({fmt::format("the chains will take about {:.0f} minutes by the model itself; add a [surrogate] table to sample on an emulator, or ask for fewer sampler.draws", wait / 60)});
-
   const ModelDensity density(posterior);
+  const auto modes = modes_of(call, posterior, density);
+  const SamplerStart start = start_at_modes(modes);
+  const Clock clock;
+  (void)posterior.log_density(modes[0].x);
+  const auto& s = study.sampler;
+  const double calls = usual_evaluations(s, std::size_t(posterior.dimension()));
+  const double wait = clock.seconds() * calls / std::min(s.chains, command.threads);
+  if (wait > long_wait)
+    notes.warn({fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or ask for fewer sampler.draws", wait / 60, calls)});
+
+  if (modes.size() > 1) notes.say(stage_line("sample", modes_sentence(posterior, modes)));
   const auto progress = stage_progress("sample", command.quiet);
   const auto journal = inputs.artefact("posterior.journal");
   const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
@@ -99,6 +109,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   json["final"] = convergence.converged, json["chains_converged"] = convergence.converged;
   json["true_model_check"] = {{"needed", false}, {"holds", true}, {"sentence", "every draw is by the model itself"}};
   json["absorption"] = alarms, json["warnings"] = Json::array();
+  json["modes"] = modes_json(posterior, modes);
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
   write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
   write_json(inputs.artefact("posterior.json"), json);

@@ -58,7 +58,7 @@ ExitStatus sample_stage(StageCall& call) {
   const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
                        .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
   const TrueModelDensity exact(*made.inputs, fit);
-  const SamplerStart begin = start_at_mode(*fit.posterior, fit.modes[0]);
+  const SamplerStart begin = start_at_modes(*fit.posterior, fit.modes, command.seed, command.threads);
   const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);

@@ -34,6 +34,17 @@ std::string absorption_sentence(const std::string& parameter, double prior_sds) 
                      prior_sds > 0 ? "above" : "below");
 }
 
+std::string modes_sentence(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes) {
+  std::string places;
+  for (const auto& m : modes) {
+    const auto theta = posterior.theta(m.x);
+    places += places.empty() ? "" : "; ";
+    for (std::size_t k = 0; k < theta.size(); ++k) places += fmt::format("{}{} = {:.4g}", k ? ", " : "", posterior.parameters()[k].name, theta[k]);
+    places += fmt::format(" (share about {:.2g})", m.weight);
+  }
+  return fmt::format("the density has {} modes: {}. Chains begin in all of them", modes.size(), places);
+}
+
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names) {
   const auto most = std::size_t(std::max_element(widening.sd_ratio.begin(), widening.sd_ratio.end()) - widening.sd_ratio.begin());
   return fmt::format("averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}", widening.weights.size(),

@@ -155,7 +155,7 @@ DirectStart find_direct_start(const PosteriorInputs& in) {
   if (order.empty()) throw NumericsError("no run of the model came through: " + search.message());
   std::sort(order.begin(), order.end());
 
-  DirectStart out{.theta = {}, .covariance = {}, .chi2 = 0, .values = search.values(), .runs = 0};
+  DirectStart out{.theta = {}, .covariance = {}, .ends = {}, .chi2 = 0, .values = search.values(), .runs = 0};
   double best = std::numeric_limits<double>::infinity();
   for (std::size_t s = 0; s < std::min(descents, order.size()); ++s) {
     Eigen::VectorXd x = design.col(order[s].second);
@@ -170,6 +170,10 @@ DirectStart find_direct_start(const PosteriorInputs& in) {
     options.function_tolerance = 1e-9;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
+    if (!std::isfinite(summary.final_cost)) continue;
+    std::vector<double> end;
+    for (Eigen::Index k = 0; k < d; ++k) end.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
+    out.ends.push_back(end);
     if (!(summary.final_cost < best)) continue;
     best = summary.final_cost;
     Eigen::VectorXd residuals(search.values() + d);
@@ -177,8 +181,7 @@ DirectStart find_direct_start(const PosteriorInputs& in) {
     const double* at = x.data();
     double* slopes = jacobian.data();
     if (!Residuals(search).Evaluate(&at, residuals.data(), &slopes)) continue;
-    out.theta.clear();
-    for (Eigen::Index k = 0; k < d; ++k) out.theta.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
+    out.theta = std::move(end);
     // A direction that neither data nor prior know is as wide as the prior.
     Eigen::MatrixXd information = jacobian.transpose() * jacobian;
     for (Eigen::Index k = 0; k < d; ++k) information(k, k) += 1 / std::pow(box_of_prior * search.width(k), 2);

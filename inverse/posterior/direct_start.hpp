@@ -7,6 +7,7 @@ namespace calomel {
 struct DirectStart {
   std::vector<double> theta;    ///< of least |whitened residual|^2 - 2 log prior
   Eigen::MatrixXd covariance;   ///< of the parameters' coordinates (Parameter::coordinate), of Gauss and Newton
+  std::vector<std::vector<double>> ends;  ///< of all descents, among them `theta`
   double chi2 = 0;              ///< of the records' errors without a discrepancy
   Eigen::Index values = 0;      ///< records' values compared
   int runs = 0;                 ///< that were asked for

@@ -79,7 +79,7 @@ struct Moments {
 class DramChain final : public MarkovChain {
  public:
   DramChain(const LogDensity& density, const DramOptions& options, const Eigen::MatrixXd& covariance)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), x_(d_), shape_(covariance), former_(covariance), older_(d_), newer_(d_) {
+      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), x_(d_), centre_(Eigen::VectorXd::Zero(d_)), shape_(covariance), former_(covariance), older_(d_), newer_(d_) {
     expect(covariance.rows() == d_ && covariance.cols() == d_, "the covariance has the dimension of the density");
     if (!covariance.allFinite() || !factorise())
       throw InputError({.problem = "the covariance that the chains start from is not positive definite", .suggestion = "give one that is, or none"});
@@ -124,8 +124,15 @@ class DramChain final : public MarkovChain {
   [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override { return {x_.data(), std::size_t(d_)}; }
   [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return log_density_; }
 
+  [[nodiscard]] bool jumps() const override { return true; }
+  void jump(std::size_t /*walker*/, std::span<const double> x, double log_density, const Eigen::VectorXd& centre) override {
+    begin(x, log_density);
+    centre_ = centre;
+  }
+
   void save(ByteWriter& out) const override {
     out.values(position(0));
+    save_matrix(out, centre_);
     out.value(log_density_), out.value(log_scale_), out.value(learned_), out.value(doubling_), out.value(frozen_);
     for (const auto* m : {&shape_, &former_, &factor_}) out.values(std::span<const double>(m->data(), std::size_t(m->size())));
     older_.save(out), newer_.save(out);
@@ -137,6 +144,7 @@ class DramChain final : public MarkovChain {
       std::copy(v.begin(), v.end(), to);
     };
     take(x_.data(), d_);
+    restore_matrix(in, centre_);
     in.into(log_density_), in.into(log_scale_), in.into(learned_), in.into(doubling_), in.into(frozen_);
     for (auto* m : {&shape_, &former_, &factor_}) take(m->data(), d_ * d_);
     older_.restore(in), newer_.restore(in);
@@ -156,7 +164,7 @@ class DramChain final : public MarkovChain {
   void learn(double first) {
     expect(!frozen_, "a frozen chain learns no more");
     learned_ += 1;
-    newer_.add(x_);
+    newer_.add(x_ - centre_);
     log_scale_ += std::pow(learned_, -0.6) * (first - (0.234 + 0.206 / double(d_)));
     if (int(learned_) % options_.adapt_every != 0) return;
     const Moments all = older_.with(newer_);
@@ -177,6 +185,7 @@ class DramChain final : public MarkovChain {
   Eigen::Index d_;
   Eigen::VectorXd x_;
   double log_density_ = 0;
+  Eigen::VectorXd centre_;          ///< from which draws are counted
   Eigen::MatrixXd shape_, former_;  ///< S, and the estimate at the last doubling
   Eigen::MatrixXd factor_;          ///< lower triangular, of C
   double log_scale_ = 0;            ///< ln s

@@ -10,11 +10,6 @@
 
 namespace calomel {
 
-namespace {
-
-constexpr double whole_difference = 0.1;  ///< share of the differences that are taken as they are (ter Braak 2006, section 2)
-constexpr double spread = 0.1;            ///< of g, relative
-
 std::size_t walkers_of(const WalkerOptions& options, std::size_t d) {
   if (options.walkers == 0) return std::max<std::size_t>(8, 4 * d);
   if (options.walkers % 2 != 0 || std::size_t(options.walkers) < std::max<std::size_t>(4, 2 * d))
@@ -22,6 +17,11 @@ std::size_t walkers_of(const WalkerOptions& options, std::size_t d) {
                       .key = "sampler.ensemble.walkers", .value = std::to_string(options.walkers), .suggestion = "take it out: four times the parameters are the default"});
   return std::size_t(options.walkers);
 }
+
+namespace {
+
+constexpr double whole_difference = 0.1;  ///< share of the differences that are taken as they are (ter Braak 2006, section 2)
+constexpr double spread = 0.1;            ///< of g, relative
 
 class EnsembleChain final : public MarkovChain {
  public:
@@ -52,6 +52,11 @@ class EnsembleChain final : public MarkovChain {
   [[nodiscard]] std::size_t walkers() const override { return walkers_; }
   [[nodiscard]] std::span<const double> position(std::size_t walker) const override { return {x_.col(Eigen::Index(walker)).data(), std::size_t(d_)}; }
   [[nodiscard]] double log_density(std::size_t walker) const override { return log_density_[walker]; }
+
+  [[nodiscard]] bool jumps() const override { return true; }
+  void jump(std::size_t walker, std::span<const double> x, double log_density, const Eigen::VectorXd& /*centre*/) override {
+    x_.col(Eigen::Index(walker)) = Eigen::Map<const Eigen::VectorXd>(x.data(), d_), log_density_[walker] = log_density;
+  }
 
   void save(ByteWriter& out) const override {
     save_matrix(out, x_);

@@ -23,6 +23,9 @@ struct WalkerOptions {
   }
 };
 
+/// Walkers of an ensemble on d coordinates. Errors: InputError when their number is odd or too small.
+[[nodiscard]] std::size_t walkers_of(const WalkerOptions& options, std::size_t d);
+
 /// W walkers in two halves; a transition moves each walker k once, by walkers of the other half, which rest meanwhile:
 ///  - stretch: y = x_j + z (x_k - x_j), z with the density ~ 1 / sqrt(z) on [1/a, a], accepted with min(1, z^(d - 1) p(y) / p(x_k));
 ///  - difference: y = x_k + g (x_i - x_j), g = 2.38 / sqrt(2 d) times N(1, 0.1), or 1 in one move of ten, which carries walkers between modes; accepted with

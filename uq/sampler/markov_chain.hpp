@@ -42,6 +42,10 @@ class MarkovChain {
   [[nodiscard]] virtual std::size_t walkers() const { return 1; }
   [[nodiscard]] virtual std::span<const double> position(std::size_t walker) const = 0;
   [[nodiscard]] virtual double log_density(std::size_t walker) const = 0;
+  /// Whether its points may be set elsewhere between two transitions, by a move that leaves the density invariant.
+  [[nodiscard]] virtual bool jumps() const { return false; }
+  /// Sets one to x: (d), where the log density is `log_density`. centre: (d), of the mode there; what is learnt of the shape counts from it.
+  virtual void jump(std::size_t /*walker*/, std::span<const double> /*x*/, double /*log_density*/, const Eigen::VectorXd& /*centre*/) { expect(false, "only points of a chain that jumps are set elsewhere"); }
   /// An estimate of ln of the integral of the density, where the sampler makes one.
   [[nodiscard]] virtual std::optional<double> log_evidence() const { return std::nullopt; }
   virtual void save(ByteWriter& out) const = 0;

@@ -44,7 +44,7 @@ class NutsChain final : public MarkovChain {
  public:
   NutsChain(const LogDensity& density, const NutsOptions& options, const Eigen::MatrixXd& covariance, int warmup)
       : density_(density), options_(options), d_(Eigen::Index(density.dimension())), dense_(options.metric == "dense"), windows_(warmup_windows(warmup)), x_(d_),
-        factor_(covariance_factor(covariance, density.dimension())), mean_(Eigen::VectorXd::Zero(d_)), squares_(Eigen::MatrixXd::Zero(d_, d_)) {
+        factor_(covariance_factor(covariance, density.dimension())), learnt_from_(Eigen::VectorXd::Zero(d_)), mean_(Eigen::VectorXd::Zero(d_)), squares_(Eigen::MatrixXd::Zero(d_, d_)) {
     if (!density.has_gradient())
       throw InputError({.problem = "follows the gradient of the density, and this one has none", .key = "sampler.kind", .value = "\"nuts\"",
                         .suggestion = "take \"dram\", \"ensemble\" or \"smc\", which need none"});
@@ -90,15 +90,21 @@ class NutsChain final : public MarkovChain {
   [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override { return {x_.data(), std::size_t(d_)}; }
   [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return log_density_; }
 
+  [[nodiscard]] bool jumps() const override { return true; }
+  void jump(std::size_t /*walker*/, std::span<const double> x, double log_density, const Eigen::VectorXd& centre) override {
+    begin(x, log_density);
+    learnt_from_ = centre;
+  }
+
   void save(ByteWriter& out) const override {
     for (const double v : {log_density_, step_, log_step_mean_, error_mean_, anchor_, averaged_, counted_}) out.value(v);
     out.value(learned_), out.value(seeks_step_), out.value(frozen_);
-    save_matrix(out, x_), save_matrix(out, factor_), save_matrix(out, mean_), save_matrix(out, squares_);
+    save_matrix(out, x_), save_matrix(out, learnt_from_), save_matrix(out, factor_), save_matrix(out, mean_), save_matrix(out, squares_);
   }
   void restore(ByteReader& in) override {
     for (double* v : {&log_density_, &step_, &log_step_mean_, &error_mean_, &anchor_, &averaged_, &counted_}) in.into(*v);
     in.into(learned_), in.into(seeks_step_), in.into(frozen_);
-    restore_matrix(in, x_), restore_matrix(in, factor_), restore_matrix(in, mean_), restore_matrix(in, squares_);
+    restore_matrix(in, x_), restore_matrix(in, learnt_from_), restore_matrix(in, factor_), restore_matrix(in, mean_), restore_matrix(in, squares_);
   }
 
  private:
@@ -197,9 +203,9 @@ class NutsChain final : public MarkovChain {
     step_ = std::exp(log_step);
     if (windows_.empty() || learned_ <= windows_.front() || learned_ > windows_.back()) return;
     counted_ += 1;
-    const Eigen::VectorXd before = x_ - mean_;
+    const Eigen::VectorXd place = x_ - learnt_from_, before = place - mean_;
     mean_ += before / counted_;
-    squares_.noalias() += before * (x_ - mean_).transpose();
+    squares_.noalias() += before * (place - mean_).transpose();
     if (!std::binary_search(windows_.begin() + 1, windows_.end(), learned_)) return;
     if (take_metric()) step_ = std::exp(log_step_mean_), seeks_step_ = true;
     mean_.setZero(), squares_.setZero(), counted_ = 0;
@@ -234,6 +240,7 @@ class NutsChain final : public MarkovChain {
   bool seeks_step_ = true;
   int learned_ = 0;          ///< transitions of the warm-up
   double counted_ = 0;       ///< draws of the window
+  Eigen::VectorXd learnt_from_;  ///< from which draws are counted
   Eigen::VectorXd mean_;     ///< of them
   Eigen::MatrixXd squares_;  ///< and their sums of squares
   bool frozen_ = false;

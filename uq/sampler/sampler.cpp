@@ -14,6 +14,7 @@
 #include "base/nan.hpp"
 #include "base/parallel.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/jumps.hpp"
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
@@ -109,10 +110,18 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
          "a start has the dimension of the density");
   const auto& entry = samplers().get(options.kind, "sampler.kind").chain;
   const Eigen::MatrixXd covariance = start.covariance.size() > 0 ? start.covariance : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n));
-  const Eigen::MatrixXd factor = covariance_factor(covariance, d);
-  const auto mean_of = [&](std::size_t c) -> Eigen::VectorXd { return start.points.size() > 0 ? Eigen::VectorXd(start.points.col(Eigen::Index(c))) : start.mean; };
-  const Eigen::VectorXd first_mean = mean_of(0);
-  const std::size_t walkers = entry({density, exact, options, first_mean, covariance})->walkers();
+  const auto mode_of = [&](std::size_t c) -> StartMode {
+    if (start.points.size() > 0) return {.mean = start.points.col(Eigen::Index(c)), .covariance = covariance};
+    return start.modes.size() > 1 ? start.modes[c % start.modes.size()] : StartMode{.mean = start.mean, .covariance = covariance};
+  };
+  const auto chain_about = [&](const StartMode& mode) {
+    return entry({.density = density, .exact = exact, .options = options, .mode = mode, .modes = start.modes.size() > 1 ? start.modes : std::vector{mode}});
+  };
+  const StartMode first_mode = mode_of(0);
+  const auto first_chain = chain_about(first_mode);
+  const std::size_t walkers = first_chain->walkers();
+  std::optional<ModeJumps> jumps;
+  if (start.modes.size() > 1 && first_chain->jumps()) jumps.emplace(start.modes);
 
   std::vector<ChainRecord> records(chains);
   std::optional<FrameFile> journal;
@@ -136,17 +145,18 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
     ChainRecord& r = records[c];
     if (r.transitions == transitions) return;
     RandomStream random(run.seed, c);
-    const Eigen::VectorXd mean = mean_of(c);
-    const auto chain = entry({density, exact, options, mean, covariance});
+    const StartMode mode = mode_of(c);
+    const auto chain = chain_about(mode);
     if (r.state.empty()) {
-      Beginning b{mean, 0};
+      Beginning b{mode.mean, 0};
       if (start.points.size() > 0) {
         b.log_density = checked_log_density(density, b.x);
         if (!std::isfinite(b.log_density)) throw NumericsError(fmt::format("the density is zero at the start that was given for chain {}", c + 1));
       } else {
-        b = drawn_beginning([&](const Eigen::VectorXd& x) { return checked_log_density(density, x); }, mean, factor, options.dispersion, random, fmt::format("chain {}", c + 1));
+        b = drawn_beginning([&](const Eigen::VectorXd& x) { return checked_log_density(density, x); }, mode.mean, covariance_factor(mode.covariance, d), options.dispersion, random, fmt::format("chain {}", c + 1));
       }
       chain->begin({b.x.data(), d}, b.log_density);
+      if (jumps && walkers == 1) chain->jump(0, {b.x.data(), d}, b.log_density, mode.mean);
       ++(exact ? r.cheap_evaluations : r.evaluations);
     } else {
       ByteReader in(r.state);
@@ -173,6 +183,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       }
       if (r.transitions == warmup) chain->freeze();
       const auto step = chain->step(random, r.transitions < warmup);
+      if (jumps) r.evaluations += std::size_t(jumps->move(*chain, density, random));
       ++r.transitions, r.evaluations += std::size_t(step.evaluations), r.cheap_evaluations += std::size_t(step.cheap_evaluations);
       done.fetch_add(1, std::memory_order_relaxed);
       if (r.transitions > warmup) keep(r, step, *chain, (r.transitions - warmup) % thin == 0, thin);
@@ -232,6 +243,10 @@ SamplerOptions default_sampler_options(const std::string& kind) {
   SamplerOptions options;
   options.kind = kind, options.warmup = entry.warmup, options.draws = entry.draws, options.thin = entry.thin;
   return options;
+}
+
+double usual_evaluations(const SamplerOptions& options, std::size_t dimension) {
+  return double(options.chains) * (double(options.warmup) + double(options.draws) * options.thin) * samplers().get(options.kind, "sampler.kind").evaluations(options, dimension);
 }
 
 SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {

@@ -20,6 +20,7 @@
 #include "uq/sampler/ensemble.hpp"
 #include "uq/sampler/nuts.hpp"
 #include "uq/sampler/smc.hpp"
+#include "uq/sampler/start.hpp"
 
 namespace calomel {
 
@@ -30,8 +31,8 @@ struct ChainSetting {
   const LogDensity& density;          ///< that is sampled; with `exact`, its cheap stand-in
   const LogDensity* exact;            ///< that is sampled by a sampler of two densities; else null
   const SamplerOptions& options;
-  const Eigen::VectorXd& mean;        ///< (d), about which chains start
-  const Eigen::MatrixXd& covariance;  ///< (d, d), what is known of the density's shape beforehand
+  const StartMode& mode;              ///< about which the chain starts, and what is known of the density's shape there beforehand
+  const std::vector<StartMode>& modes;  ///< all that are known
 };
 
 /// A kind of sampler.
@@ -39,6 +40,8 @@ struct SamplerEntry {
   /// Makes one chain. Errors: InputError when the covariance is not positive definite or the density has not what the sampler needs.
   std::function<std::unique_ptr<MarkovChain>(const ChainSetting& setting)> chain;
   int warmup, draws, thin;  ///< defaults of SamplerOptions where a case asks for this kind
+  /// Of the density, a transition of one chain: what is usual, for a forecast. dimension: of the density.
+  std::function<double(const SamplerOptions& options, std::size_t dimension)> evaluations;
 };
 /// dram, nuts, ensemble, smc, delayed_acceptance.
 const Registry<SamplerEntry>& samplers();
@@ -73,6 +76,10 @@ struct SamplerOptions {
   }
 };
 
+/// Of the density that is sampled, in a whole run without resuming: a forecast by what is usual of the kind, in [docs/theory/sampling.md]. Densities that are hard to walk on take
+/// several times as many. Errors: InputError for an unknown kind.
+[[nodiscard]] double usual_evaluations(const SamplerOptions& options, std::size_t dimension);
+
 /// Defaults of a kind. Errors: InputError for an unknown one.
 [[nodiscard]] SamplerOptions default_sampler_options(const std::string& kind);
 
@@ -81,6 +88,9 @@ struct SamplerStart {
   Eigen::VectorXd mean;        ///< (d), e.g. the mode
   Eigen::MatrixXd covariance;  ///< (d, d), e.g. Laplace's; the unit matrix when empty
   Eigen::MatrixXd points;  ///< (d, chains), when the caller has starts of its own; else they are drawn about `mean`, dispersion times as wide as `covariance`
+  /// Where there is more than one, in place of `mean` and `covariance`: chain k starts about mode k modulo their number, and after each transition its points try a jump
+  /// (jumps.hpp). smc, which needs none, draws its particles about all of them.
+  std::vector<StartMode> modes = {};
 };
 
 /// Told now and then: transitions done and in all, over the chains, those of earlier calls included. Never from two threads at once.

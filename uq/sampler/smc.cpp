@@ -3,27 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
 #include "base/log_sum.hpp"
 #include "uq/sampler/start.hpp"
+#include "uq/sampler/student.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr double never = -std::numeric_limits<double>::infinity();
-constexpr double freedom = 4;            ///< of the t distribution that particles begin with
 constexpr double resample_below = 0.5;   ///< of the particles
 constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that keeps enough particles
 
 class SmcChain final : public MarkovChain {
  public:
-  SmcChain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion, std::size_t particles)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), n_(Eigen::Index(particles)), mean_(mean),
-        reference_(std::max(dispersion, 1e-3) * covariance_factor(covariance, density.dimension())), factor_(reference_), first_(mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
+  SmcChain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion, std::size_t particles)
+      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), n_(Eigen::Index(particles)),
+        factor_(std::max(dispersion, 1e-3) * covariance_factor(modes.at(0).covariance, density.dimension())), reference_(modes, std::max(dispersion, 1e-3)), first_(modes[0].mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
         before_(Eigen::MatrixXd::Zero(d_, n_)), log_p_(Eigen::VectorXd::Zero(n_)), log_q_(Eigen::VectorXd::Zero(n_)), weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
     expect(n_ > 0, "a population has particles");
   }
@@ -78,23 +77,10 @@ class SmcChain final : public MarkovChain {
     if (sweeps_ >= options_.sweeps || correlation() <= options_.correlation) moving_ = false;
   }
 
-  /// ln q of a point whose distance from the middle, in scales, has this square.
-  [[nodiscard]] double log_reference(double square) const {
-    const double d = double(d_);
-    return std::lgamma((freedom + d) / 2) - std::lgamma(freedom / 2) - 0.5 * d * std::log(freedom * std::numbers::pi) - reference_.diagonal().array().log().sum() -
-           0.5 * (freedom + d) * std::log1p(square / freedom);
-  }
-  [[nodiscard]] double log_reference(const Eigen::VectorXd& x) const { return log_reference(reference_.triangularView<Eigen::Lower>().solve(x - mean_).squaredNorm()); }
-
   void draw(RandomStream& random) {
     for (Eigen::Index i = 0; i < n_; ++i) {
-      Eigen::VectorXd z(d_);
-      for (double& v : z) v = random.normal();
-      // chi-squared of 4 degrees of freedom: minus twice the logarithm of a product of two uniform numbers of (0, 1].
-      const double chi2 = -2 * (std::log1p(-random.uniform()) + std::log1p(-random.uniform()));
-      z *= std::sqrt(freedom / std::max(chi2, std::numeric_limits<double>::min()));
-      x_.col(i) = mean_ + reference_ * z;
-      log_q_[i] = log_reference(z.squaredNorm());
+      x_.col(i) = reference_.choose(random).draw(random);
+      log_q_[i] = reference_.log_density(x_.col(i));
       log_p_[i] = checked_log_density(density_, x_.col(i));
       ++evaluations_;
     }
@@ -180,7 +166,7 @@ class SmcChain final : public MarkovChain {
       const double u = random.uniform();
       if (log_p_[i] == never) continue;  // no weight, no offspring
       y = x_.col(i) + steps * z;
-      const double log_p = checked_log_density(density_, y), log_q = log_reference(y);
+      const double log_p = checked_log_density(density_, y), log_q = reference_.log_density(y);
       ++evaluations_;
       const double a = std::exp(std::min(0.0, tempered(log_p, log_q) - tempered(log_p_[i], log_q_[i])));
       acceptance_ += a / double(n_);
@@ -204,9 +190,8 @@ class SmcChain final : public MarkovChain {
   const LogDensity& density_;
   SmcOptions options_;
   Eigen::Index d_, n_;
-  Eigen::VectorXd mean_;
-  Eigen::MatrixXd reference_;  ///< factor of q's scale
   Eigen::MatrixXd factor_;     ///< of S
+  StudentMixture reference_;         ///< q
   Eigen::VectorXd first_;      ///< where the chain was told to begin; particles do not
   double first_log_density_ = 0;
   Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning
@@ -220,9 +205,9 @@ class SmcChain final : public MarkovChain {
 
 }  // namespace
 
-std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion,
+std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles) {
-  return std::make_unique<SmcChain>(density, options, mean, covariance, dispersion, particles);
+  return std::make_unique<SmcChain>(density, options, modes, dispersion, particles);
 }
 
 }  // namespace calomel

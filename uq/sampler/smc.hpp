@@ -5,6 +5,7 @@
 
 #include "base/options.hpp"
 #include "uq/sampler/markov_chain.hpp"
+#include "uq/sampler/start.hpp"
 
 namespace calomel {
 
@@ -23,7 +24,7 @@ struct SmcOptions {
   }
 };
 
-/// N particles go from q, Student's t of 4 degrees of freedom about `mean` with the scale `dispersion`^2 `covariance`, to p through
+/// N particles go from q, Student's t of 4 degrees of freedom about each mode with the scale `dispersion`^2 times its covariance, mixed by their weights, to p through
 ///   p_b(x) ~ q(x)^(1 - b) p(x)^b,  0 = b_0 < b_1 < ... = 1.
 /// Weights grow by w = (p / q)^(b_k - b_(k-1)); b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is keep N
 /// (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14), and ln Z = sum_k ln sum W w estimates the evidence, the integral of p over its
@@ -34,7 +35,7 @@ struct SmcOptions {
 /// tells one particle, N in all, in the order of their descent: systematic resampling keeps offspring of a particle beside one another, so that what relatives still
 /// have in common is seen as an autocorrelation of the draws. Chains are independent populations; the spread of their evidences is its standard error.
 /// particles: N. Errors: InputError when the covariance is not positive definite; NumericsError where the density is NaN, or zero at all particles of q.
-std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion,
+std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles);
 
 }  // namespace calomel

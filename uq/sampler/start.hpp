@@ -15,6 +15,13 @@ double checked_log_density(const LogDensity& density, const Eigen::VectorXd& x);
 /// "x1 = 1, x2 = -3".
 std::string place_text(const LogDensity& density, const Eigen::VectorXd& x);
 
+/// A mode that is known beforehand.
+struct StartMode {
+  Eigen::VectorXd mean;        ///< (d)
+  Eigen::MatrixXd covariance;  ///< (d, d)
+  double weight = 1;           ///< share of the jumps that lead there; those of all modes sum to 1
+};
+
 /// A point where the density is positive, its log density with it.
 struct Beginning {
   Eigen::VectorXd x;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "inverse/posterior/model_mode.hpp"
 #include "uq/model_density.hpp"
+#include "uq/sampler/modes.hpp"
 
 namespace calomel {
 namespace {
@@ -85,14 +85,16 @@ TEST(ModelPosterior, AFailedModelHasNoDensityAndIsCounted) {
   EXPECT_EQ(posterior.failed(), 1u);
 }
 
-TEST(ModelMode, IsTheDensitysTopWithItsCurvature) {
+TEST(ModelDensity, ItsModeIsTheDensitysTopWithItsCurvature) {
   const Normal model;
   const ModelPosterior posterior(model, std::nullopt);
-  const auto mode = find_mode(posterior, 1);
-  const auto theta = posterior.theta(mode.q);
+  const auto modes = density_modes(ModelDensity(posterior), Eigen::MatrixXd(2, 0), posterior.q(std::vector{10.0, 10.0}), 1);
+  ASSERT_EQ(modes.size(), 1u);
+  const auto& mode = modes[0];
+  const auto theta = posterior.theta(mode.x);
   EXPECT_NEAR(theta[0], 1, 0.1);  // the Jacobian moves the top of q's density by a little
   EXPECT_NEAR(theta[1], -2, 0.5);
-  const Eigen::VectorXd scale = posterior.scale(mode.q);
+  const Eigen::VectorXd scale = posterior.scale(mode.x);
   EXPECT_NEAR(std::sqrt(mode.covariance(0, 0)) * scale[0], 1, 0.05);
   EXPECT_NEAR(std::sqrt(mode.covariance(1, 1)) * scale[1], 3, 0.15);
 }
