@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "base/json.hpp"
 
@@ -10,7 +11,7 @@ namespace calomel {
 
 std::string number_text(double x) {
   const std::string brief = fmt::format("{:.6g}", x);
-  return std::stod(brief) == x || !std::isfinite(x) ? brief : fmt::format("{}", x);
+  return std::strtod(brief.c_str(), nullptr) == x || !std::isfinite(x) ? brief : fmt::format("{}", x);
 }
 
 std::string Range::text() const {

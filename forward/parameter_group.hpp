@@ -30,6 +30,7 @@ struct ParameterGroup {
   std::vector<AddedParameter> shapes;  ///< change what the others look like and do nothing without them; `nominal` is their default
   bool part = false;                  ///< of a place that another group of the name is about as a whole
   bool by_sensor = false;             ///< acts on each gauge alone
+  std::string sensor;                 ///< acts on this gauge alone; empty: on no one of them
   bool linear = false;                ///< adds to the histories in proportion to its numbers
   bool numerical = false;             ///< no physics: numbers of the solver
   bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh

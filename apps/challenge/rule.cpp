@@ -11,13 +11,15 @@ namespace fs = std::filesystem;
 
 Json gates_json(const Gates& gates) {
   // All members by name: one more, and this no longer compiles until it is told here.
-  const auto& [log_bayes_factor, lead, explained, null_chi2, adequate, remainder, farthest, handbook, temperature, prior_none, prior_unknown] = gates;
+  const auto& [log_bayes_factor, lead, explained, null_chi2, adequate, remainder, misfit, held_out, farthest, handbook, temperature, prior_none, prior_unknown] = gates;
   return {{"log_bayes_factor", log_bayes_factor},
           {"lead", lead},
           {"explained", explained},
           {"null_chi2", null_chi2},
           {"adequate", adequate},
           {"remainder", remainder},
+          {"misfit", misfit},
+          {"held_out", held_out},
           {"farthest", farthest},
           {"handbook", handbook},
           {"temperature", temperature},

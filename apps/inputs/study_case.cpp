@@ -60,6 +60,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
   if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
+  constexpr int quick_runs = 10000;  // of a model whose runs take milliseconds
+  if (!study.on_mesh()) study.diagnosis.max_runs = quick_runs;
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);
   study.file.read("sensitivity", study.sensitivity);

@@ -43,7 +43,7 @@ ExitStatus diagnose_stage(StageCall& call) {
       return quick ? std::vector<MechanismDirections>{} : inputs.levels().linear_mechanisms(theta);
     };
     const DiagnosisInputs in{.base = *base,
-                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? offered_groups(*study.external) : offered_groups(study.forward),
+                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward),
                              .run = run,
                              .linear = linear,
                              .options = study.diagnosis,

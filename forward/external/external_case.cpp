@@ -13,6 +13,8 @@ namespace calomel {
 
 namespace {
 
+constexpr double widest_gain = 0.15;  ///< about 1, and its change over the record, of a gauge that does not read true
+
 /// A parameter of a mechanism: that of any other, and the value that switches it off.
 struct MechanismParameter {
   Parameter parameter;
@@ -170,6 +172,16 @@ std::vector<ParameterGroup> offered_groups(const ExternalCase& external) {
       g.added.push_back(std::move(a));
     }
     groups.push_back(std::move(g));
+  }
+  const bool own = std::any_of(external.mechanisms.begin(), external.mechanisms.end(), [](const auto& m) { return m.name == "sensor_response"; });
+  if (own || external.output.sensors.size() < 2) return groups;
+  for (const auto& sensor : external.output.sensors) {
+    AddedParameter gain, drift;
+    gain.parameter = {.name = reading_gain, .key = reading_gain + '.' + sensor, .min = 1 - widest_gain, .max = 1 + widest_gain};
+    gain.parameter.nominal = 1, gain.strengths = {1.1}, gain.doc = "reading per true value";
+    drift.parameter = {.name = reading_drift, .key = reading_drift + '.' + sensor, .min = -widest_gain, .max = widest_gain};
+    drift.parameter.nominal = 0, drift.strengths = {0.1}, drift.doc = "by which the gain rises over the record";
+    groups.push_back({.name = "sensor_response", .place = sensor, .added = {gain, drift}, .sensor = sensor, .plain = "the response of the gauges", .check = "check the calibration of the gauges"});
   }
   return groups;
 }

@@ -77,7 +77,11 @@ struct ExternalCase {
   [[nodiscard]] Json echo() const;
 };
 
-/// The mechanisms that are not enabled, as groups of numbers that may be added.
+/// Keys of a gauge that does not read true, which are no inputs of the model: each followed by ".SENSOR". A reading is taken times gain + drift (t - t_first) / (t_last - t_first).
+inline const std::string reading_gain = "sensor_response.gain", reading_drift = "sensor_response.drift";
+
+/// The mechanisms that are not enabled, as groups of numbers that may be added; and, where there are several sensors, the response of each, unless the case has a mechanism of the name
+/// "sensor_response" itself.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ExternalCase& external);
 
 }  // namespace calomel

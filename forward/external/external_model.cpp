@@ -64,6 +64,7 @@ std::vector<double> ExternalModel::inputs(std::span<const double> theta, const s
       found += number != numbers.end();
       all.push_back(number != numbers.end() ? number->second : m.off[i]);
     }
+  for (const auto& [key, value] : numbers) found += key.starts_with(reading_gain + '.') || key.starts_with(reading_drift + '.');
   if (found != numbers.size()) throw InputError({.problem = "names no input of the model outside", .value = '"' + numbers.begin()->first + '"'});
   for (std::size_t k = 0; k < theta.size(); ++k) all[place_[k]] = theta[k];
   return all;
@@ -78,7 +79,17 @@ Blocks ExternalModel::blocks(const std::vector<double>& all) const {
 
 Prediction ExternalModel::evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const {
   auto answer = client_.evaluate(blocks(inputs(theta, numbers)), output_sizes_);
-  if (answer.value) return {.ok = true, .message = "", .mean = std::move((*answer.value)[0])};
+  if (answer.value) {
+    auto& y = (*answer.value)[0];
+    const std::size_t n = shape_.times.size();
+    for (std::size_t s = 0; s < shape_.sensors.size() && !numbers.empty(); ++s) {
+      const auto number = [&](const std::string& key, double off) { return numbers.contains(key + '.' + shape_.sensors[s]) ? numbers.at(key + '.' + shape_.sensors[s]) : off; };
+      const double gain = number(reading_gain, 1), drift = number(reading_drift, 0);
+      if (gain == 1 && drift == 0) continue;
+      for (std::size_t i = 0; i < n; ++i) y[s * n + i] *= gain + (n > 1 ? drift * double(i) / double(n - 1) : 0);
+    }
+    return {.ok = true, .message = "", .mean = std::move(y)};
+  }
   std::string at;
   for (std::size_t k = 0; k < theta.size(); ++k) at += fmt::format("{}{} = {:.6g}", k ? ", " : "", case_.parameters[k].name, theta[k]);
   return {.ok = false, .message = fmt::format("the model \"{}\" at {} {} (at {})", case_.server.name, case_.server.url, answer.message, at)};

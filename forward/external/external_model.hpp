@@ -13,7 +13,7 @@ class ExternalModel : public NumberedModel {
 
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override { return evaluate(theta, {}); }
-  /// `numbers`: "mechanism.NAME.parameter.P" of those that are not enabled.
+  /// `numbers`: "mechanism.NAME.parameter.P" of those that are not enabled, and reading_gain.
   [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const override;
 
   /// Whether the server gives gradients.

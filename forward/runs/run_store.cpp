@@ -1,6 +1,7 @@
 #include "forward/runs/run_store.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <sstream>
 
@@ -45,7 +46,7 @@ RunPoint point_of(const std::string& text) {
   for (std::string word; words >> word;) {
     const auto equals = word.find('=');
     expect(equals != std::string::npos, "a run's text holds keys and values");
-    point[word.substr(0, equals)] = std::stod(word.substr(equals + 1));
+    point[word.substr(0, equals)] = std::strtod(word.c_str() + equals + 1, nullptr);
   }
   return point;
 }

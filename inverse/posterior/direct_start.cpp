@@ -15,11 +15,8 @@ namespace calomel {
 
 namespace {
 
-constexpr std::size_t design_runs = 32, design_runs_a_parameter = 24;
-constexpr std::size_t descents = 5;         ///< from the best points of the design
 constexpr double difference = 1e-3;         ///< of a finite difference, in prior widths; runs are kept to seven digits
 constexpr double tail = 0.01;               ///< of the priors, left out of the design
-constexpr int most_iterations = 60;
 constexpr double box_sds = 4;               ///< half width of the box, in the deviations found
 constexpr double box_of_prior = 2;          ///< and at most, in prior deviations
 constexpr double least_box = 0.01;          ///< and at least, of these
@@ -66,8 +63,8 @@ class Search {
     return std::isfinite(lowest) ? std::copysign(std::sqrt(std::max(0.0, 2 * lowest)), parameter(k).natural(x) - top(k)) : no_answer;
   }
   /// Points of the design in coordinates, (n_parameters, n): the nominal first.
-  [[nodiscard]] Eigen::MatrixXd design() const {
-    const std::size_t n = design_runs + design_runs_a_parameter * in_.parameters.size();
+  [[nodiscard]] Eigen::MatrixXd design(const DirectSearch& options) const {
+    const std::size_t n = options.design_runs + options.design_runs_a_parameter * in_.parameters.size();
     const Eigen::MatrixXd unit = sobol_points(in_.parameters.size(), n, in_.seed);
     Eigen::MatrixXd x(dimension(), Eigen::Index(n) + 1);
     for (Eigen::Index k = 0; k < dimension(); ++k) {
@@ -75,6 +72,12 @@ class Search {
       x(k, 0) = p.coordinate(*p.nominal);
       for (std::size_t i = 0; i < n; ++i) x(k, Eigen::Index(i) + 1) = p.coordinate(std::clamp(priors_[std::size_t(k)].quantile(tail + (1 - 2 * tail) * unit(k, Eigen::Index(i))), p.min, p.max));
     }
+    return x;
+  }
+  /// Of natural values, within the bounds.
+  [[nodiscard]] Eigen::VectorXd coordinates(std::span<const double> theta) const {
+    Eigen::VectorXd x(dimension());
+    for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = parameter(k).coordinate(std::clamp(theta[std::size_t(k)], parameter(k).min, parameter(k).max));
     return x;
   }
   [[nodiscard]] const std::string& message() const { return message_; }
@@ -141,10 +144,10 @@ class Residuals : public ceres::CostFunction {
 
 }  // namespace
 
-DirectStart find_direct_start(const PosteriorInputs& in) {
+DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options) {
   Search search(in);
   const Eigen::Index d = search.dimension();
-  const Eigen::MatrixXd design = search.design();
+  const Eigen::MatrixXd design = search.design(options);
   const Eigen::MatrixXd r = search.residuals(design);
   std::vector<std::pair<double, Eigen::Index>> order;
   for (Eigen::Index i = 0; i < design.cols(); ++i) {
@@ -154,22 +157,24 @@ DirectStart find_direct_start(const PosteriorInputs& in) {
   }
   if (order.empty()) throw NumericsError("no run of the model came through: " + search.message());
   std::sort(order.begin(), order.end());
+  std::vector<Eigen::VectorXd> from;
+  for (const auto& start : options.starts) from.push_back(search.coordinates(start));
+  for (std::size_t s = 0; s < std::min(options.descents, order.size()); ++s) from.emplace_back(design.col(order[s].second));
 
   DirectStart out{.theta = {}, .covariance = {}, .ends = {}, .chi2 = 0, .values = search.values(), .runs = 0};
   double best = std::numeric_limits<double>::infinity();
-  for (std::size_t s = 0; s < std::min(descents, order.size()); ++s) {
-    Eigen::VectorXd x = design.col(order[s].second);
+  for (Eigen::VectorXd x : from) {
     ceres::Problem problem;
     problem.AddResidualBlock(new Residuals(search), nullptr, x.data());
     for (Eigen::Index k = 0; k < d; ++k) {
       problem.SetParameterLowerBound(x.data(), int(k), search.parameter(k).coordinate(search.parameter(k).min));
       problem.SetParameterUpperBound(x.data(), int(k), search.parameter(k).coordinate(search.parameter(k).max));
     }
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR, options.logging_type = ceres::SILENT, options.max_num_iterations = most_iterations;
-    options.function_tolerance = 1e-9;
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_QR, solver.logging_type = ceres::SILENT, solver.max_num_iterations = options.iterations;
+    solver.function_tolerance = options.tolerance;
     ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    ceres::Solve(solver, &problem, &summary);
     if (!std::isfinite(summary.final_cost)) continue;
     std::vector<double> end;
     for (Eigen::Index k = 0; k < d; ++k) end.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
@@ -192,8 +197,8 @@ DirectStart find_direct_start(const PosteriorInputs& in) {
   return out;
 }
 
-void start_directly(PosteriorInputs& in) {
-  const DirectStart start = find_direct_start(in);
+void start_directly(PosteriorInputs& in, const DirectSearch& options) {
+  const DirectStart start = find_direct_start(in, options);
   const double scale = std::sqrt(std::max(1.0, start.chi2 / std::max<double>(1, double(start.values) - double(start.theta.size()))));
   const auto priors = priors_of(in.parameters);
   in.centre = start.theta, in.half_width.clear();

@@ -13,11 +13,20 @@ struct DirectStart {
   int runs = 0;                 ///< that were asked for
 };
 
-/// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it. Errors: NumericsError when no
+/// Where the search begins.
+struct DirectSearch {
+  std::size_t design_runs = 32, design_runs_a_parameter = 24;
+  std::size_t descents = 5;                 ///< from the best points of the design
+  int iterations = 60;                      ///< of a descent, at most
+  double tolerance = 1e-9;                  ///< of the sum of squares, relative, in an iteration
+  std::vector<std::vector<double>> starts;  ///< (n_parameters) further ones, natural units
+};
+
+/// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it and from those that are given. Errors: NumericsError when no
 /// run comes through; those of in.run.
-[[nodiscard]] DirectStart find_direct_start(const PosteriorInputs& in);
+[[nodiscard]] DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options = {});
 
 /// Puts the first box of `in` about that start: as wide as the data alone would leave it, with errors as large as the residuals, and no wider than the priors.
-void start_directly(PosteriorInputs& in);
+void start_directly(PosteriorInputs& in, const DirectSearch& options = {});
 
 }  // namespace calomel

@@ -15,6 +15,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double arrival_share = 0.05;                                        ///< of a gauge's greatest value: it begins where the record passes this
 constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< over the scale of its prior
 
+constexpr double usual_gain = 0.01;  ///< relative sd of a gauge's gain where nothing is said of it
+
 // Of the numerical noise.
 constexpr double least_noise = 1e-3;  ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
 
@@ -50,15 +52,16 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const SeriesNoise& s = noise_.series[i];
     const Eigen::VectorXd y = part(data_, grid_, i), g = part(by_energy, grid_, i);
     const auto at = Eigen::Index(grid_.offset(i));
-    if (s.given) {  // one number is all that is known of such a gauge: independent errors, and the pulse's own energy where that is given
+    if (s.given) {  // one number is all that is known of such a gauge's noise: independent errors, and its gain
       block(of_mean, grid_, i) = s.pulse / double(s.pulses);
+      block(gain, grid_, i) = std::pow(o.gain_sd.value_or(0), 2) * y * y.transpose();
       if (recording_options.energy_sd)
         own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = *recording_options.energy_sd / std::sqrt(double(s.pulses)) * g;
       continue;
     }
     block(of_mean, grid_, i) = s.pulse * (drift / double(s.pulses) + o.coherent_noise * o.coherent_noise);
     block(baseline, grid_, i).array() += std::pow(o.baseline * s.sd(), 2);
-    block(gain, grid_, i) = o.gain_sd * o.gain_sd * y * y.transpose();
+    block(gain, grid_, i) = std::pow(o.gain_sd.value_or(usual_gain), 2) * y * y.transpose();
     energy.segment(at, y.size()) = o.energy_scale_sd * g;
   }
   add("noise", std::move(of_mean));

@@ -21,7 +21,7 @@ struct ErrorOptions {
   int values = 800;
   double band = 20e3;
   double energy_scale_sd = 0.015;
-  double gain_sd = 0.01;
+  std::optional<double> gain_sd;
   double baseline = 1;
   double coherent_noise = 0.1;
   double young_sd = 0.015;
@@ -44,7 +44,7 @@ struct ErrorOptions {
     v("values", values, {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
     v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
     v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
-    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Default 0.01; of a gauge whose noise is given (recordings.noise), 0"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order follows over a record; 0 holds it"});

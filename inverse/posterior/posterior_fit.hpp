@@ -120,6 +120,8 @@ struct PosteriorFit {
   std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
+  /// Where runs carry no numerical noise: a run at the mode, (values of the model), and what it shows beyond the emulator there, (size) on the grid; else empty.
+  Eigen::VectorXd run_at_mode, beyond_emulator;
   Eigen::MatrixXd noise;         ///< numerical noise of one run of the finest mesh, (size, size)
   std::vector<PosteriorRound> rounds;
   std::vector<LevelError> levels;
@@ -130,6 +132,13 @@ struct PosteriorFit {
   [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
+  /// What the model says at a point, (size) on the grid: the emulator with what it misses at the mode.
+  [[nodiscard]] Eigen::VectorXd prediction(const LogPosterior::Point& at) const;
+  /// That of the mode, (values of the model): the run there, or the emulator's.
+  [[nodiscard]] Eigen::VectorXd history_at_mode() const;
+  /// log_evidence() of `p`, which is this posterior under other errors, at a mode of it. Where runs carry no numerical noise the prediction counts as exact there: what an emulator misses is
+  /// no error of the records, and must not explain them.
+  [[nodiscard]] double log_evidence(const LogPosterior& p, const LocalMode& m) const;
   /// The posterior on the same emulator, with the same priors, under other errors.
   [[nodiscard]] LogPosterior under(const std::vector<WeightedErrors>& errors) const;
 };

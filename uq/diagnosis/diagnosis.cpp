@@ -6,9 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <set>
 
 #include "base/linear_algebra.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
+#include "uq/diagnosis/plain_words.hpp"
 #include "uq/posterior_moments.hpp"
 
 namespace calomel {
@@ -17,6 +20,7 @@ namespace {
 
 constexpr double worth_fitting = 3;            ///< log Bayes factor to first order
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
+constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
 /// A history as it is kept, and as it is reckoned with.
@@ -27,7 +31,9 @@ Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return 
 Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
   const LocalMode& m = fit.modes[0];
   Moments moments = sampled_moments(*fit.posterior, m, seed);
-  const std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
+  std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
+  for (std::size_t r = 0; r + 1 < fit.rounds.size(); ++r)
+    if (fit.rounds[r].drew_in) first = r + 1;  // and the emulator of a wider box
   const auto n = double(fit.rounds.size() - first);
   const auto& free = fit.posterior->free();
   for (std::size_t i = 0; i < free.size() && n > 1; ++i) {
@@ -44,7 +50,7 @@ Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
 
 /// Evidence of the hypotheses of each scale of a discrepancy, each by itself, over the whole's and `plus` more.
 EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0) {
-  const double whole = log_evidence(posterior, m);
+  const double whole = fit.log_evidence(posterior, m);
   std::map<double, std::vector<WeightedErrors>> parts;
   for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
   EvidenceByScale all;
@@ -54,7 +60,7 @@ EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior,
     for (auto& h : part) h.log_weight -= std::log(weight);
     const LogPosterior p = fit.under(part);
     const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
-    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
+    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + fit.log_evidence(p, modes[0]) - whole});
   }
   return all;
 }
@@ -77,12 +83,13 @@ class Engine {
     out_.base = fit_posterior(base);
     if (base.gauge_places) places_ = base.gauge_places(mode().at.theta);
     describe_base();
+    hold_out_base();
     ask_all();
     fit_linear();
     fit_leaders();
     judge_all();
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
-    hold_out();
+    hold_out_verdict();
     locate_all();
     separate();
     out_.runs = runs_;
@@ -101,9 +108,14 @@ class Engine {
   }
   /// chi-squared of a fit without any discrepancy at the mode of the posterior with it.
   [[nodiscard]] static double plain_chi2(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const ErrorModel& errors) {
-    const auto density = posterior.density(m.at);
-    const Eigen::VectorXd r = errors.data() - fit.coefficients * posterior.emulator().features(m.at.u, m.at.beyond);
-    return Cholesky(errors.covariance() + density.variance * fit.noise).solve_lower(r).squaredNorm();
+    const double noise = fit.run_at_mode.size() ? 0 : posterior.density(m.at).variance;
+    return Cholesky(errors.covariance() + noise * fit.noise).solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
+  }
+  /// |history - record| / |record|, mean over the gauges, in the band that is compared.
+  [[nodiscard]] double misfit(const Eigen::VectorXd& history) const {
+    std::vector<std::size_t> all(in_.base.problem.observations.size());
+    std::iota(all.begin(), all.end(), 0);
+    return misfit_of(fold_of(grid(), all), grid(), grid().apply(history), out_.base.errors->data());
   }
   /// Distances of the case's own parameters from the middle of their priors, in standard deviations; 0 of one that has no handbook's.
   [[nodiscard]] std::vector<double> pulls(std::span<const double> theta) const {
@@ -152,8 +164,12 @@ class Engine {
   void fit_leaders();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
+  void fit_gauge(const Question& q);
   void judge_all();
-  void hold_out();
+  void hold_out_base();
+  void hold_out(Alternative& c);
+  void hold_out_verdict();
+  [[nodiscard]] double over_folds(const std::vector<double>& by_fold) const;
   void locate_all();
   void separate();
 
@@ -163,6 +179,8 @@ class Engine {
   Eigen::MatrixXd places_;
   std::vector<Question> asked_;               ///< most telling first
   std::map<std::string, Fitted> fits_;        ///< of candidates by name
+  std::vector<Fold> folds_;
+  std::vector<double> held_out_before_;       ///< by the base model, (folds)
   int runs_ = 0;
 };
 
@@ -171,11 +189,12 @@ void Engine::describe_base() {
   const LogPosterior& posterior = *out_.base.posterior;
   out_.base_parameters = own_parameters(posterior, parameters_of(out_.base, in_.base.seed));
   out_.handbook_pulls = pulls(m.at.theta);
-  out_.base_history = kept(out_.base.history(m.at.u, m.at.beyond));
+  out_.base_history = kept(out_.base.history_at_mode());
   BaseEvidence& e = out_.evidence;
   e.values = double(grid().size());
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
   e.base_pull = root_mean_square(out_.handbook_pulls);
+  e.misfit = misfit(values(out_.base_history));
   e.by_scale = by_scale(out_.base, posterior, m, out_.base.hypotheses);
 }
 
@@ -225,7 +244,7 @@ void Engine::fit_linear(const Question& q) {
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
-  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) + q.choice;
+  c.explanation.log_bayes_factor = out_.base.log_evidence(with, m) - out_.base.log_evidence(base, mode()) + q.choice;
   c.explanation.by_scale = by_scale(out_.base, with, m, errors, c.explanation.log_bayes_factor);
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
@@ -240,6 +259,7 @@ void Engine::fit_linear(const Question& q) {
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
   }
   c.history = kept(out_.base.history(m.at.u, m.at.beyond) + q.effects * worth.value);
+  c.explanation.misfit = misfit(values(c.history));
   out_.candidates.push_back(std::move(c));
 }
 
@@ -252,12 +272,12 @@ void Engine::fit_leaders() {
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
-      fit(q);
+      in_.groups[q.group].sensor.empty() ? fit(q) : fit_gauge(q);
       ++fitted;
       continue;
     }
     Alternative c{.groups = {name}, .place = in_.groups[q.group].place, .first_log_bayes_factor = worth, .p_value = q.p_value};
-    c.explanation = {.name = name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = worth, .chi2 = out_.evidence.chi2, .base_pull = out_.evidence.base_pull};
+    c.explanation = {.name = name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = worth, .chi2 = out_.evidence.chi2, .misfit = out_.evidence.misfit, .base_pull = out_.evidence.base_pull};
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
       const auto& a = in_.groups[q.group].added[q.numbers[i]];
       c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)], out_.base_parameters));
@@ -267,6 +287,30 @@ void Engine::fit_leaders() {
     c.message = "to first order";
     out_.candidates.push_back(std::move(c));
   }
+}
+
+/// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault.
+void Engine::fit_gauge(const Question& q) {
+  const std::string& name = in_.groups[q.group].name;
+  std::vector<Alternative> all;
+  std::map<std::string, Fitted> fits;  // by gauge
+  for (const auto& other : asked_) {
+    const bool one_of_them = in_.groups[other.group].name == name && other.worth.log_bayes_factor > q.worth.log_bayes_factor - hopeless;
+    if (&other != &q && (!one_of_them || all.size() > gauges_tried)) continue;
+    const std::size_t before = out_.candidates.size();
+    fit(other);
+    if (out_.candidates.size() == before) continue;  // no runs left
+    all.push_back(std::move(out_.candidates.back()));
+    out_.candidates.pop_back();
+    if (auto made = fits_.extract(name)) fits.emplace(all.back().sensor, std::move(made.mapped()));
+  }
+  if (all.empty()) return;
+  const auto worth = [](const Alternative& a) { return a.explanation.log_bayes_factor; };
+  const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
+  for (const auto& other : all)
+    if (&other != &*best && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
+  if (auto made = fits.extract(best->sensor)) fits_.emplace(name, std::move(made.mapped()));
+  out_.candidates.push_back(std::move(*best));
 }
 
 /// A group beside the base model's parameters, or beside those of what was fitted already.
@@ -286,6 +330,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     if (c.place.empty()) c.place = on_top_of->place;
   }
   c.choice += q.choice;
+  if (on_top_of == nullptr) c.sensor = group.sensor;
   for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
   CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
@@ -316,16 +361,19 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     const std::size_t n = in_.base.parameters.size();
     for (std::size_t i = 0; i < added.size(); ++i) {
       c.numbers.push_back(told(added[i], moments.mean[Eigen::Index(n + i)], moments.sd[Eigen::Index(n + i)], c.base_parameters));
+      if (!c.sensor.empty()) c.numbers.back().name.insert(0, c.sensor + '.');
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
-    c.history = kept(fit.history(full.at.u, full.at.beyond));
+    c.history = kept(fit.history_at_mode());
+    c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
+    out_.spent = out_.spent || (!c.settled && runs_ >= in_.options.max_runs);
     c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
     c.explanation.by_scale = out_.evidence.by_scale;
-    c.explanation.chi2 = out_.evidence.chi2, c.explanation.base_pull = out_.evidence.base_pull;
+    c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
   }
   c.runs = runs_ - before;
   say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2,
@@ -350,60 +398,81 @@ void Engine::judge_all() {
     }
   }
   std::vector<Explanation> all;
-  for (const auto& c : out_.candidates) all.push_back(c.explanation);
+  for (auto& c : out_.candidates) hold_out(c), all.push_back(c.explanation);
   out_.verdict = judge(out_.evidence, all);
 }
 
-/// The physics that leads among what was fitted, and on top of it what then says most.
+/// The physics that leads among what was fitted, and on top of it what then says most. A fault of a gauge comes first only where no physics has the evidence, and second after all physics.
 void Engine::fit_pair() {
-  const auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return fits_.contains(c.explanation.name) && !c.explanation.numerical; });
-  if (first == out_.candidates.end() || first->explanation.log_bayes_factor < worth_fitting) return;
+  const auto may_be_first = [&](const Alternative& c, bool gauges) {
+    const bool fitted = fits_.contains(c.explanation.name) && !c.explanation.numerical;
+    return fitted && (gauges || c.sensor.empty()) && c.explanation.log_bayes_factor >= (gauges ? worth_fitting : Gates{}.log_bayes_factor);
+  };
+  auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, false); });
+  if (first == out_.candidates.end()) first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, true); });
+  if (first == out_.candidates.end()) return;
   const Alternative below = *first;
   const Fitted& f = fits_.at(below.explanation.name);
   say(fmt::format("what each mechanism would be worth on top of {}, to first order", below.explanation.name));
   QuestionInputs in = about(f.fit, f.added);
   in.except = below.groups[0];
-  const auto questions = ask(in).questions;
-  const auto next = std::find_if(questions.begin(), questions.end(), [&](const Question& q) { return !q.sensor && !in_.groups[q.group].numerical; });
-  if (next == questions.end() || next->worth.log_bayes_factor < worth_fitting) return;
-  say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(*next, in_.groups, in_.base.problem.shape), next->worth.log_bayes_factor));
-  fit(*next, &below);
+  auto questions = ask(in).questions;
+  std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return in_.groups[q.group].sensor.empty(); });
+  // Where runs cost little several are fitted: on top of what already explains much, first order says little.
+  const std::size_t most = in_.base.draw_in ? std::size_t(in_.options.leaders) : 1;
+  std::set<std::string> tried;
+  for (const auto& q : questions) {
+    const ParameterGroup& group = in_.groups[q.group];
+    if (q.sensor || group.numerical || !tried.insert(group.name).second) continue;
+    if (tried.size() > most || (!in_.base.draw_in && q.worth.log_bayes_factor < worth_fitting)) break;
+    say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor));
+    fit(q, &below);
+  }
   judge_all();
 }
 
-void Engine::hold_out() {
-  const auto folds = folds_by_face(in_.base.problem, grid(), in_.base.positions);
-  const Eigen::VectorXd& data = out_.base.errors->data();
-  const PosteriorFit& base = out_.base;
-  std::vector<double> before;
-  for (const auto& f : folds) {
-    const PartFit part = fit_without(base, base, f);
-    before.push_back(misfit_of(f, grid(), part.prediction, data));
+void Engine::hold_out_base() {
+  folds_ = folds_by_face(in_.base.problem, grid(), in_.base.positions);
+  for (const auto& f : folds_) {
+    const PartFit part = fit_without(out_.base, out_.base, f);
+    held_out_before_.push_back(misfit_of(f, grid(), part.prediction, out_.base.errors->data()));
     keep_held_out(f, grid(), in_.base.problem, part.history, out_.held_out_history);
   }
-  const auto gauges = [&](const std::vector<double>& by_fold) {
-    double sum = 0, count = 0;
-    for (std::size_t i = 0; i < folds.size(); ++i) sum += by_fold[i] * folds[i].records, count += folds[i].records;
-    return sum / count;
-  };
-  out_.held_out_before = out_.held_out_after = gauges(before);
-  std::vector<double> best(folds.size(), -std::numeric_limits<double>::infinity()), after = before;
-  for (auto& c : out_.candidates) {
-    const auto fit = fits_.find(c.explanation.name);
-    if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0) continue;
-    std::vector<double> with;
-    for (std::size_t i = 0; i < folds.size(); ++i) {
-      const PartFit part = fit_without(fit->second.fit, fit->second.fit, folds[i]);
-      with.push_back(misfit_of(folds[i], grid(), part.prediction, data));
-      keep_held_out(folds[i], grid(), in_.base.problem, part.history, c.held_out_history);
-      c.held_out.push_back(before[i]), c.held_out.push_back(with.back());
-      const double worth = part.log_evidence - fit_without(base, fit->second.fit, folds[i]).log_evidence;
-      if (worth > std::max(0.0, best[i])) best[i] = worth, after[i] = with.back();  // selected without the gauges that judge
-    }
-    c.held_out_gain = 1 - gauges(with) / out_.held_out_before;
+  out_.held_out_before = out_.held_out_after = out_.evidence.held_out = over_folds(held_out_before_);
+}
+
+/// The mean over the records of what is told of folds.
+double Engine::over_folds(const std::vector<double>& by_fold) const {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
+  return sum / count;
+}
+
+void Engine::hold_out(Alternative& c) {
+  const auto fit = fits_.find(c.explanation.name);
+  if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
+  std::vector<double> with;
+  for (std::size_t i = 0; i < folds_.size(); ++i) {
+    const PartFit part = fit_without(fit->second.fit, fit->second.fit, folds_[i]);
+    with.push_back(misfit_of(folds_[i], grid(), part.prediction, out_.base.errors->data()));
+    keep_held_out(folds_[i], grid(), in_.base.problem, part.history, c.held_out_history);
+    c.held_out.push_back(held_out_before_[i]), c.held_out.push_back(with.back());
+    c.held_out_worth.push_back(part.log_evidence - fit_without(out_.base, fit->second.fit, folds_[i]).log_evidence);
   }
+  c.explanation.held_out = over_folds(with);
+  c.held_out_gain = 1 - *c.explanation.held_out / out_.held_out_before;
+}
+
+/// Of what is named, each fold by the explanation that says most without the gauges that judge.
+void Engine::hold_out_verdict() {
+  const Eigen::VectorXd& data = out_.base.errors->data();
+  const PosteriorFit& base = out_.base;
+  std::vector<double> best(folds_.size(), 0.0), after = held_out_before_;
+  for (const auto& c : out_.candidates)
+    for (std::size_t i = 0; i < c.held_out_worth.size(); ++i)
+      if (c.held_out_worth[i] > best[i]) best[i] = c.held_out_worth[i], after[i] = c.held_out[2 * i + 1];
   const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
-  if (named) out_.held_out_after = gauges(after);
+  if (named) out_.held_out_after = over_folds(after);
   const auto& conditions = in_.base.problem.shape.conditions;
   for (std::size_t c = 0; c < conditions.size() && conditions.size() > 1; ++c) {
     std::vector<std::size_t> observations;
@@ -422,7 +491,7 @@ void Engine::locate_all() {
   const LogPosterior& posterior = *out_.base.posterior;
   const LocalMode& m = mode();
   const auto density = posterior.density(m.at);
-  const Eigen::VectorXd r = out_.base.errors->data() - out_.base.coefficients * posterior.emulator().features(m.at.u, m.at.beyond);
+  const Eigen::VectorXd r = out_.base.errors->data() - out_.base.prediction(m.at);
   const Eigen::MatrixXd j = posterior.jacobian(m.at);
   out_.location = locate(in_.base.problem, grid(), r, out_.base.errors->covariance() + density.variance * out_.base.noise + j * m.covariance * j.transpose(), 1);
 }
@@ -443,8 +512,8 @@ void Engine::separate() {
   std::size_t at = 0;
   while (at + 1 < grid().observations() && Eigen::Index(grid().offset(at + 1)) <= most) ++at;
   const double time = grid().times()[most];
-  out_.separating = fmt::format("{} and {} differ most at gauge {} about {:.0f} us, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
-                                two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", in_.base.problem.label(in_.base.problem.observations[at]), 1e6 * time,
+  out_.separating = fmt::format("{} and {} differ most at gauge {} about {}, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
+                                two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", in_.base.problem.label(in_.base.problem.observations[at]), time_text(time),
                                 in_.base.problem.mae_scale * std::abs(difference[most]), in_.base.problem.mae_unit, std::abs(z[most]));
 }
 

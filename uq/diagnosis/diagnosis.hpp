@@ -27,7 +27,7 @@ struct DiagnosisOptions {
 
   template <class V>
   void visit(V& v) {
-    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told"});
+    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
     v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
   }
@@ -59,6 +59,7 @@ struct Alternative {
   Explanation explanation;
   std::vector<std::string> groups;     ///< one, or two of a pair
   std::string sensor;                  ///< of a fault of one gauge
+  std::vector<std::string> other_sensors;  ///< gauges whose fault explains as much: the records do not tell which it is
   std::string place;                   ///< of the group: the wall that it acts on, or empty
   double first_log_bayes_factor = 0;   ///< to first order about the base fit
   double choice = 0;                   ///< Question::choice, that of both of a pair; it is in both log Bayes factors
@@ -67,6 +68,7 @@ struct Alternative {
   std::vector<Estimate> base_parameters;  ///< of the case's own, with it
   std::vector<double> history;         ///< (values of the model) at its mode
   std::vector<double> held_out;        ///< misfit of each fold without it and with it, one after another
+  std::vector<double> held_out_worth;  ///< log Bayes factor by the gauges that are left, of each fold
   double held_out_gain = 0;            ///< 1 - after / before
   std::vector<double> held_out_history;  ///< (values of the model): each gauge by the fit without it; empty where none was made
   int runs = 0;                        ///< made for it alone
@@ -88,6 +90,7 @@ struct Diagnosis {
   std::vector<double> held_out_history;      ///< (values of the model): each gauge by the base fit without it
   std::vector<HeldOutCondition> held_out_conditions;  ///< where there are several
   int runs = 0;
+  bool spent = false;                        ///< diagnosis.max_runs ended a fit before it had settled
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::string separating;                    ///< the measurement that would tell the first two apart
 

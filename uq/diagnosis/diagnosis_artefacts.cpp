@@ -147,6 +147,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
+        if (!c.other_sensors.empty()) entry["other_sensors"] = c.other_sensors;
       }
     const Why because = why(d, r.name, in.groups);
     entry["why"] = because.why, entry["would_change"] = because.would_change;

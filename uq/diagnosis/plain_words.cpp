@@ -77,7 +77,7 @@ std::string with_sd(double value, double sd, const std::string& unit) {
 /// Where the mismatch is first seen, else where it is greatest.
 std::string where(const LocatedMismatch& l) {
   if (!l.first_sensor.empty())
-    return l.first_time > 0 ? fmt::format("at gauge {} from {:.0f} µs on, where the mismatch is first seen", l.first_sensor, 1e6 * l.first_time)
+    return l.first_time > 0 ? fmt::format("at gauge {} from {} on, where the mismatch is first seen", l.first_sensor, time_text(l.first_time))
                             : fmt::format("at gauge {}, which shows the mismatch from the start", l.first_sensor);
   const auto most = std::max_element(l.sensors.begin(), l.sensors.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   return most == l.sensors.end() ? "at the gauges with the greatest mismatch" : "at gauge " + most->name + ", where the mismatch is greatest";
@@ -106,9 +106,12 @@ std::string tables_of(const Alternative& a) {
 /// Both sentences of a verdict that names one thing.
 PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const Misfits& m) {
   const std::string falls = fmt::format("the misfit of the records falls from {} to {}{}", percent(m.before), percent(m.after), held_out_part(a, m));
+  std::vector<std::string> gauges{a.sensor};
+  gauges.insert(gauges.end(), a.other_sensors.begin(), a.other_sensors.end());
   if (!a.sensor.empty())
-    return {fmt::format("Gauge {} does not read true ({}: {}), and the simulation explains the records once that is allowed for: {}.", a.sensor, a.explanation.name, plain_size(a, groups), falls),
-            fmt::format("Check gauge {}, its calibration, amplifier, clock and orientation, or leave it out (recordings.exclude), and run the diagnosis again.", a.sensor)};
+    return {fmt::format("Gauge {} does not read true ({}: {}), and the simulation explains the records once that is allowed for: {}.{}", a.sensor, a.explanation.name, plain_size(a, groups), falls,
+                        a.other_sensors.empty() ? "" : fmt::format(" The records do not tell whether it is this gauge or {}.", listed(a.other_sensors, "or"))),
+            fmt::format("Check gauge {}, its calibration, amplifier, clock and orientation, or leave it out (recordings.exclude), and run the diagnosis again.", listed(gauges))};
   const std::string check = what_to_check(a, groups);
   return {fmt::format("The simulation leaves something out: {}; with it {}.", with_key(a, groups), falls),
           sentence((check.empty() ? "make it" : check + "; if that agrees, make it") + " part of the model (" + tables_of(a) + ", enabled = true, with the numbers found) and calibrate again")};
@@ -137,7 +140,12 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
     case Gate::explained:
       return {begin + fmt::format(" comes nearest, but accounts for only {:.0f} % of the mismatch.", 100 * share_explained(d.evidence, all[0], gates).value_or(0)), look};
     case Gate::remainder:
+    case Gate::probability:
       return {begin + " comes nearest, but with it the records are still not explained.", look};
+    case Gate::misfit:
+      return {begin + " has the evidence, but with it the records are not nearer.", look};
+    case Gate::held_out:
+      return {begin + " has the evidence, but what was left out of the fit does not come nearer with it.", look};
     case Gate::plausible:
       return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)), "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
     case Gate::handbook:
@@ -162,6 +170,11 @@ Why why_of_base(const Diagnosis& d, const std::string& name, const Gates& gates)
 }
 
 }  // namespace
+
+std::string time_text(double t) {
+  const auto unit = shown_unit("s", std::abs(t));
+  return fmt::format("{:.{}f} {}", unit.factor * t, std::abs(unit.factor * t) < 9.95 ? 1 : 0, unit.name);
+}
 
 std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups) {
   std::vector<std::string> names;
@@ -261,10 +274,16 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::remainder:
       return {fmt::format("With it the records are still not explained ({}): it leaves {:.0f} % of the mismatch, where {:.0f} % is let pass.", chi2_words(e.chi2, d.evidence, g), 100 - share, 100 * (1 - least_explained(g))),
               "A second effect beside it that accounts for the rest."};
+    case Gate::misfit:
+      return {fmt::format("With it the records are not nearer: their misfit is {}, and {} without it.", percent(e.misfit), percent(d.evidence.misfit)), "A fit with it that comes nearer to the records."};
+    case Gate::held_out:
+      return {fmt::format("What was left out of the fit does not come nearer with it: its misfit is {}, and {} without it.", percent(e.held_out.value_or(0)), percent(d.evidence.held_out)), "More gauges, so that a prediction can be held against records."};
     case Gate::plausible:
       return {fmt::format("It would have to be stronger than is plausible ({}).", plain_size(*a, groups)), "Knowing by other means that it can be that strong."};
     case Gate::handbook:
       return {"With it the base parameters lie farther from the handbook than without it.", "Handbook values that are known to be other than the priors say."};
+    case Gate::probability:
+      return {"With it the records are explained only beside a discrepancy so large that something else is more probable.", "A second effect beside it that accounts for the rest."};
     case Gate::passed:
       return {d.verdict.reason.empty() ? std::string("It is not what the verdict names.") : sentence(d.verdict.reason), "A record or a measurement that speaks for it alone."};
   }
@@ -298,7 +317,7 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
     std::vector<std::string> fits;
     for (const auto& name : unsettled) fits.push_back(names.empty() ? "the base model" : with_key(*alternative(d, name), groups));
     told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
-                                 names.empty() ? "rounds (emulator.rounds)" : "runs (diagnosis.max_runs)");
+                                 d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   }
   return told;
 }

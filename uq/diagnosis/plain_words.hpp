@@ -15,6 +15,9 @@ struct Misfits {
   std::string held_out = "gauges";                 ///< what that was: "stretches of the record" of a single one
 };
 
+/// "120 µs", "7.5 ms", "12 s".
+[[nodiscard]] std::string time_text(double seconds);
+
 /// A mechanism, or a pair of them, by its plain name: "the proton beam's profile". One without a plain name keeps its own.
 [[nodiscard]] std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups);
 

@@ -15,6 +15,7 @@ namespace calomel {
 namespace {
 
 constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group that adds to the histories
+constexpr int shapes_tried = 9;  ///< values over its prior
 constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than this is none
 
 /// What a number does at one strength.
@@ -47,8 +48,14 @@ class Asking {
 
   Answers answers() {
     measure();
-    for (std::size_t g = 0; g < in_.groups.size(); ++g)
-      if (in_.groups[g].name != in_.except) ask_group(g);
+    for (std::size_t g = 0; g < in_.groups.size(); ++g) {
+      if (in_.groups[g].name == in_.except) continue;
+      const std::size_t before = out_.questions.size();
+      ask_group(g);
+      const std::string name = label(in_.groups[g]);
+      const bool failed = std::any_of(out_.skipped.begin(), out_.skipped.end(), [&](const auto& s) { return s.starts_with(name + ": "); });
+      if (out_.questions.size() == before && !in_.groups[g].linear && !failed) out_.skipped.push_back(name + ": none of its numbers changes the records by itself");
+    }
     if (in_.linear) ask_linear();
     keep_the_best();
     test();
@@ -231,6 +238,46 @@ void Asking::test() {
 }
 
 }  // namespace
+
+std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGroup> groups, const RunAdded& run, std::span<const double> theta) {
+  std::vector<AddedParameter> added;
+  for (const auto& g : groups) added.insert(added.end(), g.added.begin(), g.added.end());
+  Eigen::VectorXd off(Eigen::Index(theta.size() + added.size()));
+  std::copy(theta.begin(), theta.end(), off.data());
+  for (std::size_t k = 0; k < added.size(); ++k) off[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
+  std::vector<Eigen::VectorXd> columns{off};
+  std::size_t at = theta.size();
+  for (const auto& g : groups)
+    for (const auto& a : g.added) {
+      for (const double strength : a.strengths)
+        if (g.added.size() > 1) columns.push_back(off), columns.back()[Eigen::Index(at)] = strength;
+      ++at;
+    }
+  if (columns.size() == 1) return groups;
+  Eigen::MatrixXd thetas(off.size(), Eigen::Index(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) thetas.col(Eigen::Index(i)) = columns[i];
+  const auto records = run(thetas, std::vector<int>(columns.size(), 0), added);
+  if (!records[0].done) return groups;
+  const Eigen::VectorXd zero = records[0].history();
+  std::size_t record = 1;
+  for (auto& g : groups) {
+    if (g.added.size() < 2) continue;
+    std::vector<AddedParameter> deciding, idle;
+    for (auto& a : g.added) {
+      bool acts = false;
+      for (std::size_t i = 0; i < a.strengths.size(); ++i, ++record) acts = acts || !records[record].done || (records[record].history() - zero).norm() > rounding * zero.norm();
+      (acts ? deciding : idle).push_back(a);
+    }
+    if (deciding.empty()) continue;
+    for (auto& a : idle) {
+      a.strengths.clear();
+      for (int i = 0; i < shapes_tried; ++i) a.strengths.push_back(std::clamp(Prior(a.parameter).quantile((i + 0.5) / shapes_tried), a.parameter.min, a.parameter.max));
+      g.shapes.push_back(std::move(a));
+    }
+    g.added = std::move(deciding);
+  }
+  return groups;
+}
 
 Answers ask(const QuestionInputs& in) { return Asking(in).answers(); }
 

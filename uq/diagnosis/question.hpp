@@ -50,6 +50,11 @@ struct Answers {
 /// Either way from off is one question, the strengths of a log-uniform number are three, and so are the values of a shape. Errors: NumericsError where the base model does not run at its own mode; those of `run`.
 [[nodiscard]] Answers ask(const QuestionInputs& in);
 
+/// Numbers that change nothing while the others of their group are off, such as the frequency of a force that is not there, as shapes of the group: they are asked at values over their
+/// priors, and fitted with the others. theta: (n_parameters), where it is tried, one run a strength. A group of which no number acts alone stays as it is, and so do all where the model
+/// has no answer there.
+[[nodiscard]] std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGroup> groups, const RunAdded& run, std::span<const double> theta);
+
 /// "interface (top)", "sensor_response of S08".
 [[nodiscard]] std::string label(const Question& q, const std::vector<ParameterGroup>& groups, const ModelShape& shape);
 

@@ -64,7 +64,10 @@ double mean_scale(const EvidenceByScale& e) {
 
 double least_explained(const Gates& gates) { return 1 - gates.remainder * gates.remainder; }
 
-double greatest_remainder(const BaseEvidence& base, const Gates& gates) { return gates.remainder * mean_scale(base.by_scale); }
+double greatest_remainder(const BaseEvidence& base, const Gates& gates) {
+  const double plausible = greatest_plausible(base, gates), beyond = base.chi2 > plausible ? base.misfit * std::sqrt(1 - plausible / base.chi2) : 0;
+  return gates.remainder * std::max(mean_scale(base.by_scale), beyond);  // a discrepancy that no scale can stand for has no scale that is likely
+}
 
 std::string text(VerdictKind kind) {
   switch (kind) {
@@ -98,10 +101,14 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
   if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
   const double share = share_explained(base, e, g).value_or(0);
-  if (share < g.explained) return Gate::explained;
-  if (e.chi2 > greatest_plausible(base, g) && share < least_explained(g)) return Gate::remainder;
+  const double plausible = greatest_plausible(base, g);
+  if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
+  if (e.chi2 > plausible && share < least_explained(g)) return Gate::remainder;
+  if (!(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
+  if (e.held_out && !(*e.held_out < g.held_out * base.held_out)) return Gate::held_out;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
+  if (ranked(base, all, g)[0].name == "unknown") return Gate::probability;
   return Gate::passed;
 }
 
@@ -137,10 +144,16 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::remainder:
       return unknown(fmt::format("{} comes nearest, but with it the records are still not explained: it leaves {:.0f} % of what the base model leaves (chi-squared {:.4g} for {:.0f} values)", best.name,
                                  100 * (1 - explained), best.chi2, base.values));
+    case Gate::misfit:
+      return unknown(fmt::format("{} has the evidence, but with it the records are not nearer: their misfit is {:.3g} % and was {:.3g} %", best.name, 100 * best.misfit, 100 * base.misfit));
+    case Gate::held_out:
+      return unknown(fmt::format("{} has the evidence, but gauges that were left out of the fit do not come nearer with it: their misfit is {:.3g} % and was {:.3g} %", best.name, 100 * *best.held_out, 100 * base.held_out));
     case Gate::plausible:
       return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
     case Gate::handbook:
       return unknown(fmt::format("{} would explain the records only with base parameters farther from the handbook than without it", best.name));
+    case Gate::probability:
+      return unknown(fmt::format("{} comes nearest, but only with a discrepancy so large that something else is more probable", best.name));
     case Gate::rival:
     case Gate::passed:
       break;

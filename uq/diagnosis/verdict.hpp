@@ -28,6 +28,8 @@ struct Explanation {
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
   EvidenceByScale by_scale;           ///< the same, scale by scale of a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
+  double misfit = 0;                  ///< with it, |history - record| / |record|, mean over the gauges
+  std::optional<double> held_out;     ///< the same of what was left out of the fit; where that was made
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
   bool fitted = false;                ///< in the true model; else to first order only
@@ -38,6 +40,8 @@ struct Explanation {
 struct BaseEvidence {
   double values = 0;       ///< compared
   double chi2 = 0;         ///< at its best, without any discrepancy
+  double misfit = 0;       ///< |history - record| / |record|, mean over the gauges
+  double held_out = 0;     ///< the same of what was left out of the fit
   EvidenceByScale by_scale;  ///< its evidence, scale by scale of a discrepancy
   double base_pull = 0;
 };
@@ -50,6 +54,8 @@ struct Gates {
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
+  double misfit = 1;            ///< of the records with a name over that without it: it has to be below
+  double held_out = 1;          ///< the same of gauges that were left out of the fit
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
@@ -73,7 +79,7 @@ struct Verdict {
 };
 
 /// Which of the rule's gates an explanation meets first that it does not pass.
-enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, plausible, handbook };
+enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, misfit, held_out, plausible, handbook, probability };
 
 /// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
 [[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});

@@ -71,17 +71,29 @@ TEST(ExternalCase, InputsAreInTheOrderOfTheFile) {
   EXPECT_EQ(c.output.sensors, (std::vector<std::string>{"B", "A"}));
   EXPECT_EQ(c.server.config, (Json{{"level", 2}, {"list", {1, 2.5}}, {"word", "fine"}}));
   const auto groups = offered_groups(c);
-  ASSERT_EQ(groups.size(), 2u);
+  ASSERT_EQ(groups.size(), 4u);
   EXPECT_EQ(groups[0].added.size(), 2u);
   EXPECT_EQ(*groups[0].added[1].parameter.nominal, 1.0);
   for (const double s : groups[1].added[0].strengths) EXPECT_NE(s, 0.0);
+  // And the response of each gauge.
+  EXPECT_EQ(groups[2].name, "sensor_response");
+  EXPECT_EQ(groups[2].sensor, "B");
+  EXPECT_EQ(groups[3].sensor, "A");
+  EXPECT_EQ(groups[3].added[0].parameter.key, "sensor_response.gain.A");
+  EXPECT_EQ(*groups[3].added[0].parameter.nominal, 1.0);
 }
 
 TEST(ExternalCase, AnEnabledMechanismIsPartOfTheModel) {
   const auto c = read(head + output + parameters + "[mechanism.first]\nenabled = true\n");
   ASSERT_EQ(c.parameters.size(), 3u);
   EXPECT_EQ(c.parameters[2].name, "first.p");
-  EXPECT_EQ(offered_groups(c).size(), 1u);
+  EXPECT_EQ(offered_groups(c).size(), 3u);
+}
+
+TEST(ExternalCase, TheResponseOfGaugesIsNotOfferedBesideOneOfTheCaseNorForOneSensor) {
+  const std::string own = "[mechanism.sensor_response.parameter.q]\noff = 0.0\nmin = 0.0\nmax = 1.0\n";
+  EXPECT_EQ(offered_groups(read(head + output + parameters + own)).size(), 3u);
+  EXPECT_EQ(offered_groups(read(head + "[output]\nsensors = [\"A\"]\ntime = { step = 0.5, count = 3 }\n" + parameters)).size(), 2u);
 }
 
 TEST(ExternalCase, MistakesAreToldWithTheirPlace) {

@@ -28,6 +28,16 @@ TEST(ExternalModel, AMechanismIsAtItsOffValueUntilItIsSet) {
   EXPECT_EQ(model.vector_jacobian_product(a, w)[0], 4.0);
 }
 
+// What a gauge makes of the model's answer: no input of the model.
+TEST(ExternalModel, AGaugeMayNotReadTrue) {
+  const Served served({straight_line()});
+  const ExternalModel model(line_case(served.url(), slope));
+  const std::vector<double> a{1.0};
+  EXPECT_EQ(model.evaluate(a, {{"sensor_response.gain.y", 2.0}}).mean, (std::vector<double>{2.0, 3.0, 4.0, 5.0}));
+  EXPECT_EQ(model.evaluate(a, {{"sensor_response.drift.y", 3.0}}).mean, (std::vector<double>{1.0, 3.0, 6.0, 10.0}));
+  EXPECT_EQ(model.evaluate(a, {{"sensor_response.gain.other", 2.0}}).mean, (std::vector<double>{1.0, 1.5, 2.0, 2.5}));
+}
+
 TEST(ExternalModel, AFailureIsAPredictionWithItsReasonAndPlace) {
   const Served served({straight_line()});
   const ExternalModel model(line_case(served.url(), slope));

@@ -28,6 +28,12 @@ TEST(RunPoint, TextHoldsEveryDigitAndReadsBack) {
   EXPECT_NE(text_of({{"a", 1}}), text_of({{"a", std::nextafter(1.0, 2.0)}}));
 }
 
+// A search may end as near to a bound at zero as that.
+TEST(RunPoint, ANumberBelowTheSmallestNormalOneReadsBack) {
+  const RunPoint tiny{{"mechanism.drag.coefficient", 3e-320}};
+  EXPECT_EQ(point_of(text_of(tiny)), tiny);
+}
+
 TEST(RunStore, MakesAPointOnceInThisLifeAndTheNext) {
   const auto path = scratch("run_store") / "runs.journal";
   const std::vector<RunPoint> points{coarse, fine, coarse};

@@ -39,7 +39,7 @@ std::vector<ParameterGroup> groups() {
 
 Alternative beam() {
   Alternative a;
-  a.explanation = {.name = "beam_profile", .log_bayes_factor = 106, .by_scale = {{0, 0.5, 108}, {0.08, 0.5, 98}}, .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true};
+  a.explanation = {.name = "beam_profile", .log_bayes_factor = 106, .by_scale = {{0, 0.5, 108}, {0.08, 0.5, 98}}, .chi2 = 70, .misfit = 0.05, .farthest = 1, .base_pull = 0.3, .fitted = true};
   a.groups = {"beam_profile"};
   a.numbers = {{"beam_profile.width_ratio_z", 0.99, 0.02}, {"beam_profile.offset_z", 2.312e-3, 1.61e-4}};
   a.held_out = {0.12, 0.06};
@@ -48,7 +48,7 @@ Alternative beam() {
 
 Alternative wall(double log_bayes_factor) {
   Alternative a;
-  a.explanation = {.name = "wall_thinning", .log_bayes_factor = log_bayes_factor, .by_scale = {{0, 0.5, log_bayes_factor - 1}, {0.08, 0.5, log_bayes_factor - 0.5}}, .chi2 = 300, .base_pull = 1, .fitted = true};
+  a.explanation = {.name = "wall_thinning", .log_bayes_factor = log_bayes_factor, .by_scale = {{0, 0.5, log_bayes_factor - 1}, {0.08, 0.5, log_bayes_factor - 0.5}}, .chi2 = 300, .misfit = 0.08, .base_pull = 1, .fitted = true};
   a.groups = {"wall_thinning"}, a.place = "top";
   a.numbers = {{"wall_thinning.fraction", 0.12, 0.04}};
   return a;
@@ -59,7 +59,7 @@ Diagnosis judged(std::vector<Alternative> candidates, double base_chi2 = 400) {
   for (auto& c : candidates) c.settled = true;
   Diagnosis d;
   d.base.settled = true;
-  d.evidence = {.values = 100, .chi2 = base_chi2, .by_scale = {{0, 0.5, -1}, {0.08, 0.5, -0.5}}, .base_pull = 0.5};
+  d.evidence = {.values = 100, .chi2 = base_chi2, .misfit = 0.1, .held_out = 0.1, .by_scale = {{0, 0.5, -1}, {0.08, 0.5, -0.5}}, .base_pull = 0.5};
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.explanation.log_bayes_factor > b.explanation.log_bayes_factor; });
   d.candidates = std::move(candidates);
   std::vector<Explanation> all;
@@ -187,10 +187,10 @@ TEST(PlainWords, TheGateThatIsNotPassedAgreesWithTheVerdict) {
   int named = 0, unknown = 0;
   for (int trial = 0; trial < 4000; ++trial) {
     const auto by_scale = [&] { return EvidenceByScale{{0, 0.2, 20 * random.uniform()}, {0.02, 0.3, 20 * random.uniform()}, {0.08, 0.5, 20 * random.uniform()}}; };
-    const BaseEvidence base{.values = 100, .chi2 = 150 + 400 * random.uniform(), .by_scale = by_scale(), .base_pull = 2 * random.uniform()};
+    const BaseEvidence base{.values = 100, .chi2 = 150 + 400 * random.uniform(), .misfit = 0.1, .held_out = 0.1, .by_scale = by_scale(), .base_pull = 2 * random.uniform()};
     std::vector<Explanation> all;
     for (int i = 0; i < 3; ++i)
-      all.push_back({.name = std::string(1, char('a' + i)), .numerical = random.uniform() < 0.2, .log_bayes_factor = 150 * random.uniform(), .by_scale = by_scale(), .chi2 = 60 + 200 * random.uniform(), .farthest = 4 * random.uniform(),
+      all.push_back({.name = std::string(1, char('a' + i)), .numerical = random.uniform() < 0.2, .log_bayes_factor = 150 * random.uniform(), .by_scale = by_scale(), .chi2 = 60 + 200 * random.uniform(), .misfit = 0.12 * random.uniform(), .farthest = 4 * random.uniform(),
                      .base_pull = 2 * random.uniform(), .fitted = true});
     std::sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.log_bayes_factor > y.log_bayes_factor; });
     const Verdict v = judge(base, all);

@@ -14,10 +14,10 @@ using ::testing::HasSubstr;
 
 /// Without a discrepancy, and with one of 8 % of the records.
 EvidenceByScale with_and_without(double plain, double discrepancy) { return {{0, 0.5, plain}, {0.08, 0.5, discrepancy}}; }
-BaseEvidence poor() { return {.values = 100, .chi2 = 400, .by_scale = with_and_without(-120, -0.1), .base_pull = 1.5}; }
-BaseEvidence good() { return {.values = 100, .chi2 = 66, .by_scale = with_and_without(-0.2, -1.5), .base_pull = 0.4}; }
-Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .by_scale = with_and_without(102, 97), .chi2 = 70, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
-Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .base_pull = 1, .fitted = true}; }
+BaseEvidence poor() { return {.values = 100, .chi2 = 400, .misfit = 0.2, .held_out = 0.2, .by_scale = with_and_without(-120, -0.1), .base_pull = 1.5}; }
+BaseEvidence good() { return {.values = 100, .chi2 = 66, .misfit = 0.05, .held_out = 0.05, .by_scale = with_and_without(-0.2, -1.5), .base_pull = 0.4}; }
+Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .by_scale = with_and_without(102, 97), .chi2 = 70, .misfit = 0.04, .held_out = 0.04, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
+Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .misfit = 0.18, .base_pull = 1, .fitted = true}; }
 
 TEST(Verdict, NamesWhatExplainsAndLeads) {
   const Verdict v = judge(poor(), {rear(), beam()});
@@ -89,6 +89,12 @@ TEST(Verdict, SaysUnknownForEachReason) {
   mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
   EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
+  x = beam(), x.misfit = 0.2;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("the records are not nearer: their misfit is 20 % and was 20 %"));
+  x = beam(), x.held_out = 0.21;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("gauges that were left out of the fit do not come nearer"));
+  x = beam(), x.by_scale = with_and_without(-30, 100);
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("something else is more probable"));
 }
 
 // No law is the target's to the last digit: what is left may be more than the errors, if it is small beside what the name accounts for.
@@ -105,6 +111,28 @@ TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
   x.by_scale[2].log_evidence = 130;  // it needs as much of a discrepancy as the base model
   EXPECT_EQ(judge(base, {x}).ranking[0].name, "unknown");
+}
+
+// A weak effect: the base model explains the records within their errors, and there is no excess of chi-squared to take away; the evidence alone speaks.
+TEST(Verdict, AWeakEffectIsNamedByItsEvidenceWhereTheBaseModelIsAdequate) {
+  BaseEvidence base = good();
+  base.chi2 = 95;  // 30 above that of nothing missing, and plausible
+  Explanation x = beam();
+  x.log_bayes_factor = 12, x.by_scale = with_and_without(13, 10), x.chi2 = 85;
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named) << judge(base, {x}).reason;
+  base.chi2 = 200;  // an excess of 135, and a tenth of it explained
+  x.chi2 = 185;
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
+}
+
+// Where no scale of a discrepancy can stand for what the base model leaves, its misfit says how much that is.
+TEST(Verdict, ANameIsProbableBesideABaseModelThatNoDiscrepancyExplains) {
+  BaseEvidence base = poor();
+  base.chi2 = 40000, base.misfit = 0.2, base.by_scale = {{0, 0.3, 0}, {0.02, 0.3, -900}, {0.2, 0.4, -400}};
+  Explanation x = beam();
+  x.log_bayes_factor = 1700, x.by_scale = {{0, 0.3, 1300}, {0.02, 0.3, 1700}, {0.2, 0.4, 1600}}, x.chi2 = 900;
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named) << judge(base, {x}).reason;
+  EXPECT_NEAR(greatest_remainder(base), 0.05, 1e-3);
 }
 
 TEST(Verdict, PartsOfTheEvidenceAreTheirOwnMeans) {

@@ -230,6 +230,11 @@ TEST(ErrorModel, NoiseAloneIsIndependentAndHasNoNuisances) {
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
   EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
   options.noise_time = 0;
+  // A gain counts where the case says it, by gauge.
+  const ErrorModel calibrated(problem, recordings, options, {.band = 1e9, .gain_sd = 0.03}, {}, {});
+  const Eigen::VectorXd first = calibrated.data().head(40);
+  EXPECT_LT((calibrated.covariance().topLeftCorner(40, 40) - 4 * Eigen::MatrixXd::Identity(40, 40) - 9e-4 * first * first.transpose()).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(calibrated.covariance()(10, 50), 0);
   options.energy_sd = 0.05;
   const ErrorModel own(problem, recordings, options, {.band = 1e9}, {}, {});
   EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);

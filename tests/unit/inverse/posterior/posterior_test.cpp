@@ -235,6 +235,50 @@ TEST(FitPosterior, MovesItsBoxToAnAnswerOutsideTheFirst) {
   EXPECT_NEAR(fit.modes[0].at.theta[1], 1440, 30);
 }
 
+/// A model of one parameter in [1, 2] or, with `shift`, in bounds moved by it, whose posterior lies at the upper bound; runs carry no noise.
+PosteriorFit fit_at_the_upper_bound(double shift) {
+  const AnalyticModel model({uniform_parameter("a", 1 + shift, 2 + shift, 1.5 + shift)}, {[shift](auto p, double t) { return 100 * std::sin((p[0] - shift) * t * 4e4); }}, 50, 1e-6, "strain");
+  const auto recordings = pulses_of(model, {2 + shift}, {.pulses = 6, .noise = 1}, 3);
+  const RecordingOptions options;
+  const Problem problem = make_problem(model.shape(), recordings, options);
+  PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = options};
+  in.errors = {.values = 50, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
+  in.parameters = problem.shape.parameters, in.draw_in = true, in.centre = {1.8 + shift}, in.half_width = {0.2};
+  in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
+    std::vector<RunRecord> records;
+    for (std::size_t i = 0; i < level.size(); ++i) records.push_back(evaluate_run(model, {thetas.col(Eigen::Index(i)).data(), 1}, false));
+    return records;
+  };
+  return fit_posterior(in);
+}
+
+// A bound is a bound whatever its sign: a box that reaches it is not moved for ever.
+TEST(FitPosterior, SettlesAtAnUpperBoundBelowZeroAsAtOneAbove) {
+  const PosteriorFit above = fit_at_the_upper_bound(0), below = fit_at_the_upper_bound(-5);
+  EXPECT_TRUE(above.settled) << above.message;
+  EXPECT_TRUE(below.settled) << below.message;
+  EXPECT_NEAR(below.modes[0].at.theta[0], above.modes[0].at.theta[0] - 5, 1e-3);
+}
+
+// Where runs carry no noise what an emulator misses is no error of the records: prediction and evidence at the mode are those of the run there.
+TEST(FitPosterior, AnExactModelIsHeldAgainstItsRunAtTheMode) {
+  const PosteriorFit fit = fit_at_the_upper_bound(0);
+  const LocalMode& m = fit.modes[0];
+  ASSERT_EQ(fit.run_at_mode.size(), 50);
+  EXPECT_LT((fit.prediction(m.at) - fit.errors->grid().apply(fit.run_at_mode)).norm(), 1e-9 * fit.run_at_mode.norm());
+  const double of_run = fit.posterior->log_likelihood_of(fit.errors->grid().apply(fit.run_at_mode), 0);
+  EXPECT_NEAR(fit.log_evidence(*fit.posterior, m) - log_evidence(*fit.posterior, m), of_run - fit.posterior->density(m.at).log_likelihood, 1e-6);
+  // A run that is far from the emulator takes the evidence away.
+  PosteriorFit off = fit;
+  off.beyond_emulator.setConstant(50);
+  EXPECT_LT(off.log_evidence(*off.posterior, m), fit.log_evidence(*fit.posterior, m) - 100);
+  // A mesh's runs carry noise, and stay as they are.
+  Meshes meshes;
+  const PosteriorFit noisy = fit_posterior(meshes.inputs());
+  EXPECT_EQ(noisy.run_at_mode.size(), 0);
+  EXPECT_EQ(noisy.log_evidence(*noisy.posterior, noisy.modes[0]), log_evidence(*noisy.posterior, noisy.modes[0]));
+}
+
 TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
   Meshes meshes;
   auto in = meshes.inputs();
