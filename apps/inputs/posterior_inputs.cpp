@@ -75,6 +75,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& 
     for (const auto& p : in.parameters)
       if (p.prior == "uniform") in.warnings.push_back(fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", p.name));
     start_directly(in);
+    in.least_squares = true;
     return out;
   }
   for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));

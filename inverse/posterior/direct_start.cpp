@@ -20,12 +20,14 @@ constexpr double tail = 0.01;               ///< of the priors, left out of the 
 constexpr double box_sds = 4;               ///< half width of the box, in the deviations found
 constexpr double box_of_prior = 2;          ///< and at most, in prior deviations
 constexpr double least_box = 0.01;          ///< and at least, of these
+constexpr int polish_iterations = 10;
+constexpr double polish_tolerance = 1e-7;
 constexpr double no_answer = 1e6;           ///< residual where the model has none
 
 class Search {
  public:
-  explicit Search(const PosteriorInputs& in)
-      : in_(in), errors_(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh}, in.positions),
+  Search(const PosteriorInputs& in, const ErrorModel* errors)
+      : in_(in), errors_(errors ? *errors : ErrorModel(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh}, in.positions)),
         priors_(priors_of(in.parameters)), factor_(errors_.covariance()), wanted_(errors_.data()) {
     if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
     for (std::size_t k = 0; k < in.parameters.size(); ++k) {
@@ -145,7 +147,7 @@ class Residuals : public ceres::CostFunction {
 }  // namespace
 
 DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options) {
-  Search search(in);
+  Search search(in, options.errors);
   const Eigen::Index d = search.dimension();
   const Eigen::MatrixXd design = search.design(options);
   const Eigen::MatrixXd r = search.residuals(design);
@@ -155,7 +157,7 @@ DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& opt
     for (Eigen::Index k = 0; k < d; ++k) cost += std::pow(search.prior_residual(k, design(k, i)), 2);
     if (std::isfinite(cost)) order.emplace_back(cost, i);
   }
-  if (order.empty()) throw NumericsError("no run of the model came through: " + search.message());
+  if (order.empty() && options.starts.empty()) throw NumericsError("no run of the model came through: " + search.message());
   std::sort(order.begin(), order.end());
   std::vector<Eigen::VectorXd> from;
   for (const auto& start : options.starts) from.push_back(search.coordinates(start));
@@ -195,6 +197,33 @@ DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& opt
   if (out.theta.empty()) throw NumericsError("no descent of the model's fit came to an end: " + search.message());
   out.runs = search.runs();
   return out;
+}
+
+PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
+  const LogPosterior& on_emulator = *fit.posterior;
+  const LocalMode& m = fit.modes[0];
+  const EmulatorBox& box = on_emulator.box();
+  const WeightedErrors& likeliest = fit.hypotheses[on_emulator.likeliest(m.at)];
+  const DirectStart polished = find_direct_start(in, {.design_runs = 0, .design_runs_a_parameter = 0, .descents = 0, .iterations = polish_iterations, .tolerance = polish_tolerance, .starts = {m.at.theta}, .errors = &likeliest.errors});
+  // The better one by the model itself: the box may end before the polished one.
+  Eigen::VectorXd best;
+  LogPosterior::Point at;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const auto& theta : {m.at.theta, box.nearest(polished.theta)}) {
+    const auto records = in.run(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())), {0});
+    if (!records.at(0).done) continue;
+    const auto point = on_emulator.point(on_emulator.q(theta, m.at.beyond));
+    const Eigen::VectorXd history = records[0].history();
+    const double density = on_emulator.log_likelihood_of(fit.errors->grid().apply(history), 0) + on_emulator.density(point, false).log_prior;
+    if (density > most) most = density, best = history, at = point;
+  }
+  if (best.size() == 0) return fit;
+  fit.coefficients.col(0) += fit.errors->grid().apply(best) - fit.prediction(at);  // of the constant
+  fit.noise.setZero();
+  fit.posterior.emplace(fit.under(fit.hypotheses));
+  fit.modes = {mode_at(*fit.posterior, fit.posterior->q(at.theta, at.beyond))};
+  fit.run_at_mode = best;
+  return fit;
 }
 
 void start_directly(PosteriorInputs& in, const DirectSearch& options) {

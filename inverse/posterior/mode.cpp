@@ -69,6 +69,15 @@ Eigen::MatrixXd laplace(const LogPosterior& posterior, const LogPosterior::Point
 
 }  // namespace
 
+LocalMode mode_at(const LogPosterior& posterior, const Eigen::VectorXd& q) {
+  LocalMode m{.q = q, .at = posterior.point(q)};
+  m.mode_density = posterior.mode_density(q);
+  m.log_posterior = posterior.density(m.at).log_posterior();
+  m.covariance = laplace(posterior, m.at);
+  m.gradient = slope_at(posterior, m.at).cwiseProduct(m.covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
+  return m;
+}
+
 std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // a failed line search is an answer here, not news
   ceres::GradientProblemSolver::Options options;
@@ -84,12 +93,9 @@ std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vect
     ceres::GradientProblemSolver::Summary summary;
     ceres::Solve(options, problem, q.data(), &summary);
     if (!q.allFinite() || !std::isfinite(posterior.mode_density(q))) continue;
-    LocalMode m{.q = q, .at = posterior.point(q), .iterations = int(summary.iterations.size())};
-    m.mode_density = posterior.mode_density(q);
-    m.log_posterior = posterior.density(m.at).log_posterior();
-    m.covariance = laplace(posterior, m.at);
+    LocalMode m = mode_at(posterior, q);
+    m.iterations = int(summary.iterations.size());
     const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
-    m.gradient = slope_at(posterior, m.at).cwiseProduct(sd).cwiseAbs().maxCoeff();
     const bool known = std::any_of(modes.begin(), modes.end(), [&](const LocalMode& other) {
       return (coordinates(posterior, other.at) - coordinates(posterior, m.at)).cwiseQuotient(sd).cwiseAbs().maxCoeff() < same_mode;
     });

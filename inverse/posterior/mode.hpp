@@ -19,6 +19,9 @@ struct LocalMode {
   int iterations = 0;
 };
 
+/// A point as a mode: its densities and the Gaussian about it.
+LocalMode mode_at(const LogPosterior& posterior, const Eigen::VectorXd& q);
+
 /// Distinct local modes from the starts given, best first; starts: q. Ceres, BFGS with a strong Wolfe line search on the exact gradient.
 std::vector<LocalMode> find_modes(const LogPosterior& posterior, const std::vector<Eigen::VectorXd>& starts);
 

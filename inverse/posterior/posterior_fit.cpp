@@ -50,7 +50,6 @@ class Fit {
       }
       fit();
     }
-    if (in_.draw_in) anchor();
     out_.settled = settled();
     const auto& last = out_.rounds.back();
     out_.message = out_.settled ? fmt::format("settled after {} coarse and {} fine runs", last.coarse, last.fine)
@@ -70,7 +69,6 @@ class Fit {
   void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
   void choose_runs();
   void fit();
-  void anchor();
   [[nodiscard]] bool near_edge() const;
   [[nodiscard]] bool near_edge(const LogPosterior& posterior, const LocalMode& m) const;
   [[nodiscard]] Eigen::MatrixXd draws_of(const LogPosterior& posterior, const LocalMode& m, std::uint64_t seed) const;
@@ -219,15 +217,6 @@ bool Fit::settled() const {
   return rounds.size() > 1 && !near_edge() && !may_draw_in() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
 }
 
-/// Holds the emulator against the model at the mode.
-void Fit::anchor() {
-  const LocalMode& m = out_.modes[0];
-  const auto records = in_.run(Eigen::Map<const Eigen::VectorXd>(m.at.theta.data(), Eigen::Index(m.at.theta.size())), {0});
-  if (!records.at(0).done) return;
-  out_.run_at_mode = records[0].history();
-  out_.beyond_emulator = out_.errors->grid().apply(out_.run_at_mode) - out_.coefficients * out_.posterior->emulator().features(m.at.u, m.at.beyond);
-}
-
 void Fit::fit() {
   choose_runs();
   const auto n = Eigen::Index(out_.used.size()), d = Eigen::Index(in_.parameters.size());
@@ -334,18 +323,9 @@ Eigen::MatrixXd PosteriorFit::histories(const std::vector<float> RunRecord::*wha
   return all;
 }
 
-Eigen::VectorXd PosteriorFit::prediction(const LogPosterior::Point& at) const {
-  Eigen::VectorXd y = coefficients * posterior->emulator().features(at.u, at.beyond);
-  if (beyond_emulator.size()) y += beyond_emulator;
-  return y;
-}
+Eigen::VectorXd PosteriorFit::prediction(const LogPosterior::Point& at) const { return coefficients * posterior->emulator().features(at.u, at.beyond); }
 
 Eigen::VectorXd PosteriorFit::history_at_mode() const { return run_at_mode.size() ? run_at_mode : history(modes[0].at.u, modes[0].at.beyond); }
-
-double PosteriorFit::log_evidence(const LogPosterior& p, const LocalMode& m) const {
-  const double on_emulator = calomel::log_evidence(p, m);
-  return beyond_emulator.size() ? on_emulator + p.log_likelihood_of(prediction(m.at), 0) - p.density(m.at, false).log_likelihood : on_emulator;
-}
 
 LogPosterior PosteriorFit::under(const std::vector<WeightedErrors>& errors) const {
   return {posterior->box(), posterior->emulator(), coefficients, errors, noise, posterior->priors(), posterior->beyond_prior()};

@@ -76,6 +76,9 @@ struct PosteriorInputs {
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
   /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the mode.
   bool draw_in = false;
+  /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far better than the model, whose errors then
+  /// say little of where it fits best.
+  bool least_squares = false;
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
@@ -120,8 +123,7 @@ struct PosteriorFit {
   std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
-  /// Where runs carry no numerical noise: a run at the mode, (values of the model), and what it shows beyond the emulator there, (size) on the grid; else empty.
-  Eigen::VectorXd run_at_mode, beyond_emulator;
+  Eigen::VectorXd run_at_mode;   ///< (values of the model), of a fit that is held_to_the_model(); else empty
   Eigen::MatrixXd noise;         ///< numerical noise of one run of the finest mesh, (size, size)
   std::vector<PosteriorRound> rounds;
   std::vector<LevelError> levels;
@@ -132,13 +134,10 @@ struct PosteriorFit {
   [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
-  /// What the model says at a point, (size) on the grid: the emulator with what it misses at the mode.
+  /// What the emulator says at a point, (size) on the grid.
   [[nodiscard]] Eigen::VectorXd prediction(const LogPosterior::Point& at) const;
-  /// That of the mode, (values of the model): the run there, or the emulator's.
+  /// The history of the mode, (values of the model): the run there, or the emulator's.
   [[nodiscard]] Eigen::VectorXd history_at_mode() const;
-  /// log_evidence() of `p`, which is this posterior under other errors, at a mode of it. Where runs carry no numerical noise the prediction counts as exact there: what an emulator misses is
-  /// no error of the records, and must not explain them.
-  [[nodiscard]] double log_evidence(const LogPosterior& p, const LocalMode& m) const;
   /// The posterior on the same emulator, with the same priors, under other errors.
   [[nodiscard]] LogPosterior under(const std::vector<WeightedErrors>& errors) const;
 };

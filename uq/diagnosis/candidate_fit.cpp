@@ -25,6 +25,7 @@ constexpr double sets_in = 0.02;                     ///< of a share: below off 
 constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2;
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;
+constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
 constexpr int most_rounds = 8;                       ///< of the second box
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
 constexpr int stays_enough = 2;                      ///< rounds in a row
@@ -32,11 +33,11 @@ constexpr double standing = 1;                       ///< move of the mode in a 
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
-  if (&fit == &errors) return fit.log_evidence(*fit.posterior, fit.modes[0]);
+  if (&fit == &errors) return log_evidence(*fit.posterior, fit.modes[0]);
   const LogPosterior p = fit.under(errors.hypotheses);
   const auto modes = find_modes(p, {fit.modes[0].q});
   if (modes.empty()) throw NumericsError("no mode of a posterior was found under the errors of another");
-  return fit.log_evidence(p, modes[0]);
+  return log_evidence(p, modes[0]);
 }
 
 /// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is narrower than the box.
@@ -66,22 +67,66 @@ Side side_of(const AddedParameter& a, double estimate, double sd) {
   return {estimate, std::max({reach * away, widths * deviation, least})};
 }
 
-/// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the best.
-FittedCandidate fit_cheap(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
-  DirectSearch search{.design_runs = design_runs, .design_runs_a_parameter = design_runs_a_parameter, .descents = descents, .iterations = iterations, .tolerance = tolerance, .starts = {in.centre}};
-  for (const auto& r : in.known) {  // one of these is near to the base fit's mode, the numbers off
-    if (!r.record.done) continue;
+/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from others over the ranges of the numbers.
+FittedCandidate fit_from_several(const PosteriorInputs& planned, const PosteriorFit& base) {
+  std::optional<PosteriorFit> best;
+  double most = 0;
+  std::string failed;
+  for (const double place : {-1.0, 0.5}) {
+    PosteriorInputs in = planned;
+    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
+      const Parameter& p = in.parameters[k];
+      const double low = p.coordinate(p.min), high = p.coordinate(p.max);
+      in.centre[k] = p.natural(low + place * (high - low)), in.half_width[k] = start_width * (high - low);
+    }
+    try {
+      PosteriorFit fit = fit_posterior(in);
+      const double worth = log_bayes_factor(fit, base);
+      if (!best || worth > most) most = worth, best = std::move(fit);
+    } catch (const NumericsError& e) {
+      failed = e.what();
+    }
+  }
+  if (!best) throw NumericsError(failed);
+  const bool stands = best->settled;
+  return {.inputs = planned, .fit = std::move(*best), .stands = stands};
+}
+
+/// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the best. That is done with
+/// the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records far better than the model the former say little. The better one counts.
+FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+  DirectSearch search{.design_runs = design_runs, .design_runs_a_parameter = design_runs_a_parameter, .descents = descents, .iterations = iterations, .tolerance = tolerance, .starts = {planned.centre}};
+  for (const auto& r : planned.known) {  // with the numbers off
     std::vector<double> off = r.theta;
-    std::copy_n(base.modes[0].at.theta.begin(), in.known_dimension, off.begin());
+    std::copy_n(base.modes[0].at.theta.begin(), planned.known_dimension, off.begin());
     search.starts.push_back(std::move(off));
     break;
   }
-  start_directly(in, search);
-  in.go_on = [&](const PosteriorFit& f) { return worth(log_bayes_factor(f, base)); };
-  PosteriorFit fit = fit_posterior(in);
-  const bool stands = fit.settled;
-  in.go_on = {};
-  return {.inputs = std::move(in), .fit = std::move(fit), .stands = stands};
+  const WeightedErrors& likeliest = base.hypotheses[base.posterior->likeliest(base.modes[0].at)];
+  std::vector<const ErrorModel*> errors{nullptr};
+  if (likeliest.discrepancy > 0) errors.push_back(&likeliest.errors);
+  std::optional<FittedCandidate> best;
+  double most = 0;
+  std::string failed;
+  for (const ErrorModel* e : errors) {
+    PosteriorInputs in = planned;
+    search.errors = e;
+    try {
+      start_directly(in, search);
+      in.go_on = [&](const PosteriorFit& f) { return worth(log_bayes_factor(f, base)); };
+      PosteriorFit fit = held_to_the_model(in, fit_posterior(in));
+      in.go_on = {};
+      if (const double of_fit = log_bayes_factor(fit, base); !best || of_fit > most) {
+        most = of_fit;
+        const bool stands = fit.settled;
+        best.emplace(FittedCandidate{.inputs = std::move(in), .fit = std::move(fit), .stands = stands});
+      }
+    } catch (const NumericsError& x) {
+      failed = x.what();
+    }
+  }
+  if (!best) throw NumericsError(failed);
+  return std::move(*best);
 }
 
 }  // namespace
@@ -139,7 +184,7 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
 }
 
 FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
-  if (in.draw_in) return fit_cheap(std::move(in), base, worth);
+  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_several(in, base);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/linear_algebra.hpp"
+#include "inverse/posterior/direct_start.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
 #include "uq/diagnosis/plain_words.hpp"
 #include "uq/posterior_moments.hpp"
@@ -50,7 +51,7 @@ Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
 
 /// Evidence of the hypotheses of each scale of a discrepancy, each by itself, over the whole's and `plus` more.
 EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0) {
-  const double whole = fit.log_evidence(posterior, m);
+  const double whole = log_evidence(posterior, m);
   std::map<double, std::vector<WeightedErrors>> parts;
   for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
   EvidenceByScale all;
@@ -60,7 +61,7 @@ EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior,
     for (auto& h : part) h.log_weight -= std::log(weight);
     const LogPosterior p = fit.under(part);
     const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
-    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + fit.log_evidence(p, modes[0]) - whole});
+    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
   }
   return all;
 }
@@ -81,6 +82,7 @@ class Engine {
     PosteriorInputs base = in_.base;
     base.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return counted(thetas, level, {}); };
     out_.base = fit_posterior(base);
+    if (base.least_squares) out_.base = held_to_the_model(base, std::move(out_.base));
     if (base.gauge_places) places_ = base.gauge_places(mode().at.theta);
     describe_base();
     hold_out_base();
@@ -108,8 +110,7 @@ class Engine {
   }
   /// chi-squared of a fit without any discrepancy at the mode of the posterior with it.
   [[nodiscard]] static double plain_chi2(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const ErrorModel& errors) {
-    const double noise = fit.run_at_mode.size() ? 0 : posterior.density(m.at).variance;
-    return Cholesky(errors.covariance() + noise * fit.noise).solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
+    return Cholesky(errors.covariance() + posterior.density(m.at, false).variance * fit.noise).solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
   }
   /// |history - record| / |record|, mean over the gauges, in the band that is compared.
   [[nodiscard]] double misfit(const Eigen::VectorXd& history) const {
@@ -244,7 +245,7 @@ void Engine::fit_linear(const Question& q) {
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
-  c.explanation.log_bayes_factor = out_.base.log_evidence(with, m) - out_.base.log_evidence(base, mode()) + q.choice;
+  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) + q.choice;
   c.explanation.by_scale = by_scale(out_.base, with, m, errors, c.explanation.log_bayes_factor);
   c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
@@ -419,12 +420,12 @@ void Engine::fit_pair() {
   auto questions = ask(in).questions;
   std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return in_.groups[q.group].sensor.empty(); });
   // Where runs cost little several are fitted: on top of what already explains much, first order says little.
-  const std::size_t most = in_.base.draw_in ? std::size_t(in_.options.leaders) : 1;
+  const std::size_t most = in_.base.least_squares ? std::size_t(in_.options.leaders) : 1;
   std::set<std::string> tried;
   for (const auto& q : questions) {
     const ParameterGroup& group = in_.groups[q.group];
     if (q.sensor || group.numerical || !tried.insert(group.name).second) continue;
-    if (tried.size() > most || (!in_.base.draw_in && q.worth.log_bayes_factor < worth_fitting)) break;
+    if (tried.size() > most || (!in_.base.least_squares && q.worth.log_bayes_factor < worth_fitting)) break;
     say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor));
     fit(q, &below);
   }

@@ -204,7 +204,7 @@ struct Quick {
   [[nodiscard]] Diagnosis diagnosed(std::vector<ParameterGroup> offered) const {
     PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = recording_options,
                          .errors = {.values = 180, .band = 2e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .young_sd = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0, .record_noise = 0}, .emulator = {}};
-    base.parameters = model.shape().parameters, base.levels = 1, base.discrepancy = true, base.draw_in = true;
+    base.parameters = model.shape().parameters, base.levels = 1, base.discrepancy = true, base.draw_in = base.least_squares = true;
     base.centre = {1, 1}, base.half_width = {0.06, 0.06};
     return diagnose({.base = base, .groups = std::move(offered), .run = runs(), .linear = {}, .options = {.max_runs = 10000, .leaders = 2, .pairs = false}, .say = {}, .round = {}});
   }

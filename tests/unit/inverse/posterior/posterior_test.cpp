@@ -11,6 +11,7 @@
 #include "forward/campaign/campaign.hpp"
 #include "forward/emulator/infill.hpp"
 #include "inverse/posterior/basin.hpp"
+#include "inverse/posterior/direct_start.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "tests/unit/inverse/lines.hpp"
 #include "tests/unit/inverse/meshed.hpp"
@@ -236,7 +237,7 @@ TEST(FitPosterior, MovesItsBoxToAnAnswerOutsideTheFirst) {
 }
 
 /// A model of one parameter in [1, 2] or, with `shift`, in bounds moved by it, whose posterior lies at the upper bound; runs carry no noise.
-PosteriorFit fit_at_the_upper_bound(double shift) {
+PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const PosteriorInputs&, const PosteriorFit&)>& look = {}) {
   const AnalyticModel model({uniform_parameter("a", 1 + shift, 2 + shift, 1.5 + shift)}, {[shift](auto p, double t) { return 100 * std::sin((p[0] - shift) * t * 4e4); }}, 50, 1e-6, "strain");
   const auto recordings = pulses_of(model, {2 + shift}, {.pulses = 6, .noise = 1}, 3);
   const RecordingOptions options;
@@ -249,7 +250,9 @@ PosteriorFit fit_at_the_upper_bound(double shift) {
     for (std::size_t i = 0; i < level.size(); ++i) records.push_back(evaluate_run(model, {thetas.col(Eigen::Index(i)).data(), 1}, false));
     return records;
   };
-  return fit_posterior(in);
+  PosteriorFit fit = fit_posterior(in);
+  if (look) look(in, fit);
+  return fit;
 }
 
 // A bound is a bound whatever its sign: a box that reaches it is not moved for ever.
@@ -261,22 +264,25 @@ TEST(FitPosterior, SettlesAtAnUpperBoundBelowZeroAsAtOneAbove) {
 }
 
 // Where runs carry no noise what an emulator misses is no error of the records: prediction and evidence at the mode are those of the run there.
-TEST(FitPosterior, AnExactModelIsHeldAgainstItsRunAtTheMode) {
-  const PosteriorFit fit = fit_at_the_upper_bound(0);
-  const LocalMode& m = fit.modes[0];
-  ASSERT_EQ(fit.run_at_mode.size(), 50);
-  EXPECT_LT((fit.prediction(m.at) - fit.errors->grid().apply(fit.run_at_mode)).norm(), 1e-9 * fit.run_at_mode.norm());
-  const double of_run = fit.posterior->log_likelihood_of(fit.errors->grid().apply(fit.run_at_mode), 0);
-  EXPECT_NEAR(fit.log_evidence(*fit.posterior, m) - log_evidence(*fit.posterior, m), of_run - fit.posterior->density(m.at).log_likelihood, 1e-6);
-  // A run that is far from the emulator takes the evidence away.
-  PosteriorFit off = fit;
-  off.beyond_emulator.setConstant(50);
-  EXPECT_LT(off.log_evidence(*off.posterior, m), fit.log_evidence(*fit.posterior, m) - 100);
-  // A mesh's runs carry noise, and stay as they are.
-  Meshes meshes;
-  const PosteriorFit noisy = fit_posterior(meshes.inputs());
-  EXPECT_EQ(noisy.run_at_mode.size(), 0);
-  EXPECT_EQ(noisy.log_evidence(*noisy.posterior, noisy.modes[0]), log_evidence(*noisy.posterior, noisy.modes[0]));
+TEST(HeldToTheModel, AnExactModelIsItsRunAtTheMode) {
+  fit_at_the_upper_bound(0, [](const PosteriorInputs& in, const PosteriorFit& fit) {
+    const PosteriorFit held = held_to_the_model(in, fit);
+    const LocalMode& m = held.modes[0];
+    ASSERT_EQ(held.run_at_mode.size(), 50);
+    const Eigen::VectorXd run = held.errors->grid().apply(held.run_at_mode);
+    EXPECT_LT((held.prediction(m.at) - run).norm(), 1e-9 * run.norm());
+    EXPECT_NEAR(held.posterior->density(m.at).log_likelihood, fit.posterior->log_likelihood_of(run, 0), 1e-6);
+    EXPECT_NEAR(m.at.theta[0], fit.modes[0].at.theta[0], 1e-3);
+    // An emulator that is far off at its mode is brought back to the model; by itself it holds for likely what is not.
+    PosteriorFit off = fit;
+    off.coefficients.col(0).array() += 5;
+    off.noise = 25 * Eigen::MatrixXd::Ones(50, 50) + Eigen::MatrixXd::Identity(50, 50);
+    off.posterior.emplace(off.under(off.hypotheses));
+    off.modes = find_modes(*off.posterior, {off.modes[0].q});
+    const PosteriorFit back = held_to_the_model(in, off);
+    EXPECT_NEAR(back.modes[0].at.theta[0], m.at.theta[0], 1e-3);
+    EXPECT_NEAR(back.posterior->density(back.modes[0].at).log_likelihood, held.posterior->density(m.at).log_likelihood, 0.1);
+  });
 }
 
 TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
