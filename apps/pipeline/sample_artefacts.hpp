@@ -1,8 +1,8 @@
 #pragma once
 /// What posterior.json tells of the emulator's hyperparameters, its refinements, regions of the draws, and posteriors under other errors.
 #include "base/options.hpp"
-#include "uq/convergence/assess.hpp"
 #include "inverse/posterior/model_posterior.hpp"
+#include "uq/convergence/assess.hpp"
 #include "uq/drawn_noise_density.hpp"
 #include "uq/refinement.hpp"
 #include "uq/regions.hpp"

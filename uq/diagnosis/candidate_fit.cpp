@@ -96,12 +96,9 @@ FittedCandidate fit_from_several(const PosteriorInputs& planned, const Posterior
 /// the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records far better than the model the former say little. The better one counts.
 FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(double)>& worth) {
   DirectSearch search{.design_runs = design_runs, .design_runs_a_parameter = design_runs_a_parameter, .descents = descents, .iterations = iterations, .tolerance = tolerance, .starts = {planned.centre}};
-  for (const auto& r : planned.known) {  // with the numbers off
-    std::vector<double> off = r.theta;
-    std::copy_n(base.modes[0].at.theta.begin(), planned.known_dimension, off.begin());
-    search.starts.push_back(std::move(off));
-    break;
-  }
+  std::vector<double> off = base.modes[0].at.theta;
+  for (std::size_t k = off.size(); k < planned.parameters.size(); ++k) off.push_back(*planned.parameters[k].nominal);
+  search.starts.push_back(std::move(off));
   const WeightedErrors& likeliest = base.hypotheses[base.posterior->likeliest(base.modes[0].at)];
   std::vector<const ErrorModel*> errors{nullptr};
   if (likeliest.discrepancy > 0) errors.push_back(&likeliest.errors);

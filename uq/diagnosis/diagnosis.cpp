@@ -170,7 +170,6 @@ class Engine {
   void hold_out_base();
   void hold_out(Alternative& c);
   void hold_out_verdict();
-  [[nodiscard]] double over_folds(const std::vector<double>& by_fold) const;
   void locate_all();
   void separate();
 
@@ -180,8 +179,7 @@ class Engine {
   Eigen::MatrixXd places_;
   std::vector<Question> asked_;               ///< most telling first
   std::map<std::string, Fitted> fits_;        ///< of candidates by name
-  std::vector<Fold> folds_;
-  std::vector<double> held_out_before_;       ///< by the base model, (folds)
+  std::optional<HeldOut> held_out_;
   int runs_ = 0;
 };
 
@@ -433,47 +431,31 @@ void Engine::fit_pair() {
 }
 
 void Engine::hold_out_base() {
-  folds_ = folds_by_face(in_.base.problem, grid(), in_.base.positions);
-  for (const auto& f : folds_) {
-    const PartFit part = fit_without(out_.base, out_.base, f);
-    held_out_before_.push_back(misfit_of(f, grid(), part.prediction, out_.base.errors->data()));
-    keep_held_out(f, grid(), in_.base.problem, part.history, out_.held_out_history);
-  }
-  out_.held_out_before = out_.held_out_after = out_.evidence.held_out = over_folds(held_out_before_);
-}
-
-/// The mean over the records of what is told of folds.
-double Engine::over_folds(const std::vector<double>& by_fold) const {
-  double sum = 0, count = 0;
-  for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
-  return sum / count;
+  held_out_.emplace(in_.base.problem, out_.base, in_.base.positions);
+  out_.held_out_history = held_out_->base().history;
+  out_.held_out_before = out_.held_out_after = out_.evidence.held_out = held_out_->mean(held_out_->base().misfit);
 }
 
 void Engine::hold_out(Alternative& c) {
   const auto fit = fits_.find(c.explanation.name);
   if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
-  std::vector<double> with;
-  for (std::size_t i = 0; i < folds_.size(); ++i) {
-    const PartFit part = fit_without(fit->second.fit, fit->second.fit, folds_[i]);
-    with.push_back(misfit_of(folds_[i], grid(), part.prediction, out_.base.errors->data()));
-    keep_held_out(folds_[i], grid(), in_.base.problem, part.history, c.held_out_history);
-    c.held_out.push_back(held_out_before_[i]), c.held_out.push_back(with.back());
-    c.held_out_worth.push_back(part.log_evidence - fit_without(out_.base, fit->second.fit, folds_[i]).log_evidence);
-  }
-  c.explanation.held_out = over_folds(with);
+  HeldOutFit with = held_out_->by(fit->second.fit);
+  for (std::size_t i = 0; i < with.misfit.size(); ++i) c.held_out.push_back(held_out_->base().misfit[i]), c.held_out.push_back(with.misfit[i]);
+  c.explanation.held_out = held_out_->mean(with.misfit);
   c.held_out_gain = 1 - *c.explanation.held_out / out_.held_out_before;
+  c.held_out_worth = std::move(with.worth), c.held_out_history = std::move(with.history);
 }
 
 /// Of what is named, each fold by the explanation that says most without the gauges that judge.
 void Engine::hold_out_verdict() {
   const Eigen::VectorXd& data = out_.base.errors->data();
   const PosteriorFit& base = out_.base;
-  std::vector<double> best(folds_.size(), 0.0), after = held_out_before_;
+  std::vector<double> after = held_out_->base().misfit, best(after.size(), 0.0);
   for (const auto& c : out_.candidates)
     for (std::size_t i = 0; i < c.held_out_worth.size(); ++i)
       if (c.held_out_worth[i] > best[i]) best[i] = c.held_out_worth[i], after[i] = c.held_out[2 * i + 1];
   const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
-  if (named) out_.held_out_after = over_folds(after);
+  if (named) out_.held_out_after = held_out_->mean(after);
   const auto& conditions = in_.base.problem.shape.conditions;
   for (std::size_t c = 0; c < conditions.size() && conditions.size() > 1; ++c) {
     std::vector<std::size_t> observations;

@@ -121,4 +121,33 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
   }
 }
 
+HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const Eigen::MatrixXd& positions) : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), positions)) {
+  base_fit_ = left_out(base);
+  std::ranges::fill(base_fit_.worth, 0.0);
+}
+
+HeldOutFit HeldOut::left_out(const PosteriorFit& fit) const {
+  const Decimation& grid = base_.errors->grid();
+  HeldOutFit out;
+  for (const auto& f : folds_) {
+    const PartFit part = fit_without(fit, fit, f);
+    out.misfit.push_back(misfit_of(f, grid, part.prediction, base_.errors->data()));
+    out.worth.push_back(part.log_evidence);
+    keep_held_out(f, grid, problem_, part.history, out.history);
+  }
+  return out;
+}
+
+HeldOutFit HeldOut::by(const PosteriorFit& fit) const {
+  HeldOutFit out = left_out(fit);
+  for (std::size_t i = 0; i < folds_.size(); ++i) out.worth[i] -= fit_without(base_, fit, folds_[i]).log_evidence;
+  return out;
+}
+
+double HeldOut::mean(const std::vector<double>& by_fold) const {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
+  return sum / count;
+}
+
 }  // namespace calomel

@@ -42,4 +42,30 @@ struct PartFit {
 /// Puts what the fold holds of a history, (values of the model), in its place of another; one that is empty becomes NaN for all others first.
 void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
 
+/// What an explanation says of records that it was not shown.
+struct HeldOutFit {
+  std::vector<double> misfit;  ///< (folds)
+  std::vector<double> worth;   ///< (folds) log Bayes factor over the base model by the records that are left
+  std::vector<double> history; ///< (values of the model): each gauge by the fit without it
+};
+
+/// The folds of a case, and the base model's own misfit on them. What is referred to outlives it.
+class HeldOut {
+ public:
+  HeldOut(const Problem& problem, const PosteriorFit& base, const Eigen::MatrixXd& positions);
+  /// Of the base model; its worth is 0.
+  [[nodiscard]] const HeldOutFit& base() const { return base_fit_; }
+  [[nodiscard]] HeldOutFit by(const PosteriorFit& fit) const;
+  /// The mean over the records of what is told of folds, (folds).
+  [[nodiscard]] double mean(const std::vector<double>& by_fold) const;
+
+ private:
+  /// Misfits and history of a fit, and its evidences.
+  [[nodiscard]] HeldOutFit left_out(const PosteriorFit& fit) const;
+  const Problem& problem_;
+  const PosteriorFit& base_;
+  std::vector<Fold> folds_;
+  HeldOutFit base_fit_;
+};
+
 }  // namespace calomel

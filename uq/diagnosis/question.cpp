@@ -42,6 +42,21 @@ std::vector<std::vector<double>> shapes_of(const ParameterGroup& g) {
   return all;
 }
 
+/// A point of the model with these numbers off, (n_parameters + added).
+Eigen::VectorXd with_off(std::span<const double> theta, const std::vector<AddedParameter>& added) {
+  Eigen::VectorXd all(Eigen::Index(theta.size() + added.size()));
+  std::copy(theta.begin(), theta.end(), all.data());
+  for (std::size_t k = 0; k < added.size(); ++k) all[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
+  return all;
+}
+
+/// Columns side by side, all of one length.
+Eigen::MatrixXd side_by_side(const std::vector<Eigen::VectorXd>& columns) {
+  Eigen::MatrixXd all(columns.at(0).size(), Eigen::Index(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) all.col(Eigen::Index(i)) = columns[i];
+  return all;
+}
+
 class Asking {
  public:
   explicit Asking(const QuestionInputs& in) : in_(in), mode_(in.fit.modes[0]), first_order_(*in.fit.posterior, mode_) {}
@@ -99,9 +114,7 @@ void Asking::measure() {
     added.insert(added.end(), g.shapes.begin(), g.shapes.end());
   }
   const auto& theta = mode_.at.theta;
-  Eigen::VectorXd off(Eigen::Index(theta.size() + added.size()));
-  for (std::size_t k = 0; k < theta.size(); ++k) off[Eigen::Index(k)] = theta[k];
-  for (std::size_t k = 0; k < added.size(); ++k) off[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
+  const Eigen::VectorXd off = with_off(theta, added);
   std::vector<Eigen::VectorXd> columns{off};
   std::size_t at = theta.size();
   for (std::size_t g = 0; g < in_.groups.size(); ++g) {
@@ -117,9 +130,7 @@ void Asking::measure() {
         }
     at += group.added.size() + group.shapes.size();
   }
-  Eigen::MatrixXd thetas(off.size(), Eigen::Index(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) thetas.col(Eigen::Index(i)) = columns[i];
-  const auto records = in_.run(thetas, std::vector<int>(columns.size(), in_.level), added);
+  const auto records = in_.run(side_by_side(columns), std::vector<int>(columns.size(), in_.level), added);
   if (!records[0].done) throw NumericsError("the base model fails at its own mode: " + records[0].message);
   const Eigen::VectorXd zero = records[0].history();
   std::map<std::size_t, std::string> failed;
@@ -242,9 +253,7 @@ void Asking::test() {
 std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGroup> groups, const RunAdded& run, std::span<const double> theta) {
   std::vector<AddedParameter> added;
   for (const auto& g : groups) added.insert(added.end(), g.added.begin(), g.added.end());
-  Eigen::VectorXd off(Eigen::Index(theta.size() + added.size()));
-  std::copy(theta.begin(), theta.end(), off.data());
-  for (std::size_t k = 0; k < added.size(); ++k) off[Eigen::Index(theta.size() + k)] = *added[k].parameter.nominal;
+  const Eigen::VectorXd off = with_off(theta, added);
   std::vector<Eigen::VectorXd> columns{off};
   std::size_t at = theta.size();
   for (const auto& g : groups)
@@ -254,9 +263,7 @@ std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGro
       ++at;
     }
   if (columns.size() == 1) return groups;
-  Eigen::MatrixXd thetas(off.size(), Eigen::Index(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) thetas.col(Eigen::Index(i)) = columns[i];
-  const auto records = run(thetas, std::vector<int>(columns.size(), 0), added);
+  const auto records = run(side_by_side(columns), std::vector<int>(columns.size(), 0), added);
   if (!records[0].done) return groups;
   const Eigen::VectorXd zero = records[0].history();
   std::size_t record = 1;

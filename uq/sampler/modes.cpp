@@ -56,7 +56,8 @@ class Negative : public ceres::FirstOrderFunction {
 /// Columns of the design, best first, that are above their 2 d + 4 nearest neighbours.
 std::vector<Eigen::Index> tops(const Eigen::MatrixXd& design, const std::vector<double>& values) {
   const Eigen::Index n = design.cols();
-  const auto neighbours = std::min<std::size_t>(std::size_t(2 * design.rows() + 4), std::size_t(std::max<Eigen::Index>(n - 1, 0)));
+  if (n == 0) return {};
+  const auto neighbours = std::min(std::size_t(2 * design.rows() + 4), std::size_t(n - 1));
   const Eigen::VectorXd spread = (design.rowwise().maxCoeff() - design.rowwise().minCoeff()).cwiseMax(std::numeric_limits<double>::min());
   const Eigen::MatrixXd scaled = spread.cwiseInverse().asDiagonal() * design;
   std::vector<Eigen::Index> found;

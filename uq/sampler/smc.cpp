@@ -191,7 +191,7 @@ class SmcChain final : public MarkovChain {
   SmcOptions options_;
   Eigen::Index d_, n_;
   Eigen::MatrixXd factor_;     ///< of S
-  StudentMixture reference_;         ///< q
+  StudentMixture reference_;   ///< q
   Eigen::VectorXd first_;      ///< where the chain was told to begin; particles do not
   double first_log_density_ = 0;
   Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning

@@ -56,6 +56,7 @@ class StudentMixture {
     return parts_[part].second;
   }
   [[nodiscard]] double log_density(const Eigen::VectorXd& x) const {
+    if (parts_.size() == 1) return parts_[0].second.log_density(x);
     std::vector<double> logs;
     for (const auto& [weight, shape] : parts_) logs.push_back(std::log(weight) + shape.log_density(x));
     return log_sum(logs);
