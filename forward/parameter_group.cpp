@@ -95,6 +95,61 @@ std::vector<std::pair<double, double>> stretches(std::optional<double> length) {
   return all;
 }
 
+/// The words for a mechanism's laws; one without any has one law without a word.
+std::vector<std::string> laws_of(const MechanismEntry& entry) {
+  std::vector<std::string> laws;
+  for (const auto& k : entry.keys)
+    if (!k.law.empty() && std::find(laws.begin(), laws.end(), k.law) == laws.end()) laws.push_back(k.law);
+  return laws.empty() ? std::vector<std::string>{""} : laws;
+}
+
+/// A mechanism of a wall at each of the walls that there are, and on stretches of them; another as it is.
+void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group, const MechanismEntry& entry, const ForwardCase& c) {
+  const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
+  if (word == entry.keys.end()) {
+    groups.push_back(std::move(group));
+    return;
+  }
+  const std::string prefix = "mechanism." + group.name + '.';
+  const bool has_stretch = std::any_of(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return k.name == "begin"; });
+  for (std::size_t i = 0; i < word->choices.size(); ++i) {
+    if (!c.geometry.has_wall(word->choices[i])) continue;
+    const bool upright = word->choices[i] == "front" || word->choices[i] == "rear";
+    const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
+    for (const auto& [begin, end] : stretches(length)) {
+      ParameterGroup one = group;
+      one.place = word->choices[i], one.part = end < 1;
+      for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
+      if (one.part) {
+        one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
+        for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
+        const double reach = 0.25 * (end - begin);  // half the distance of two quarters
+        one.shapes.push_back(place_of(group.name, "begin", std::max(begin - reach, 0.0), begin, begin + reach)), one.shapes.push_back(place_of(group.name, "end", end - reach, end, end + reach));
+      }
+      groups.push_back(std::move(one));
+    }
+  }
+}
+
+/// What a coarser or a looser discretisation would do in the place of physics.
+ParameterGroup numerics_of(const ForwardCase& c) {
+  const auto number = [](const char* name, const char* doc, double now, double other) {
+    AddedParameter a;
+    a.doc = doc;
+    a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
+    a.parameter.nominal = now;
+    a.strengths = {other};
+    return a;
+  };
+  return {.name = "numerics",
+          .added = {number("hourglass", "stiffness of the springs that keep elements of the mercury in shape", c.mercury.hourglass, 10 * c.mercury.hourglass),
+                    number("collapse_viscosity", "viscosity of voids that close", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
+          .numerical = true,
+          .like_the_mesh = true,
+          .plain = "the simulation's own discretisation",
+          .check = "repeat the diagnosis on finer meshes (emulator.element_sizes)"};
+}
+
 }  // namespace
 
 std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
@@ -103,52 +158,18 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const MechanismEntry& entry = row.entry;
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built()) continue;
-    ParameterGroup g{.name = row.name, .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
-                     .plain = entry.plain, .check = entry.check};
-    for (const auto& k : entry.keys) {
-      if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
-      if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
-    }
-    const auto word = std::find_if(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return !k.choices.empty(); });
-    if (word == entry.keys.end()) {
-      groups.push_back(std::move(g));
-      continue;
-    }
-    const std::string prefix = "mechanism." + row.name + '.';
-    const bool has_stretch = std::any_of(entry.keys.begin(), entry.keys.end(), [](const auto& k) { return k.name == "begin"; });
-    for (std::size_t i = 0; i < word->choices.size(); ++i) {
-      if (!c.geometry.has_wall(word->choices[i])) continue;
-      const bool upright = word->choices[i] == "front" || word->choices[i] == "rear";
-      const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
-      for (const auto& [begin, end] : stretches(length)) {
-        ParameterGroup one = g;
-        one.place = word->choices[i], one.part = end < 1;
-        for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
-        if (one.part) {
-          one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
-          for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
-          const double reach = 0.25 * (end - begin);  // half the distance of two quarters
-          one.shapes.push_back(place_of(row.name, "begin", std::max(begin - reach, 0.0), begin, begin + reach)), one.shapes.push_back(place_of(row.name, "end", end - reach, end, end + reach));
-        }
-        groups.push_back(std::move(one));
+    for (const auto& law : laws_of(entry)) {
+      ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
+                       .plain = entry.plain, .check = entry.check};
+      for (const auto& k : entry.keys) {
+        if (!k.law.empty() && k.law != law) continue;
+        if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
+        if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
       }
+      add_at_each_wall(groups, std::move(g), entry, c);
     }
   }
-  // What a coarser or a looser discretisation would do in the place of physics.
-  const auto number = [&](const char* name, const char* doc, double now, double other) {
-    AddedParameter a;
-    a.doc = doc;
-    a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
-    a.parameter.nominal = now;
-    a.strengths = {other};
-    return a;
-  };
-  groups.push_back({.name = "numerics",
-                    .added = {number("hourglass", "stiffness of the springs that keep elements of the mercury in shape", c.mercury.hourglass, 10 * c.mercury.hourglass), number("collapse_viscosity", "viscosity of voids that close", c.mercury.collapse_viscosity, 2 * c.mercury.collapse_viscosity)},
-                    .numerical = true,
-                    .like_the_mesh = true,
-                    .plain = "the simulation's own discretisation",
-                    .check = "repeat the diagnosis on finer meshes (emulator.element_sizes)"});
+  groups.push_back(numerics_of(c));
   return groups;
 }
 

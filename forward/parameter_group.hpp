@@ -25,9 +25,10 @@ struct AddedParameter {
 
 struct ParameterGroup {
   std::string name;                   ///< of the mechanism
-  std::string place;                  ///< word that tells it from others of the name, such as a wall; empty where there is one
+  std::string place;                  ///< word that tells it from others of the name, such as a wall or a law; empty where there is one
   std::vector<AddedParameter> added;  ///< at least one
   std::vector<AddedParameter> shapes;  ///< change what the others look like and do nothing without them; `nominal` is their default
+  bool law = false;                   ///< `place` is the word for one of the mechanism's laws
   bool part = false;                  ///< of a place that another group of the name is about as a whole
   bool by_sensor = false;             ///< acts on each gauge alone
   std::string sensor;                 ///< acts on this gauge alone; empty: on no one of them
@@ -47,7 +48,7 @@ struct ParameterGroup {
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
 
 /// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own numbers.
-/// A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on; where a quarter begins and ends are shapes of it, uniform within a quarter of its length either way.
+/// A mechanism with several laws is one group for each. A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each half a quarter on; where a quarter begins and ends are shapes of it, uniform within a quarter of its length either way.
 /// The prior of another shape is lognormal, its range two deviations either way.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case);
 

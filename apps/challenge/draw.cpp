@@ -136,7 +136,10 @@ DrawnEffect bubbles(const Target&, RandomStream& r) {
   return {std::move(v), 20};
 }
 
-DrawnEffect nucleation(const Target&, RandomStream& r) { return {{{"number", log_uniform(r, 3e6, 1e8)}, {"radius", 1e-5}}, 20}; }
+DrawnEffect nucleation(const Target&, RandomStream& r) {
+  const double number = log_uniform(r, 3e6, 1e8);
+  return {{{"number", number}, {"radius", 1e-5}, {"stronger", r.uniform(0.3, 0.7)}, {"strength", log_uniform(r, 3e5, 3e6)}}, 20};
+}
 
 DrawnEffect relaxing_liquid(const Target&, RandomStream& r) {
   const double viscosity = log_uniform(r, 2000, 8000);
@@ -170,7 +173,7 @@ DrawnEffect thinning(const Target& t, RandomStream& r) {
 
 DrawnEffect residual_ringing(const Target&, RandomStream& r) {
   const double amplitude = either_way(r, 0.1, 0.3);
-  return {{{"amplitude", amplitude}, {"after", r.uniform(3e-4, 5e-4)}}, 3};
+  return {{{"amplitude", amplitude}, {"after", log_uniform(r, 2e-3, 6e-3)}}, 3};
 }
 
 DrawnEffect gauge_fault(const Target& t, RandomStream& r) {

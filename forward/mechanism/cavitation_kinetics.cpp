@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace calomel {
 
@@ -18,21 +19,50 @@ void KineticLiquid::advance(const LiquidPoints& points) const {
   }
 }
 
+NucleatedLiquid::NucleatedLiquid(const Riemer& liquid, double density, double nuclei_spacing)
+    : liquid_(liquid), rate_(std::sqrt(2 * liquid.bulk_modulus / (3 * density)) / (std::cbrt(3 / (4 * std::numbers::pi)) * nuclei_spacing)) {}
+
+void NucleatedLiquid::advance(const LiquidPoints& points) const {
+  const double k = liquid_.bulk_modulus, dt = points.dt, lag = dt > 0 ? liquid_.viscosity / (k * dt) : 0;
+  const double cutoff = std::min(liquid_.tensile_cutoff, 1e30);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const double stretch = points.strain[i] + lag * (points.strain[i] - points.strain_before[i]) - points.heating[i] / k, x = stretch - cutoff / k, radius = points.state[i];
+    const double before = radius * radius * radius, moved = rate_ * dt * std::sqrt(std::abs(x - before));
+    double now = x > before ? radius + moved : std::max(0.0, radius - moved), alpha = now * now * now;
+    if (x > before ? alpha > x : alpha < x) alpha = std::max(0.0, x), now = std::cbrt(alpha);  // never past the balance
+    points.state[i] = now;
+    points.pressure[i] = alpha > 0 ? -cutoff - k * (x - alpha) : -k * stretch;
+  }
+}
+
 namespace {
 
 void slow_walls(const MechanismValues& v, RunSetup& s) { s.parting_time = v["growth_time"], s.meeting_time = v["collapse_time"]; }
 
-std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup& s) { return std::make_shared<KineticLiquid>(s.liquid, v["growth_time"], v["collapse_time"]); }
+std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup& s) {
+  const double spacing = v["nuclei_spacing"];
+  if (spacing == 0) return std::make_shared<KineticLiquid>(s.liquid, v["growth_time"], v["collapse_time"]);
+  if (v["growth_time"] > 0 || v["collapse_time"] > 0)
+    throw InputError({.problem = "voids follow either time constants or the inertia of the mercury about their nuclei",
+                      .key = "mechanism.cavitation_kinetics.nuclei_spacing",
+                      .value = number_text(spacing),
+                      .suggestion = "leave it at 0, or growth_time and collapse_time"});
+  return std::make_shared<NucleatedLiquid>(s.liquid, s.liquid_density, spacing);
+}
 
-MechanismKey time_constant(const char* name, const char* doc) { return {.name = name, .unit = "s", .off = 0, .low = 0.05e-6, .high = 200e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = doc}; }
+MechanismKey time_constant(const char* name, const char* doc) {
+  return {.name = name, .unit = "s", .off = 0, .low = 0.05e-6, .high = 200e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = doc, .law = "time constants"};
+}
 
 }  // namespace
 
 MechanismEntry cavitation_kinetics() {
-  return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant",
+  return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant, or as nuclei grow against the mercury's inertia",
           .plain = "voids in the mercury that take time to open and close",
           .check = "see whether other records of the same mercury ask for the same time constants",
-          .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes")},
+          .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes"),
+                   {.name = "nuclei_spacing", .unit = "m", .off = 0, .low = 1e-4, .high = 1e-2, .log_uniform = true, .least = 0, .greatest = 1,
+                    .doc = "mean distance of the nuclei from which voids grow, n^(-1/3) of n in a volume: the mercury's inertia about each holds it up; in place of the two times", .law = "inertia of nuclei"}},
           .like_the_mesh = true,
           .cost = 1.2,
           .setup = slow_walls,

@@ -34,6 +34,7 @@ struct MechanismKey {
   std::string doc;
   std::string shows_below;  ///< number of the case below which alone its value shows ("material.mercury.tensile_cutoff"), and from which on it is off; empty: none
   std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
+  std::string law;          ///< of several laws of one mechanism, each with keys of its own, the word for the one that this key is of; empty: of all. A diagnosis asks for each law apart
   std::vector<std::string> choices;  ///< a word in the case file, one of these; its value is that one's index. Such a key does not decide and is no parameter
 };
 

@@ -39,7 +39,7 @@ const std::map<std::string, Known>& known_effects() {
          {"large_radius", not_at_all},
          {"ambient", not_at_all},
          {"viscosity", not_at_all}}}},
-      {"nucleation", {"cavitation_kinetics", {{"number", inverse_square}, {"radius", not_at_all}}}},
+      {"nucleation", {"cavitation_kinetics", {{"number", inverse_square}, {"radius", not_at_all}, {"stronger", not_at_all}, {"strength", not_at_all}}}},
       {"relaxing_liquid", {"liquid_viscosity", {{"viscosity", proportion}, {"time", not_at_all}}}},
       {"zener_steel", {"structural_damping", {{"loss", proportion}, {"frequency", not_at_all}}}},
       {"heated_steel", {"thermal_stress", {{"rise", proportion}, {"depth", not_at_all}, {"expansion", not_at_all}}}},
@@ -299,7 +299,7 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
     s.set_solid([&](double x, double) { return x > length; }, Solid::from_speed(ratio * density * sound_speed / speed, speed, 0.45));
   }
   if (const Effect* e = find("added_mass")) s.add_mass((*e)["begin"], (*e)["begin"] + (*e)["length"], at_wall(*e, "top") ? height : 0, (*e)["mass"]);
-  if (const Effect* e = find("nucleation")) s.nucleation = {(*e)["number"], (*e)["radius"]};
+  if (const Effect* e = find("nucleation")) s.nucleation = {.number = (*e)["number"], .radius = (*e)["radius"], .stronger = (*e)["stronger"], .strength = (*e)["strength"]};
   if (const Effect* e = find("relaxing_liquid")) s.relaxing = {(*e)["viscosity"], (*e)["time"]};
   if (const Effect* e = find("tait")) s.tait.exponent = (*e)["stiffening"] - 1;
   if (const Effect* e = find("bubbles"))
@@ -352,7 +352,7 @@ std::vector<double> Experiment::strains(const std::vector<Effect>& concealed, do
   const Slice s = slice(concealed, h);
   std::vector<Gauge> rows;
   for (const auto& g : gauges) rows.push_back(s.gauge(g.x + (g.along_x ? g.moved : 0), g.z + (g.along_x ? 0 : g.moved), g.along_x, g.length));
-  // The state that the pulse before has left: a weak pulse, so that nothing gives way, of which a multiple is taken.
+  // The state that the pulse before has left: a weak pulse, so that nothing gives way, of which a multiple is taken. As in life the steel loses while it rings, so that high tones die first.
   State left;
   double left_scale = 0;
   for (const auto& e : concealed)
@@ -360,7 +360,8 @@ std::vector<double> Experiment::strains(const std::vector<Effect>& concealed, do
       Experiment before = *this;
       before.cutoff = 1e15;
       left_scale = e["amplitude"];
-      (void)before.slice({}, h).run(1, e["after"], e["after"], {}, nullptr, 0, &left);
+      const Effect losses{.name = "zener_steel", .number = {{"loss", 0.01}, {"frequency", 2e4}}, .word = {}};
+      (void)before.slice({losses}, h).run(1, e["after"], e["after"], {}, nullptr, 0, &left);
     }
   const std::size_t gauge_count = gauges.size(), n = samples();
   std::vector<double> out(at.size() * gauge_count * n);

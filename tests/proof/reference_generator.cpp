@@ -115,6 +115,7 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
     if (e.name == "relaxing_liquid") same += fmt::format("zeta = {:.8g}\n", e["viscosity"]);
     if (e.name == "tait") same += fmt::format("exponent = {:.8g}\n", e["stiffening"] + 1);
     if (e.name == "bubbles") same += fmt::format("alpha0 = {:.8g}\n", e["small_fraction"] + e["large_fraction"]);
+    if (e.name == "nucleation") same += fmt::format("nuclei_spacing = {:.8g}\n", std::cbrt(1 / e["number"]));
     if (e.name == "heated_steel") same += fmt::format("delta_t = {:.8g}\n", e["rise"]);
     if (e.name == "debonding") same += fmt::format("strength = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["strength"], e["begin"], e["begin"] + e["length"]);
     if (e.name == "thinning") same += fmt::format("fraction = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["fraction"], e["begin"], e["begin"] + e["length"]);

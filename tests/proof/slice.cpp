@@ -192,7 +192,7 @@ State Slice::rest() const {
   const auto n = grid_.cells.size();
   for (auto* field : {&s.vx, &s.vz, &s.p, &s.e, &s.opened, &s.ux, &s.uz, &s.sxx, &s.szz, &s.sxz, &s.exx, &s.ezz, &s.factor, &s.plastic}) field->assign(n, 0);
   if (relaxing.viscosity > 0) s.a.assign(n, 0);
-  if (nucleation.number > 0) s.a.assign(n, 1);
+  if (nucleation.number > 0) s.a.assign(n, 1), s.b.assign(n, 1);
   if (bubbles.fraction[0] > 0 || bubbles.fraction[1] > 0) s.a.assign(n, 1), s.b.assign(n, 0), s.c.assign(n, 1), s.d.assign(n, 0);
   if (zener.strength > 0)
     for (auto* field : {&s.mxx, &s.mzz, &s.mxz}) field->assign(n, 0);
@@ -289,7 +289,7 @@ void Slice::mercury_pressure(State& s, double dt, double ramp) const {
     const int b = r.begin, n = r.end - r.begin, up = r.begin + grid_.nx;
     q.modulus = modulus_[std::size_t(r.row)];
     q.front = Real(mercury_.collapse * grid_.h * std::sqrt(mercury_.density * double(q.modulus)));
-    if (!s.b.empty()) {
+    if (!s.c.empty()) {
       kernel::Cloud cloud{};
       for (int i = 0; i < 2; ++i) {
         const double radius = bubbles.radius[i], inertia = mercury_.density * radius * radius;
@@ -299,9 +299,11 @@ void Slice::mercury_pressure(State& s, double dt, double ramp) const {
       cloud.ambient = Real(bubbles.ambient);
       kernel::bubbly(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &s.b[b], &s.c[b], &s.d[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, cloud, n);
     } else if (nucleation.number > 0) {
-      const double nuclei = nucleation.number * 4 / 3 * std::numbers::pi * std::pow(nucleation.radius, 3);
-      kernel::nucleation(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(nuclei),
-                         Real(std::sqrt(2 / (3 * mercury_.density)) / nucleation.radius), n);
+      const double radius = nucleation.radius, all = nucleation.number * 4 / 3 * std::numbers::pi * radius * radius * radius;
+      const kernel::Nuclei nuclei{.fraction = {Real(all * (1 - nucleation.stronger)), Real(all * nucleation.stronger)},
+                                  .cutoff = {Real(mercury_.cutoff), Real(mercury_.cutoff + nucleation.strength)},
+                                  .speed = Real(std::sqrt(2 / (3 * mercury_.density)) / radius)};
+      kernel::nucleation(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &s.b[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, nuclei, n);
     } else if (relaxing.viscosity > 0) {
       const double keep = std::exp(-dt / relaxing.time);
       kernel::relaxing(&s.p[b], &s.e[b], &s.opened[b], &s.a[b], &p0_[b], &s.vx[b], &s.vz[b], &s.vz[up], q, Real(keep), Real(relaxing.viscosity * (1 - keep)),

@@ -60,9 +60,11 @@ struct Mercury {
 };
 
 /// Laws of the mercury other than Riemer's; at most one of them.
-struct Nucleation {   ///< void grows from nuclei as bubbles do after Rayleigh
-  double number = 0;  ///< nuclei per volume [1/m^3]; 0: off
-  double radius = 0;  ///< of a nucleus [m]
+struct Nucleation {     ///< void grows from nuclei of two strengths at Rayleigh's rate
+  double number = 0;    ///< nuclei per volume [1/m^3]; 0: off
+  double radius = 0;    ///< of a nucleus [m]
+  double stronger = 0;  ///< share of those that open at a greater tension than the cutoff
+  double strength = 0;  ///< by which it is greater [Pa]
 };
 struct Relaxing {  ///< a viscous pressure that relaxes (Maxwell) on top of the viscosity
   double viscosity = 0, time = 0;

@@ -22,14 +22,25 @@ namespace {
   opened = elastic < -q.cutoff ? Real(1) : still;
 }
 
-/// One part of a step of a bubble of size i: b = R/R0, g its rate, semi-implicit in the drag. `push_of` is 1/(rho R0^2).
+/// A step of nuclei of one kind, r = R/R0: dR/dt = sign sqrt(2/3 |p + cutoff| / rho), never past p = -cutoff nor below R0. `whole` is the pressure without their void, `stiffness` K times the volume of
+/// them at R0, `step` dt sqrt(2/(3 rho))/R0.
+[[gnu::always_inline]] inline void grow(Real& r, Real whole, Real stiffness, Real cutoff, Real step) {
+  const Real over = -cutoff - whole - stiffness * (r * r * r - 1);  // tension beyond the cutoff
+  const Real size = over < 0 ? -over : over;
+  const Real free = step * std::sqrt(size), to_balance = size / (3 * stiffness * r * r);
+  const Real moved = free < to_balance ? free : to_balance;
+  r += over > 0 ? moved : -moved;
+  r = r > 1 ? r : Real(1);
+}
+
+/// One part of a step of a bubble: b = R/R0, g its rate. The convection 3/2 g^2 slows growth, where it is taken implicitly as the drag is, and hastens collapse. `push_of` is 1/(rho R0^2).
 [[gnu::always_inline]] inline void move_bubble(Real& b, Real& g, Real pressure, Real ambient, Real surface, Real push_of, Real damping, Real part, Real most) {
   const Real per_b = 1 / b;
   const Real gas = (ambient + surface) * per_b * per_b * per_b - surface * per_b;
-  const Real push = (gas - ambient - pressure) * push_of * per_b;
-  const Real speed = g < 0 ? -g : g;
-  const Real drag = (Real(1.5) * speed + damping * per_b) * per_b;
-  const Real free = (g + part * push) / (1 + part * drag);
+  const Real push = (gas - ambient - pressure) * push_of;
+  const Real convection = Real(1.5) * g;
+  const Real slows = convection > 0 ? convection : Real(0), hastens = convection < 0 ? convection * g : Real(0);
+  const Real free = (g + part * (push - hastens) * per_b) / (1 + part * (slows + damping * per_b) * per_b);
   const Real limit = most * b;
   const Real slower = free < limit ? free : limit;
   const Real bounded = slower > -limit ? slower : -limit;
@@ -82,30 +93,23 @@ EVERY_MACHINE void relaxing(Out p, Out e, Out opened, Out memory, In p0, In vx, 
   }
 }
 
-EVERY_MACHINE void nucleation(Out p, Out e, Out opened, Out radius, In p0, In vx, In vz, In vz_after, Liquid q, Real void_of_nuclei, Real speed, int n) {
+EVERY_MACHINE void nucleation(Out p, Out e, Out opened, Out first, Out second, In p0, In vx, In vz, In vz_after, Liquid q, Nuclei nuclei, int n) {
   for (int k = 0; k < n; ++k) {
     const Real rate = ((vx[k + 1] - vx[k]) + (vz_after[k] - vz[k])) * q.per_h;
     const Real strain = e[k] + q.dt * rate;
-    Real r = radius[k];
-    const Real before = p0[k] * q.ramp - q.modulus * (strain - void_of_nuclei * (r * r * r - 1));
-    const Real over = -q.cutoff - before;  // tension beyond the cutoff
-    const Real size = over < 0 ? -over : over;
-    const Real free_growth = q.dt * speed * std::sqrt(size);
-    const Real to_balance = size / (3 * q.modulus * void_of_nuclei * r * r);
-    const Real growth = free_growth < to_balance ? free_growth : to_balance;
-    r += over > 0 ? growth : -growth;
-    r = r > 1 ? r : Real(1);
-    const Real grown = void_of_nuclei * (r * r * r - 1);
-    const Real elastic = p0[k] * q.ramp - q.modulus * (strain - grown);
+    const Real whole = p0[k] * q.ramp - q.modulus * strain - q.viscosity * rate;  // without void
+    Real r = first[k], s = second[k];
+    const Real of_second = nuclei.fraction[1] * (s * s * s - 1);
+    grow(r, whole + q.modulus * of_second, q.modulus * nuclei.fraction[0], nuclei.cutoff[0], q.dt * nuclei.speed);
+    const Real of_first = nuclei.fraction[0] * (r * r * r - 1);
+    grow(s, whole + q.modulus * of_first, q.modulus * nuclei.fraction[1], nuclei.cutoff[1], q.dt * nuclei.speed);
+    const Real grown = of_first + nuclei.fraction[1] * (s * s * s - 1);
     const Real open = opened[k];
-    const Real closing = rate < 0 ? -q.front * open * rate : Real(0);
-    const Real trial = elastic - q.viscosity * rate + closing;
-    const Real least = elastic < -q.cutoff ? elastic : -q.cutoff;
-    const Real whole = trial > least ? trial : least;
-    e[k] = strain, radius[k] = r;
-    p[k] = grown > Real(1e-7) ? elastic : whole;  // liquid with void in it yields without viscosity
-    const Real still = rate < 0 ? open : Real(0);
-    opened[k] = grown > Real(1e-7) ? Real(1) : still;
+    const Real closing = rate < 0 ? -q.front * open * rate : Real(0), still = rate < 0 ? open : Real(0);
+    const bool apart = grown > Real(1e-7);  // what holds void yields without the front's resistance
+    e[k] = strain, first[k] = r, second[k] = s;
+    p[k] = whole + q.modulus * grown + (apart ? Real(0) : closing);
+    opened[k] = apart ? Real(1) : still;
   }
 }
 

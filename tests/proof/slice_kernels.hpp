@@ -27,9 +27,13 @@ void tait(Out p, Out e, Out opened, In p0, In vx, In vz, In vz_after, Liquid q, 
 /// The same with a further viscous pressure that relaxes, ds/dt = -s/time - (zeta/time) rate.
 void relaxing(Out p, Out e, Out opened, Out memory, In p0, In vx, In vz, In vz_after, Liquid q, Real keep, Real gain, int n);
 
-/// Void grows from nuclei: n of them per volume, dR/dt = sign sqrt(2/3 |p + cutoff| / rho) (Rayleigh), never past p = -cutoff. `radius` is R, in units of the
-/// nucleus.
-void nucleation(Out p, Out e, Out opened, Out radius, In p0, In vx, In vz, In vz_after, Liquid q, Real void_of_nuclei, Real speed, int n);
+struct Nuclei {
+  Real fraction[2], cutoff[2], speed;  ///< volume of either kind in a volume at rest; tension at which it opens; sqrt(2/(3 rho))/R0
+};
+
+/// Void grows from nuclei of two kinds, one of which opens at the cutoff and the other at a greater tension: dR/dt = sign sqrt(2/3 |p + cutoff| / rho) of either (Rayleigh, without R''), never past its balance. `first`, `second`: R in
+/// units of the nucleus.
+void nucleation(Out p, Out e, Out opened, Out first, Out second, In p0, In vx, In vz, In vz_after, Liquid q, Nuclei nuclei, int n);
 
 struct Cloud {
   Real fraction[2], per_inertia[2], surface[2], damping[2];  ///< 1/(rho R0^2), 2 tension/R0, 4 viscosity/(rho R0^2)

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/proof/experiment.hpp"
+#include "tests/proof/slice_kernels.hpp"
 
 using namespace calomel::proof;
 
@@ -66,7 +67,7 @@ const std::vector<Effect> effects = {
     {"beam", {{"offset_z", 2e-3}, {"width_ratio", 1.1}, {"energy_ratio", 1.02}, {"pulse_length_ratio", 2}}, {}},
     {"rear_layer", {{"impedance_ratio", 0.4}, {"speed", 1200}, {"thickness", 0.005}}, {}},
     {"bubbles", {{"small_fraction", 1e-4}, {"large_fraction", 1e-4}, {"small_radius", 3e-5}, {"large_radius", 1e-4}, {"ambient", 2e5}, {"viscosity", 0.3}}, {}},
-    {"nucleation", {{"number", 1e7}, {"radius", 1e-5}}, {}},
+    {"nucleation", {{"number", 1e7}, {"radius", 1e-5}, {"stronger", 0.5}, {"strength", 1e6}}, {}},
     {"relaxing_liquid", {{"viscosity", 5000}, {"time", 2e-6}}, {}},
     {"zener_steel", {{"loss", 0.05}, {"frequency", 3e4}}, {}},
     {"heated_steel", {{"rise", 2}, {"depth", 0.03}, {"expansion", 16e-6}}, {}},
@@ -227,6 +228,40 @@ TEST(ReferenceGenerator, BubblyMercuryHasWoodsSpeed) {
   const double wood = 1 / std::sqrt(1 / (speed * speed) + density * 1e-4 / 3e5);
   EXPECT_NEAR(wood, 448, 1);
   EXPECT_NEAR(0.1 / 2 / lowest_mode(slice, 0.1, false, wood / 0.2, 1).quarter / wood, 1, 0.01);
+}
+
+/// One cell of mercury at a held pressure: its modulus is next to none.
+struct HeldCell {
+  Real p = 0, e = 0, opened = 0, radius = 1, growth = 1, other = 1, other_growth = 0, heat = 0, vx[2] = {0, 0}, vz = 0;
+  kernel::Liquid liquid{.modulus = Real(1e-20), .viscosity = 0, .front = 0, .cutoff = Real(1e5), .dt = Real(2e-8), .per_h = 1, .ramp = 1};
+  void nuclei(const kernel::Nuclei& n) { kernel::nucleation(&p, &e, &opened, &radius, &growth, &heat, vx, &vz, &vz, liquid, n, 1); }
+  void bubbles(const kernel::Cloud& c) { kernel::bubbly(&p, &e, &opened, &radius, &growth, &other, &other_growth, &heat, vx, &vz, &vz, liquid, c, 1); }
+};
+
+// Either kind of nucleus grows under the tension beyond its own cutoff at the rate sqrt(2/3 tension/rho), and closes to where it began.
+TEST(ReferenceGenerator, NucleiGrowAtRayleighsRate) {
+  const double radius = 1e-5, tension = 1e6, stronger = 6e5;
+  const kernel::Nuclei nuclei{.fraction = {Real(1e-9), Real(1e-9)}, .cutoff = {Real(1e5), Real(1e5 + stronger)}, .speed = Real(std::sqrt(2 / (3 * density)) / radius)};
+  HeldCell cell;
+  cell.heat = Real(-1e5 - tension);
+  for (int k = 0; k < 1000; ++k) cell.nuclei(nuclei);
+  EXPECT_NEAR(radius * double(cell.radius - 1), 2e-5 * std::sqrt(2 * tension / (3 * density)), 1e-3 * radius);
+  EXPECT_NEAR(radius * double(cell.growth - 1), 2e-5 * std::sqrt(2 * (tension - stronger) / (3 * density)), 1e-3 * radius);
+  cell.heat = Real(tension);
+  for (int k = 0; k < 1000; ++k) cell.nuclei(nuclei);
+  EXPECT_EQ(cell.radius, 1);
+  EXPECT_EQ(cell.growth, 1);
+}
+
+// What is empty closes in Rayleigh's time, 0.91468 R sqrt(rho/p): if the convection slowed it, it would take longer.
+TEST(ReferenceGenerator, AnEmptyBubbleClosesInRayleighsTime) {
+  const double size = 2e-4, pressure = 1e6, expected = 0.91468 * size * std::sqrt(density / pressure);
+  const kernel::Cloud cloud{.fraction = {0, 0}, .per_inertia = {Real(1 / (density * size * size)), Real(1)}, .surface = {0, 0}, .damping = {0, 0}, .ambient = 0};
+  HeldCell cell;
+  cell.heat = Real(pressure), cell.growth = 0, cell.liquid.cutoff = Real(1e15);
+  int steps = 0;
+  for (; cell.radius > Real(0.1) && steps < 10000; ++steps) cell.bubbles(cloud);
+  EXPECT_NEAR(steps * 2e-8, expected, 0.02 * expected);
 }
 
 TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {

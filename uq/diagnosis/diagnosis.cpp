@@ -165,7 +165,7 @@ class Engine {
   void fit_leaders();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
-  void fit_gauge(const Question& q);
+  void fit_best_of(const Question& q);
   void judge_all();
   void hold_out_base();
   void hold_out(Alternative& c);
@@ -271,7 +271,8 @@ void Engine::fit_leaders() {
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
-      in_.groups[q.group].sensor.empty() ? fit(q) : fit_gauge(q);
+      const ParameterGroup& group = in_.groups[q.group];
+      group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
       ++fitted;
       continue;
     }
@@ -288,11 +289,13 @@ void Engine::fit_leaders() {
   }
 }
 
-/// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault.
-void Engine::fit_gauge(const Question& q) {
+/// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault. Likewise the laws of a mechanism, of
+/// which the best is kept.
+void Engine::fit_best_of(const Question& q) {
   const std::string& name = in_.groups[q.group].name;
+  const auto key = [](const Alternative& a) { return a.sensor.empty() ? a.place : a.sensor; };
   std::vector<Alternative> all;
-  std::map<std::string, Fitted> fits;  // by gauge
+  std::map<std::string, Fitted> fits;  // by gauge or law
   for (const auto& other : asked_) {
     const bool one_of_them = in_.groups[other.group].name == name && other.worth.log_bayes_factor > q.worth.log_bayes_factor - hopeless;
     if (&other != &q && (!one_of_them || all.size() > gauges_tried)) continue;
@@ -301,14 +304,14 @@ void Engine::fit_gauge(const Question& q) {
     if (out_.candidates.size() == before) continue;  // no runs left
     all.push_back(std::move(out_.candidates.back()));
     out_.candidates.pop_back();
-    if (auto made = fits_.extract(name)) fits.emplace(all.back().sensor, std::move(made.mapped()));
+    if (auto made = fits_.extract(name)) fits.emplace(key(all.back()), std::move(made.mapped()));
   }
   if (all.empty()) return;
   const auto worth = [](const Alternative& a) { return a.explanation.log_bayes_factor; };
   const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
   for (const auto& other : all)
-    if (&other != &*best && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
-  if (auto made = fits.extract(best->sensor)) fits_.emplace(name, std::move(made.mapped()));
+    if (&other != &*best && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
+  if (auto made = fits.extract(key(*best))) fits_.emplace(name, std::move(made.mapped()));
   out_.candidates.push_back(std::move(*best));
 }
 

@@ -125,7 +125,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
 
   std::vector<ChainRecord> records(chains);
   std::optional<FrameFile> journal;
-  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 3", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
+  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 4", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
   SamplerResult result;
   for (const auto& r : records) result.summary.resumed += r.transitions;
 

@@ -1,5 +1,7 @@
 #include "uq/sampler/smc.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,15 +18,17 @@ namespace {
 
 constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double resample_below = 0.5;   ///< of the particles
+constexpr double few = 10;               ///< particles of a part, by their weights, of which no correlation is asked
 constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that keeps enough particles
 
 class SmcChain final : public MarkovChain {
  public:
   SmcChain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion, std::size_t particles)
       : density_(density), options_(options), d_(Eigen::Index(density.dimension())), n_(Eigen::Index(particles)),
-        factor_(std::max(dispersion, 1e-3) * covariance_factor(modes.at(0).covariance, density.dimension())), reference_(modes, std::max(dispersion, 1e-3)), first_(modes[0].mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
+        reference_(modes, std::max(dispersion, 1e-3)), log_scale_(Eigen::VectorXd::Zero(Eigen::Index(modes.size()))), first_(modes.at(0).mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
         before_(Eigen::MatrixXd::Zero(d_, n_)), log_p_(Eigen::VectorXd::Zero(n_)), log_q_(Eigen::VectorXd::Zero(n_)), weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
     expect(n_ > 0, "a population has particles");
+    for (const auto& m : modes) factors_.push_back(std::max(dispersion, 1e-3) * covariance_factor(m.covariance, density.dimension()));
   }
 
   void begin(std::span<const double> x, double log_density) override {
@@ -54,16 +58,19 @@ class SmcChain final : public MarkovChain {
   [[nodiscard]] std::optional<double> log_evidence() const override { return arrived() ? std::optional(log_evidence_) : std::nullopt; }
 
   void save(ByteWriter& out) const override {
-    for (const double v : {first_log_density_, b_, log_evidence_, log_scale_, acceptance_}) out.value(v);
-    out.value(told_), out.value(sweeps_), out.value(drawn_), out.value(moving_), out.value(frozen_);
-    for (const Eigen::MatrixXd* m : {&factor_, &x_, &before_}) save_matrix(out, *m);
-    for (const Eigen::VectorXd* v : {&first_, &log_p_, &log_q_, &weights_}) save_matrix(out, *v);
+    for (const double v : {first_log_density_, b_, log_evidence_, acceptance_}) out.value(v);
+    out.value(told_), out.value(total_), out.value(sweeps_), out.value(drawn_), out.value(moving_), out.value(frozen_);
+    for (const Eigen::MatrixXd* m : {&x_, &before_}) save_matrix(out, *m);
+    for (const Eigen::MatrixXd& m : factors_) save_matrix(out, m);
+    for (const Eigen::VectorXd* v : {&log_scale_, &first_, &log_p_, &log_q_, &weights_}) save_matrix(out, *v);
   }
   void restore(ByteReader& in) override {
-    for (double* v : {&first_log_density_, &b_, &log_evidence_, &log_scale_, &acceptance_}) in.into(*v);
-    in.into(told_), in.into(sweeps_), in.into(drawn_), in.into(moving_), in.into(frozen_);
-    for (Eigen::MatrixXd* m : {&factor_, &x_, &before_}) restore_matrix(in, *m);
-    for (Eigen::VectorXd* v : {&first_, &log_p_, &log_q_, &weights_}) restore_matrix(in, *v);
+    for (double* v : {&first_log_density_, &b_, &log_evidence_, &acceptance_}) in.into(*v);
+    in.into(told_), in.into(total_), in.into(sweeps_), in.into(drawn_), in.into(moving_), in.into(frozen_);
+    for (Eigen::MatrixXd* m : {&x_, &before_}) restore_matrix(in, *m);
+    for (Eigen::MatrixXd& m : factors_) restore_matrix(in, m);
+    for (Eigen::VectorXd* v : {&log_scale_, &first_, &log_p_, &log_q_, &weights_}) restore_matrix(in, *v);
+    if (drawn_) find_parts();  // particles do not leave them
   }
 
  private:
@@ -72,6 +79,10 @@ class SmcChain final : public MarkovChain {
   /// The particles' first places, or a sweep, a new temperature before it where the last one is done with.
   void advance(RandomStream& random) {
     if (!drawn_) return draw(random);
+    if (total_ >= options_.evaluations)
+      throw NumericsError(fmt::format("a population of {} particles has spent its {} evaluations and is at {:.3g} of the way from where it was drawn to the density, so that it has no draws yet; set sampler.smc.evaluations higher and the "
+                                      "same command goes on, give starts nearer to the density, or take \"nuts\" or \"dram\", which follow narrow ridges better",
+                                      n_, options_.evaluations, b_));
     if (!moving_) warm(random);
     sweep(random);
     if (sweeps_ >= options_.sweeps || correlation() <= options_.correlation) moving_ = false;
@@ -82,7 +93,7 @@ class SmcChain final : public MarkovChain {
       x_.col(i) = reference_.choose(random).draw(random);
       log_q_[i] = reference_.log_density(x_.col(i));
       log_p_[i] = checked_log_density(density_, x_.col(i));
-      ++evaluations_;
+      ++evaluations_, ++total_;
     }
     if ((log_p_.array() == never).all()) throw NumericsError("the density is zero at all particles that were drawn about the given mean; give a mean and a covariance nearer to where it is positive");
     drawn_ = true;
@@ -143,46 +154,74 @@ class SmcChain final : public MarkovChain {
     weights_.setConstant(1 / double(n_));
   }
 
+  void find_parts() {
+    part_.resize(std::size_t(n_));
+    for (Eigen::Index i = 0; i < n_; ++i) part_[std::size_t(i)] = reference_.part_of(x_.col(i));
+  }
+
+  /// The shape of each part, about its own middle. Particles do not leave their part, so that this holds until the next temperature.
   void learn_shape() {
-    const Eigen::VectorXd middle = x_ * weights_;
-    const Eigen::MatrixXd apart = x_.colwise() - middle;
-    Eigen::MatrixXd s = apart * weights_.asDiagonal() * apart.transpose();
-    const double effective = 1 / weights_.squaredNorm();
-    const Eigen::VectorXd variances = s.diagonal();
-    s *= effective / (effective + double(d_));  // off the diagonal, so that few particles give a positive definite one
-    s.diagonal() = variances;
-    const Cholesky cholesky(0.5 * (s + s.transpose()));
-    if (cholesky.positive_definite() && cholesky.lower().allFinite()) factor_ = cholesky.lower();
+    find_parts();
+    for (std::size_t k = 0; k < factors_.size(); ++k) {
+      const Eigen::VectorXd w = weights_of(k);
+      if (!(w.sum() > 0)) continue;
+      const Eigen::MatrixXd apart = x_.colwise() - x_ * w;
+      Eigen::MatrixXd s = apart * w.asDiagonal() * apart.transpose();
+      const double effective = 1 / w.squaredNorm();
+      const Eigen::VectorXd variances = s.diagonal();
+      s *= effective / (effective + double(d_));  // off the diagonal, so that few particles give a positive definite one
+      s.diagonal() = variances;
+      const Cholesky cholesky(0.5 * (s + s.transpose()));
+      if (cholesky.positive_definite() && cholesky.lower().allFinite()) factors_[k] = cholesky.lower();
+    }
+  }
+
+  /// Of the particles of one part, which sum to 1; all 0 where it has none that count.
+  [[nodiscard]] Eigen::VectorXd weights_of(std::size_t part) const {
+    Eigen::VectorXd w = weights_;
+    for (Eigen::Index i = 0; i < n_; ++i)
+      if (part_[std::size_t(i)] != part) w[i] = 0;
+    if (factors_.size() > 1 && w.sum() > 0) w /= w.sum();
+    return w;
   }
 
   [[nodiscard]] double tempered(double log_p, double log_q) const { return log_p == never ? never : (1 - b_) * log_q + b_ * log_p; }
 
   void sweep(RandomStream& random) {
-    const Eigen::MatrixXd steps = std::exp(0.5 * log_scale_) * 2.38 / std::sqrt(double(d_)) * factor_;
-    Eigen::VectorXd z(d_), y(d_);
+    std::vector<Eigen::MatrixXd> steps;
+    for (std::size_t k = 0; k < factors_.size(); ++k) steps.push_back(std::exp(0.5 * log_scale_[Eigen::Index(k)]) * 2.38 / std::sqrt(double(d_)) * factors_[k]);
+    Eigen::VectorXd z(d_), y(d_), accepted = Eigen::VectorXd::Zero(log_scale_.size()), tried = accepted;
     acceptance_ = 0;
     for (Eigen::Index i = 0; i < n_; ++i) {
       for (double& v : z) v = random.normal();
       const double u = random.uniform();
+      const std::size_t part = part_[std::size_t(i)];
+      tried[Eigen::Index(part)] += 1;
       if (log_p_[i] == never) continue;  // no weight, no offspring
-      y = x_.col(i) + steps * z;
+      y = x_.col(i) + steps[part] * z;
+      if (steps.size() > 1 && reference_.part_of(y) != part) continue;  // each part moves by its own shape: a step out of it has no way back
       const double log_p = checked_log_density(density_, y), log_q = reference_.log_density(y);
-      ++evaluations_;
+      ++evaluations_, ++total_;
       const double a = std::exp(std::min(0.0, tempered(log_p, log_q) - tempered(log_p_[i], log_q_[i])));
-      acceptance_ += a / double(n_);
+      acceptance_ += a / double(n_), accepted[Eigen::Index(part)] += a;
       if (u < a) x_.col(i) = y, log_p_[i] = log_p, log_q_[i] = log_q;
     }
-    log_scale_ += acceptance_ - (0.234 + 0.206 / double(d_));
+    for (Eigen::Index k = 0; k < log_scale_.size(); ++k)
+      if (tried[k] > 0) log_scale_[k] += accepted[k] / tried[k] - (0.234 + 0.206 / double(d_));
     ++sweeps_;
   }
 
-  /// Of the particles' places with those before the sweeps, the greatest of the coordinates'.
+  /// Of the particles' places with those before the sweeps, the greatest of the coordinates' and the parts'.
   [[nodiscard]] double correlation() const {
     double greatest = 0;
-    for (Eigen::Index k = 0; k < d_; ++k) {
-      const Eigen::ArrayXd a = x_.row(k).array() - x_.row(k).dot(weights_), b = before_.row(k).array() - before_.row(k).dot(weights_);
-      const double both = std::sqrt((weights_.array() * a.square()).sum() * (weights_.array() * b.square()).sum());
-      if (both > 0) greatest = std::max(greatest, (weights_.array() * a * b).sum() / both);
+    for (std::size_t part = 0; part < factors_.size(); ++part) {
+      const Eigen::VectorXd w = weights_of(part);
+      if (factors_.size() > 1 && !(1 / w.squaredNorm() > few)) continue;
+      for (Eigen::Index k = 0; k < d_; ++k) {
+        const Eigen::ArrayXd a = x_.row(k).array() - x_.row(k).dot(w), b = before_.row(k).array() - before_.row(k).dot(w);
+        const double both = std::sqrt((w.array() * a.square()).sum() * (w.array() * b.square()).sum());
+        if (both > 0) greatest = std::max(greatest, (w.array() * a * b).sum() / both);
+      }
     }
     return greatest;
   }
@@ -190,14 +229,16 @@ class SmcChain final : public MarkovChain {
   const LogDensity& density_;
   SmcOptions options_;
   Eigen::Index d_, n_;
-  Eigen::MatrixXd factor_;     ///< of S
   StudentMixture reference_;   ///< q
+  std::vector<Eigen::MatrixXd> factors_;  ///< of S, by part of q
+  Eigen::VectorXd log_scale_;             ///< of s, likewise
+  std::vector<std::size_t> part_;         ///< (N) of q, that a particle is in
   Eigen::VectorXd first_;      ///< where the chain was told to begin; particles do not
   double first_log_density_ = 0;
   Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning
   Eigen::VectorXd log_p_, log_q_, weights_;
-  double b_ = 0, log_evidence_ = 0, log_scale_ = 0, acceptance_ = 0;
-  Eigen::Index told_ = 0;
+  double b_ = 0, log_evidence_ = 0, acceptance_ = 0;
+  Eigen::Index told_ = 0, total_ = 0;  ///< draws, evaluations
   int sweeps_ = 0;
   bool drawn_ = false, moving_ = false, frozen_ = false;
   int evaluations_ = 0;  ///< of one transition

@@ -55,6 +55,16 @@ class StudentMixture {
     for (double left = random.uniform() - parts_[0].first; left >= 0 && part + 1 < parts_.size(); left -= parts_[part].first) ++part;
     return parts_[part].second;
   }
+  [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+  /// The part that x is likeliest of.
+  [[nodiscard]] std::size_t part_of(const Eigen::VectorXd& x) const {
+    if (parts_.size() == 1) return 0;
+    std::size_t best = 0;
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < parts_.size(); ++k)
+      if (const double log = std::log(parts_[k].first) + parts_[k].second.log_density(x); log > most) most = log, best = k;
+    return best;
+  }
   [[nodiscard]] double log_density(const Eigen::VectorXd& x) const {
     if (parts_.size() == 1) return parts_[0].second.log_density(x);
     std::vector<double> logs;

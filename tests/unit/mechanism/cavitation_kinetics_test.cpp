@@ -135,6 +135,87 @@ TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
     }
 }
 
+// Nuclei a nanometre apart are Riemer's law; a millimetre apart they are not.
+TEST(CavitationKinetics, ManyNucleiAreRiemersLaw) {
+  const double dt = 2e-7;
+  const NucleatedLiquid many(riemer, mercury_density, 1e-9), few(riemer, mercury_density, 1e-3);
+  DrivenPoint a(many, dt), b(few, dt);
+  double away = 0;
+  for (int n = 1; n < 2000; ++n) {
+    const double t = n * dt, e = strain_at(t), p0 = 5e6 * std::min(1.0, t / 7e-7), exact = riemer.pressure(p0, e, (e - strain_at(t - dt)) / dt);
+    EXPECT_NEAR(a.step(e, p0), exact, 1e-12 * k * 5e-4);
+    away = std::max(away, std::abs(b.step(e, p0) - exact) / (k * 5e-4));
+  }
+  EXPECT_GT(away, 0.1);
+}
+
+// Pulled at once and held, a nucleus first grows as after Rayleigh under a held tension T = K x, R = t sqrt(2 T/(3 rho)); as the void takes the stretch up, dr/dt = w sqrt(x - r^3), r = R/a, which quadrature solves. In
+// the end it stands at the balance, to the bit of a cube root. Pushed together it closes in the time of the same law backwards.
+TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
+  const double spacing = 2e-3, a = std::cbrt(3 / (4 * M_PI)) * spacing, pulled = 2e-4, x = pulled - cutoff / k, tension = k * x;
+  const double w = std::sqrt(2 * k / (3 * mercury_density)) / a;
+  const auto time_to = [&](double r_end) {  // integral of dr / (w sqrt(x - r^3)), with r = r_max (1 - s^2) where the root vanishes
+    const double top = std::cbrt(x), end = std::sqrt(1 - r_end / top);
+    const int n = 20000;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      const double s = end + (i + 0.5) / n * (1 - end), r = top * (1 - s * s);
+      sum += 2 * top * s / (w * std::sqrt(x - r * r * r)) * (1 - end) / n;
+    }
+    return sum;
+  };
+  for (const double dt : {1e-8, 1e-7}) {
+    const NucleatedLiquid law({k, cutoff, 0}, mercury_density, spacing);
+    DrivenPoint point(law, dt);
+    double early = 0, half = 0, whole = 0;
+    for (int n = 1; n <= int(1e-3 / dt) && whole == 0; ++n) {
+      const double p = point.step(pulled), radius = a * point.state(0);
+      if (std::abs(n * dt - 1e-6) < 0.5 * dt) early = radius;
+      if (half == 0 && point.state(0) >= 0.5 * std::cbrt(x)) half = n * dt;
+      if (std::abs(p + cutoff) < 1e-9 * tension) whole = n * dt;
+    }
+    EXPECT_NEAR(early, 1e-6 * std::sqrt(2 * tension / (3 * mercury_density)), 2e-3 * early);
+    EXPECT_NEAR(half, time_to(0.5 * std::cbrt(x)), 1e-3 * half + 2 * dt);
+    EXPECT_NEAR(whole, time_to(std::cbrt(x)), 0.02 * whole + 2 * dt);
+    measured("half_grown_us", 1e6 * half), measured("grown_us", 1e6 * whole);
+    // It closes under a held pressure P - sigma_c far above what the void holds: the radius falls at sqrt(2 P/(3 rho)), and the equation of state is back.
+    double closed = 0;
+    const double start = a * point.state(0), pushed = -3e-3;
+    for (int n = 1; closed == 0 && n < 100000; ++n) {
+      point.step(pushed);
+      if (point.state(0) == 0) closed = n * dt;
+    }
+    EXPECT_NEAR(closed, start / std::sqrt(2 * k * 3e-3 / (3 * mercury_density)), 0.1 * closed + dt);
+    EXPECT_NEAR(point.step(pushed), -k * pushed, 1e-6 * k * 3e-3);
+  }
+}
+
+// What is lost is (-p - sigma_c) dalpha, never negative.
+TEST(CavitationKinetics, NucleiDissipate) {
+  const double dt = 2e-8;
+  const NucleatedLiquid law({k, cutoff, 0}, mercury_density, 2e-3);
+  DrivenPoint point(law, dt);
+  double lost = 0, alpha = 0;
+  for (int n = 1; n <= 20000; ++n) {
+    const double p = point.step(2e-4 * std::pow(std::sin(M_PI * n / 5000.0), 2)), now = std::pow(point.state(0), 3);
+    EXPECT_GE(-(p + cutoff) * (now - alpha), -1e-9 * k * 4e-8);
+    lost -= (p + cutoff) * (now - alpha), alpha = now;
+  }
+  EXPECT_GT(lost, 0.05 * k * 4e-8);
+}
+
+// One of the two laws at a time.
+TEST(CavitationKinetics, TimesAndNucleiTogetherAreRefused) {
+  const ForwardCase c = small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = 1e-6\nnuclei_spacing = 1e-3\n");
+  try {
+    const auto p = BuiltInModel(c, {.pulses = 1}).evaluate({});
+    EXPECT_FALSE(p.ok);
+    EXPECT_NE(p.message.find("nuclei_spacing"), std::string::npos) << p.message;
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("nuclei_spacing"), std::string::npos) << e.what();
+  }
+}
+
 // It comes out of the base model without a jump: very short times change little, where a wall that never parts changes much.
 TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
   const auto histories = [](ForwardCase c) {
@@ -151,6 +232,11 @@ TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
   const auto kinetic = [&](const std::string& time) { return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = " + time + "\ncollapse_time = " + time + "\n"))); };
   ForwardCase held = small_case();
   held.geometry.wetted = "no_separation";
+  const auto nucleated = [&](const std::string& spacing) { return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\nnuclei_spacing = " + spacing + "\n"))); };
+  const double dense = nucleated("1e-9"), sparse = nucleated("2e-3");
+  measured("nuclei_1_nm_apart", dense), measured("nuclei_2_mm_apart", sparse);
+  EXPECT_LT(dense, 1e-3);
+  EXPECT_GT(sparse, 0.05);
   const double shortest = kinetic("1e-12"), short_time = kinetic("1e-9"), longer = kinetic("20e-6"), no_separation = away(histories(held));
   measured("at_1_ps", shortest), measured("at_1_ns", short_time), measured("at_20_us", longer), measured("no_separation", no_separation);
   EXPECT_LT(shortest, 1e-3);

@@ -139,3 +139,23 @@ TEST(Smc, ADensityThatIsZeroAtAllParticlesIsAnError) {
   const Written far(1, [](std::span<const double> x) { return std::abs(x[0]) < 1e-9 ? 0.0 : never; });
   EXPECT_THROW((void)run_sampler(far, {.mean = {}, .covariance = {}, .points = Eigen::MatrixXd::Zero(1, 4)}, smc(4, 50), {}), NumericsError);
 }
+
+// A density on which particles hardly move ends at its budget, and says how far it came; with more it goes on from its journal to the draws of a run that was never cut off.
+TEST(Smc, ItsBudgetEndsItAndMoreGoesOn) {
+  const auto density = banana();
+  SamplerOptions options = smc(2, 500);
+  SamplerRun run{.seed = 4, .journal = scratch("smc_budget") / "chains.journal", .provenance = provenance_of(options), .save_every = 0};
+  const auto whole = run_sampler(density, at(2, 0), options, {.seed = 4});
+  options.smc.evaluations = int(whole.summary.evaluations / 4);
+  try {
+    run_sampler(density, at(2, 0), options, run);
+    FAIL() << "it went on beyond its budget";
+  } catch (const NumericsError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("sampler.smc.evaluations"));
+    EXPECT_THAT(e.what(), HasSubstr("500 particles"));
+  }
+  options.smc.evaluations = 1'000'000;
+  const auto resumed = run_sampler(density, at(2, 0), options, run);
+  EXPECT_GT(resumed.summary.resumed, 0u);
+  EXPECT_EQ(resumed.coordinates.values, whole.coordinates.values);
+}
