@@ -51,18 +51,18 @@ std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup
 }
 
 MechanismKey time_constant(const char* name, const char* doc) {
-  return {.name = name, .unit = "s", .off = 0, .low = 0.05e-6, .high = 200e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = doc, .law = "time constants"};
+  return {.name = name, .unit = "s", .off = 0, .low = 0.05e-6, .high = 200e-6, .log_uniform = true, .least = 0, .greatest = 1, .doc = doc, .law = "lag"};
 }
 
 }  // namespace
 
 MechanismEntry cavitation_kinetics() {
   return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant, or as nuclei grow against the mercury's inertia",
-          .plain = "voids in the mercury that take time to open and close",
+          .plain = "voids in the mercury that open and close slowly",
           .check = "see whether other records of the same mercury ask for the same time constants",
           .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes"),
                    {.name = "nuclei_spacing", .unit = "m", .off = 0, .low = 1e-4, .high = 1e-2, .log_uniform = true, .least = 0, .greatest = 1,
-                    .doc = "mean distance of the nuclei from which voids grow, n^(-1/3) of n in a volume: the mercury's inertia about each holds it up; in place of the two times", .law = "inertia of nuclei"}},
+                    .doc = "mean distance of the nuclei from which voids grow, n^(-1/3) of n in a volume: the mercury's inertia about each holds it up; in place of the two times", .law = "inertia"}},
           .like_the_mesh = true,
           .cost = 1.2,
           .setup = slow_walls,

@@ -66,6 +66,20 @@ EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior,
   return all;
 }
 
+/// What a further explanation has of the one that it is put on top of.
+void take_along(Alternative& c, const Alternative& below) {
+  c.groups.insert(c.groups.end(), below.groups.begin(), below.groups.end());
+  std::sort(c.groups.begin(), c.groups.end());
+  c.choice += below.choice, c.first_log_bayes_factor += below.explanation.log_bayes_factor;
+  if (c.place.empty()) c.place = below.place;
+}
+
+/// "a", or "a+b".
+void name_by_groups(Alternative& c) {
+  c.explanation.name.clear();
+  for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
+}
+
 /// An explanation as it was fitted: what a further one is put on top of.
 struct Fitted {
   std::vector<AddedParameter> added;  ///< in the order of the fit's parameters, behind the base model's
@@ -161,7 +175,7 @@ class Engine {
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added);
   void ask_all();
   void fit_linear();
-  void fit_linear(const Question& q);
+  void fit_linear(const Question& q, const Alternative* on_top_of = nullptr);
   void fit_leaders();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
@@ -229,36 +243,44 @@ void Engine::fit_linear() {
     if (in_.groups[q.group].linear) fit_linear(q);
 }
 
-void Engine::fit_linear(const Question& q) {
+/// A group that adds to the histories, beside the base model's parameters or beside those of what was fitted already.
+void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   const ParameterGroup& group = in_.groups[q.group];
-  const LogPosterior& base = *out_.base.posterior;
-  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
-  c.explanation.name = group.name;
+  const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
+  const LocalMode& start = below.modes[0];
+  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
+  double gained = 0;  // by what it is put on top of
+  if (on_top_of) take_along(c, *on_top_of), c.numbers = on_top_of->numbers, gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
+  name_by_groups(c);
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
   std::vector<WeightedErrors> errors;
-  for (const auto& h : out_.base.hypotheses) errors.push_back({h.errors.with(term), h.log_weight, h.discrepancy});
-  const LogPosterior with = out_.base.under(errors);
-  const auto modes = find_modes(with, {with.q(mode().at.theta, mode().at.beyond)});
+  for (const auto& h : below.hypotheses) errors.push_back({h.errors.with(term), h.log_weight, h.discrepancy});
+  const LogPosterior with = below.under(errors);
+  const auto modes = find_modes(with, {with.q(start.at.theta, start.at.beyond)});
   if (modes.empty()) return;
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
-  c.explanation.log_bayes_factor = log_evidence(with, m) - log_evidence(base, mode()) + q.choice;
-  c.explanation.by_scale = by_scale(out_.base, with, m, errors, c.explanation.log_bayes_factor);
-  c.explanation.chi2 = plain_chi2(out_.base, with, m, out_.base.errors->with(term));
+  c.explanation.log_bayes_factor = gained + log_evidence(with, m) - log_evidence(*below.posterior, start) + c.choice;
+  c.explanation.by_scale = by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
+  c.explanation.chi2 = plain_chi2(below, with, m, below.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, sampled_moments(with, m, in_.base.seed));
-  c.settled = out_.base.settled;  // on whose emulator it stands
+  c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
   // The numbers themselves: what is left of the residual at this mode in their directions.
-  const FirstOrder worth = FirstOrderModel(base, m).worth(q.directions);
+  const FirstOrder worth = FirstOrderModel(*below.posterior, m).worth(q.directions);
+  if (on_top_of) c.explanation.farthest = on_top_of->explanation.farthest;
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
     c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
   }
-  c.history = kept(out_.base.history(m.at.u, m.at.beyond) + q.effects * worth.value);
+  c.history = kept(below.history(m.at.u, m.at.beyond) + q.effects * worth.value);
   c.explanation.misfit = misfit(values(c.history));
+  if (on_top_of)
+    say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), no runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2, out_.evidence.values,
+                    out_.evidence.chi2));
   out_.candidates.push_back(std::move(c));
 }
 
@@ -318,7 +340,7 @@ void Engine::fit_best_of(const Question& q) {
 /// A group beside the base model's parameters, or beside those of what was fitted already.
 void Engine::fit(const Question& q, const Alternative* on_top_of) {
   const ParameterGroup& group = in_.groups[q.group];
-  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .p_value = q.p_value};
+  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
   c.explanation.numerical = group.numerical;
   const PosteriorInputs* inputs = &in_.base;
   const PosteriorFit* below = &out_.base;
@@ -326,14 +348,10 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   if (on_top_of != nullptr) {
     const Fitted& f = fits_.at(on_top_of->explanation.name);
     inputs = &f.inputs, below = &f.fit, added = f.added;
-    c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
-    std::sort(c.groups.begin(), c.groups.end());
-    c.choice = on_top_of->choice, c.first_log_bayes_factor += on_top_of->explanation.log_bayes_factor;
-    if (c.place.empty()) c.place = on_top_of->place;
+    take_along(c, *on_top_of);
   }
-  c.choice += q.choice;
   if (on_top_of == nullptr) c.sensor = group.sensor;
-  for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
+  name_by_groups(c);
   CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
   if (runs_ + first_runs(plan) > in_.options.max_runs) {
@@ -428,7 +446,7 @@ void Engine::fit_pair() {
     if (q.sensor || group.numerical || !tried.insert(group.name).second) continue;
     if (tried.size() > most || (!in_.base.least_squares && q.worth.log_bayes_factor < worth_fitting)) break;
     say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor));
-    fit(q, &below);
+    group.linear ? fit_linear(q, &below) : fit(q, &below);
   }
   judge_all();
 }
