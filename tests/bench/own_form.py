@@ -64,6 +64,7 @@ EFFECTS = (
     ("interface", lambda r, t: {"strength": r.choice((0.0, r.uniform(0, 5e4))), **wall_part(r, t, 0.02, 0.05)}),
     ("wall_thinning", lambda r, t: {"fraction": r.uniform(0.1, 0.3), **wall_part(r, t, 0.012, 0.03)}),
     ("liquid_viscosity", lambda r, _: {"zeta": log_uniform(r, 3e3, 1e4)}),
+    ("cavitation_kinetics", lambda r, _: {"nuclei_spacing": log_uniform(r, 4e-4, 3e-3)}),
 )
 
 
