@@ -95,7 +95,7 @@ Provenance posterior_provenance(const StudyInputs& inputs) {
   const auto& external = inputs.study().external;
   Provenance p = external && external->is_log_density() ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
   p.options["posterior"] = echo(inputs.study().posterior);
-  if (p.options.contains("sampler") && p.options["sampler"].contains("smc")) p.options["sampler"]["smc"].erase("evaluations");  // a budget changes no draw
+  p.options["sampler"]["smc"].erase("evaluations");  // a budget changes no draw
   add_basin(p, inputs);
   return p;
 }

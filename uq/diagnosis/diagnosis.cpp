@@ -66,18 +66,18 @@ EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior,
   return all;
 }
 
-/// What a further explanation has of the one that it is put on top of.
-void take_along(Alternative& c, const Alternative& below) {
-  c.groups.insert(c.groups.end(), below.groups.begin(), below.groups.end());
-  std::sort(c.groups.begin(), c.groups.end());
-  c.choice += below.choice, c.first_log_bayes_factor += below.explanation.log_bayes_factor;
-  if (c.place.empty()) c.place = below.place;
-}
-
-/// "a", or "a+b".
-void name_by_groups(Alternative& c) {
-  c.explanation.name.clear();
+/// What is known of an explanation before its fit: a group by itself, or on top of what was fitted already.
+Alternative begun(const ParameterGroup& group, const Question& q, const Alternative* on_top_of) {
+  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
+  c.explanation.numerical = group.numerical;
+  if (on_top_of) {
+    c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
+    std::sort(c.groups.begin(), c.groups.end());
+    c.choice += on_top_of->choice, c.first_log_bayes_factor += on_top_of->explanation.log_bayes_factor;
+    if (c.place.empty()) c.place = on_top_of->place;
+  }
   for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
+  return c;
 }
 
 /// An explanation as it was fitted: what a further one is put on top of.
@@ -248,10 +248,10 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   const ParameterGroup& group = in_.groups[q.group];
   const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
   const LocalMode& start = below.modes[0];
-  Alternative c{.groups = {group.name}, .sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : "", .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
+  Alternative c = begun(group, q, on_top_of);
+  if (q.sensor) c.sensor = in_.base.problem.shape.sensors[*q.sensor];
   double gained = 0;  // by what it is put on top of
-  if (on_top_of) take_along(c, *on_top_of), c.numbers = on_top_of->numbers, gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
-  name_by_groups(c);
+  if (on_top_of) c.numbers = on_top_of->numbers, gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
   std::vector<WeightedErrors> errors;
@@ -288,20 +288,19 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
 void Engine::fit_leaders() {
   int fitted = 0;
   for (const auto& q : asked_) {
-    const std::string& name = in_.groups[q.group].name;
-    const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
+    const ParameterGroup& group = in_.groups[q.group];
+    const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == group.name; });
     if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
-      const ParameterGroup& group = in_.groups[q.group];
       group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
       ++fitted;
       continue;
     }
-    Alternative c{.groups = {name}, .place = in_.groups[q.group].place, .first_log_bayes_factor = worth, .p_value = q.p_value};
-    c.explanation = {.name = name, .numerical = in_.groups[q.group].numerical, .log_bayes_factor = worth, .chi2 = out_.evidence.chi2, .misfit = out_.evidence.misfit, .base_pull = out_.evidence.base_pull};
+    Alternative c = begun(group, q, nullptr);
+    c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
-      const auto& a = in_.groups[q.group].added[q.numbers[i]];
+      const auto& a = group.added[q.numbers[i]];
       c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)], out_.base_parameters));
     }
     c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
@@ -340,18 +339,16 @@ void Engine::fit_best_of(const Question& q) {
 /// A group beside the base model's parameters, or beside those of what was fitted already.
 void Engine::fit(const Question& q, const Alternative* on_top_of) {
   const ParameterGroup& group = in_.groups[q.group];
-  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
-  c.explanation.numerical = group.numerical;
+  Alternative c = begun(group, q, on_top_of);
   const PosteriorInputs* inputs = &in_.base;
   const PosteriorFit* below = &out_.base;
   std::vector<AddedParameter> added;
   if (on_top_of != nullptr) {
     const Fitted& f = fits_.at(on_top_of->explanation.name);
     inputs = &f.inputs, below = &f.fit, added = f.added;
-    take_along(c, *on_top_of);
+  } else {
+    c.sensor = group.sensor;
   }
-  if (on_top_of == nullptr) c.sensor = group.sensor;
-  name_by_groups(c);
   CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
   if (runs_ + first_runs(plan) > in_.options.max_runs) {

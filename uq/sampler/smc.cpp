@@ -28,7 +28,7 @@ class SmcChain final : public MarkovChain {
         reference_(modes, std::max(dispersion, 1e-3)), log_scale_(Eigen::VectorXd::Zero(Eigen::Index(modes.size()))), first_(modes.at(0).mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
         before_(Eigen::MatrixXd::Zero(d_, n_)), log_p_(Eigen::VectorXd::Zero(n_)), log_q_(Eigen::VectorXd::Zero(n_)), weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
     expect(n_ > 0, "a population has particles");
-    for (const auto& m : modes) factors_.push_back(std::max(dispersion, 1e-3) * covariance_factor(m.covariance, density.dimension()));
+    for (std::size_t k = 0; k < reference_.parts(); ++k) factors_.push_back(reference_.part(k).factor());
   }
 
   void begin(std::span<const double> x, double log_density) override {
@@ -38,7 +38,7 @@ class SmcChain final : public MarkovChain {
   }
 
   Transition step(RandomStream& random, bool learns) override {
-    evaluations_ = 0;
+    const Eigen::Index before = total_;
     if (learns) {
       expect(!frozen_, "a frozen chain learns no more");
       if (!arrived()) advance(random);
@@ -47,7 +47,7 @@ class SmcChain final : public MarkovChain {
       expect(told_ < n_, "each particle is told once");
       ++told_;
     }
-    return {.acceptance = acceptance_, .evaluations = evaluations_};
+    return {.acceptance = acceptance_, .evaluations = int(total_ - before)};
   }
 
   void freeze() override { frozen_ = true; }
@@ -93,7 +93,7 @@ class SmcChain final : public MarkovChain {
       x_.col(i) = reference_.choose(random).draw(random);
       log_q_[i] = reference_.log_density(x_.col(i));
       log_p_[i] = checked_log_density(density_, x_.col(i));
-      ++evaluations_, ++total_;
+      ++total_;
     }
     if ((log_p_.array() == never).all()) throw NumericsError("the density is zero at all particles that were drawn about the given mean; give a mean and a covariance nearer to where it is positive");
     drawn_ = true;
@@ -201,7 +201,7 @@ class SmcChain final : public MarkovChain {
       y = x_.col(i) + steps[part] * z;
       if (steps.size() > 1 && reference_.part_of(y) != part) continue;  // each part moves by its own shape: a step out of it has no way back
       const double log_p = checked_log_density(density_, y), log_q = reference_.log_density(y);
-      ++evaluations_, ++total_;
+      ++total_;
       const double a = std::exp(std::min(0.0, tempered(log_p, log_q) - tempered(log_p_[i], log_q_[i])));
       acceptance_ += a / double(n_), accepted[Eigen::Index(part)] += a;
       if (u < a) x_.col(i) = y, log_p_[i] = log_p, log_q_[i] = log_q;
@@ -241,7 +241,6 @@ class SmcChain final : public MarkovChain {
   Eigen::Index told_ = 0, total_ = 0;  ///< draws, evaluations
   int sweeps_ = 0;
   bool drawn_ = false, moving_ = false, frozen_ = false;
-  int evaluations_ = 0;  ///< of one transition
 };
 
 }  // namespace

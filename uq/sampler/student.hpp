@@ -24,6 +24,7 @@ class StudentT {
     log_norm_ = std::lgamma((freedom + d) / 2) - std::lgamma(freedom / 2) - 0.5 * d * std::log(freedom * std::numbers::pi) - factor_.diagonal().array().log().sum();
   }
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }
+  [[nodiscard]] const Eigen::MatrixXd& factor() const { return factor_; }
   [[nodiscard]] Eigen::VectorXd draw(RandomStream& random) const {
     Eigen::VectorXd z(mean_.size());
     for (double& v : z) v = random.normal();
@@ -56,23 +57,21 @@ class StudentMixture {
     return parts_[part].second;
   }
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+  [[nodiscard]] const StudentT& part(std::size_t k) const { return parts_[k].second; }
   /// The part that x is likeliest of.
   [[nodiscard]] std::size_t part_of(const Eigen::VectorXd& x) const {
     if (parts_.size() == 1) return 0;
-    std::size_t best = 0;
-    double most = -std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < parts_.size(); ++k)
-      if (const double log = std::log(parts_[k].first) + parts_[k].second.log_density(x); log > most) most = log, best = k;
-    return best;
+    const auto logs = log_parts(x);
+    return std::size_t(std::max_element(logs.begin(), logs.end()) - logs.begin());
   }
-  [[nodiscard]] double log_density(const Eigen::VectorXd& x) const {
-    if (parts_.size() == 1) return parts_[0].second.log_density(x);
-    std::vector<double> logs;
-    for (const auto& [weight, shape] : parts_) logs.push_back(std::log(weight) + shape.log_density(x));
-    return log_sum(logs);
-  }
+  [[nodiscard]] double log_density(const Eigen::VectorXd& x) const { return parts_.size() == 1 ? parts_[0].second.log_density(x) : log_sum(log_parts(x)); }
 
  private:
+  [[nodiscard]] std::vector<double> log_parts(const Eigen::VectorXd& x) const {
+    std::vector<double> logs;
+    for (const auto& [weight, shape] : parts_) logs.push_back(std::log(weight) + shape.log_density(x));
+    return logs;
+  }
   std::vector<std::pair<double, StudentT>> parts_;  ///< weight and shape
 };
 
