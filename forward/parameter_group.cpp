@@ -79,10 +79,11 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
 }
 
 /// Where a stretch begins or ends: looked at first where it is said to.
-AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high) {
+AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high, double sd) {
   AddedParameter a;
   Parameter& p = a.parameter;
   p.name = mechanism + '.' + key, p.key = "mechanism." + p.name, p.min = low, p.max = high, p.nominal = at;
+  p.prior = "truncated_normal", p.mean = at, p.sd = sd;
   a.unit = "m", a.doc = "where the stretch " + key + 's';
   return a;
 }
@@ -124,7 +125,7 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
         one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
         for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
         const double reach = 0.25 * (end - begin);  // half the distance of two quarters
-        one.shapes.push_back(place_of(group.name, "begin", std::max(begin - reach, 0.0), begin, begin + reach)), one.shapes.push_back(place_of(group.name, "end", end - reach, end, end + reach));
+        one.shapes.push_back(place_of(group.name, "begin", 0, begin, begin + reach, reach)), one.shapes.push_back(place_of(group.name, "end", end - reach, end, *length, reach));
       }
       groups.push_back(std::move(one));
     }

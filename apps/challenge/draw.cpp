@@ -122,7 +122,7 @@ DrawnEffect beam(const Target&, RandomStream& r) {
 
 DrawnEffect rear_layer(const Target&, RandomStream& r) {
   const double ratio = std::exp(either_way(r, 0.5, 1.5));
-  return {{{"impedance_ratio", ratio}, {"speed", r.uniform(900, 1500)}, {"thickness", 0.01}}, 2.5};
+  return {{{"impedance_ratio", ratio}, {"depth", r.uniform(0.001, 0.004)}}, 2.5};
 }
 
 DrawnEffect bubbles(const Target&, RandomStream& r) {
@@ -173,7 +173,7 @@ DrawnEffect thinning(const Target& t, RandomStream& r) {
 
 DrawnEffect residual_ringing(const Target&, RandomStream& r) {
   const double amplitude = either_way(r, 0.1, 0.3);
-  return {{{"amplitude", amplitude}, {"after", log_uniform(r, 2e-3, 6e-3)}}, 3};
+  return {{{"amplitude", amplitude}, {"after", r.uniform(4e-3, 8e-3)}}, 3};
 }
 
 DrawnEffect gauge_fault(const Target& t, RandomStream& r) {

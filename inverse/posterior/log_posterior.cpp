@@ -54,6 +54,13 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
   }
 }
 
+LogPosterior LogPosterior::to_the_power(double power) const {
+  expect(power > 0, "the power of a likelihood is above 0");
+  LogPosterior out = *this;
+  out.power_ = power;
+  return out;
+}
+
 LogPosterior LogPosterior::held(const std::vector<std::pair<Eigen::Index, double>>& values) const {
   LogPosterior out = *this;
   for (const auto& [k, value] : values) {
@@ -173,12 +180,12 @@ double LogPosterior::log_likelihood_of(const Eigen::VectorXd& prediction, double
 double LogPosterior::transform(const Eigen::VectorXd& q, bool jacobian, Eigen::VectorXd* gradient) const {
   const Point at = point(q);
   const Density density = this->density(at, gradient != nullptr);
-  double value = density.log_posterior();
+  double value = power_ * density.log_likelihood + density.log_prior;
   if (!std::isfinite(value)) {
     if (gradient) gradient->setZero(dimension());
     return -infinity;
   }
-  Eigen::VectorXd by_u = density.likelihood_gradient + density.prior_gradient;
+  Eigen::VectorXd by_u = power_ * density.likelihood_gradient + density.prior_gradient;
   const Eigen::VectorXd slope = box_.slope(at.u);
   for (Eigen::Index i = 0; i < Eigen::Index(free_.size()); ++i) {
     const Eigen::Index k = free_[std::size_t(i)];

@@ -43,6 +43,9 @@ class LogPosterior {
   LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond);
 
+  /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of tell the likelihood itself. power: > 0.
+  [[nodiscard]] LogPosterior to_the_power(double power) const;
+
   /// A nested hypothesis: the parameters named (index into the box, value) are held, and their priors do not count.
   [[nodiscard]] LogPosterior held(const std::vector<std::pair<Eigen::Index, double>>& values) const;
 
@@ -130,6 +133,7 @@ class LogPosterior {
   std::vector<std::pair<std::size_t, double>> held_values_;  ///< index into the box, value
   Eigen::MatrixXd coefficients_;  ///< (size, coefficients)
   std::vector<Hypothesis> hypotheses_;
+  double power_ = 1;
 };
 
 }  // namespace calomel

@@ -30,7 +30,7 @@ const std::map<std::string, Known>& known_effects() {
   using enum Follows;
   static const std::map<std::string, Known> known = {
       {"beam", {"beam_profile", {{"offset_z", proportion}, {"width_ratio", logarithm}, {"energy_ratio", logarithm}, {"pulse_length_ratio", logarithm}}}},
-      {"rear_layer", {"rear_reflection", {{"impedance_ratio", logarithm}, {"speed", not_at_all}, {"thickness", not_at_all}, {"behind_ratio", not_at_all}}}},
+      {"rear_layer", {"rear_reflection", {{"impedance_ratio", logarithm}, {"depth", not_at_all}}}},
       {"bubbles",
        {"bubbly_liquid",
         {{"small_fraction", proportion},
@@ -231,20 +231,14 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
     return nullptr;
   };
   // 1. The cells.
-  const Effect *rib = find("rib"), *layer = find("rear_layer"), *thinning = find("thinning"), *slot = find("slot");
-  const int margin = 1 + (rib ? int(std::lround((*rib)["height"] / h)) : 0), behind = layer ? int(std::lround((*layer)["thickness"] / h)) : 0;
+  const Effect *rib = find("rib"), *thinning = find("thinning"), *slot = find("slot");
+  const int margin = 1 + (rib ? int(std::lround((*rib)["height"] / h)) : 0);
   const int nx = int(std::lround(length / h)), nz = int(std::lround(height / h));
-  Grid g(nx + 2 * margin + behind, nz + 2 * margin, h, -margin * h, -margin * h);
-  const double depth = margin * h, low = bottom, high = height - top;
+  Grid g(nx + 2 * margin, nz + 2 * margin, h, -margin * h, -margin * h);
+  const double low = bottom, high = height - top;
   g.fill(Cell::solid, 0, length, 0, height);
   g.fill(Cell::mercury, front, length - rear, low, high);
-  if (rear == 0) {
-    if (layer) {
-      g.fill(Cell::guide, length, length + behind * h, low - depth, high + depth);
-      g.fill(Cell::solid, length, length + behind * h, low, high);
-    }
-    g.fill(Cell::continuing, length + behind * h, length + (behind + 1) * h, low, high);
-  }
+  if (rear == 0) g.fill(Cell::continuing, length, length + h, low, high);
   const auto at_wall = [&](const Effect& e, const char* wall) { return e.word.contains("wall") ? e.word.at("wall") == wall : std::string(wall) == "top"; };
   // A depth that is no whole number of cells leaves a cell of less density and stiffness.
   struct Part {
@@ -294,10 +288,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   for (const Part& part : parts)
     s.set_solid([&](double x, double z) { return x > part.x0 && x < part.x1 && z > part.z0 && z < part.z1; },
                 {part.left * steel.density, part.left * steel.lambda, part.left * steel.mu});
-  if (layer) {  // of the given sound speed, its density from the impedance; Poisson's ratio 0.45
-    const double ratio = (*layer)["impedance_ratio"], speed = (*layer)["speed"];
-    s.set_solid([&](double x, double) { return x > length; }, Solid::from_speed(ratio * density * sound_speed / speed, speed, 0.45));
-  }
+  if (const Effect* e = find("rear_layer"))
+    s.behind = {.coefficient = ((*e)["impedance_ratio"] - 1) / ((*e)["impedance_ratio"] + 1), .delay = 2 * (*e)["depth"] / sound_speed};
   if (const Effect* e = find("added_mass")) s.add_mass((*e)["begin"], (*e)["begin"] + (*e)["length"], at_wall(*e, "top") ? height : 0, (*e)["mass"]);
   if (const Effect* e = find("nucleation")) s.nucleation = {.number = (*e)["number"], .radius = (*e)["radius"], .stronger = (*e)["stronger"], .strength = (*e)["strength"]};
   if (const Effect* e = find("relaxing_liquid")) s.relaxing = {(*e)["viscosity"], (*e)["time"]};
@@ -336,11 +328,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   for (int k = 0; k <= 10000; ++k) greatest = std::max(greatest, along(5 * buildup_length * k / 10000));
   const auto profile = [&](double x, double z) { return p_peak * along(x) / greatest * std::exp(-0.5 * std::pow(std::abs((z - z0) / wz), exponent)); };
   s.set_pressure(profile);
-  const Effect* heated = find("heated_steel");
-  if (layer || heated)
+  if (const Effect* heated = find("heated_steel"))
     s.set_heated_solid([&](double x, double z) {
-      if (x > length) return profile(length, z);  // the layer is as tense as the mercury in front of it
-      if (!heated) return 0.0;
       const double u = x / (*heated)["depth"];
       return (3 * steel.lambda + 2 * steel.mu) * (*heated)["expansion"] * (*heated)["rise"] * std::exp(-0.5 * std::pow(std::abs((z - z0) / wz), exponent)) /
              (1 + u * u);

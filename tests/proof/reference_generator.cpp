@@ -118,7 +118,8 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
     if (e.name == "nucleation") same += fmt::format("nuclei_spacing = {:.8g}\n", std::cbrt(1 / e["number"]));
     if (e.name == "heated_steel") same += fmt::format("delta_t = {:.8g}\n", e["rise"]);
     if (e.name == "debonding") same += fmt::format("strength = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["strength"], e["begin"], e["begin"] + e["length"]);
-    if (e.name == "thinning") same += fmt::format("fraction = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["fraction"], e["begin"], e["begin"] + e["length"]);
+    if (e.name == "thinning")  // where it would end if it were as deep everywhere and as much steel were gone
+      same += fmt::format("fraction = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["fraction"], e["begin"] + e["length"] / 16, e["begin"] + e["length"] * 15 / 16);
     if (e.name == "gauge_fault")
       for (const auto& [key, value] : e.number) same += fmt::format("{} = {:.8g}\n", key, value);
     if (!same.empty()) t += "[effect.library]\n" + same;

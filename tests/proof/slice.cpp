@@ -20,11 +20,6 @@ Solid Solid::from_young(double density, double young, double poisson) {
   return {density, young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
 }
 
-Solid Solid::from_speed(double density, double speed, double poisson) {
-  const double p = density * speed * speed;
-  return {density, p * poisson / (1 - poisson), p * (1 - 2 * poisson) / (2 * (1 - poisson))};
-}
-
 Slice::Slice(const Grid& grid, const Solid& steel, const Mercury& mercury) : grid_(grid), steel_(steel), mercury_(mercury) {
   const std::size_t n = grid_.cells.size();
   density_.assign(n, 0), lambda_.assign(n, 0), mu_.assign(n, 0), extra_mass_.assign(n, 0);
@@ -115,8 +110,7 @@ void Slice::build() {
       for (const bool across_z : {false, true}) {
         const int i0 = across_z ? i : i - 1, j0 = across_z ? j - 1 : j, c0 = g.index(i0, j0);
         const Cell before = g.at(i0, j0), after = g.at(i, j);
-        const auto holds = [&](Cell k) { return k == Cell::rigid || (k == Cell::guide && across_z); };
-        const bool held = holds(before) || holds(after);
+        const bool held = before == Cell::rigid || after == Cell::rigid;
         if (before == Cell::solid || after == Cell::solid) {
           const double mass = 0.5 * g.h * (density_[std::size_t(c0)] + density_[std::size_t(c)]) + (across_z ? extra_mass_[std::size_t(c)] : 0);
           (across_z ? inverse_mass_z_ : inverse_mass_x_)[std::size_t(c)] = held ? Real(0) : Real(1 / mass);
@@ -125,7 +119,7 @@ void Slice::build() {
           const Cell inside = sign > 0 ? before : after, outside = sign > 0 ? after : before;
           Contact contact{.face = c, .cell = sign > 0 ? c0 : c, .across_z = across_z, .sign = sign, .strength = mercury_.cutoff, .suction = mercury_.cutoff};
           if (inside == Cell::mercury && outside == Cell::solid) contacts_.push_back(contact);
-          if (inside == Cell::mercury && (outside == Cell::vacuum || (outside == Cell::guide && !across_z))) free_.push_back(contact);
+          if (inside == Cell::mercury && outside == Cell::vacuum) free_.push_back(contact);
           if ((inside == Cell::mercury || inside == Cell::solid) && outside == Cell::continuing) rear_.push_back(contact);
         }
         // Pairs of solid cells: a cell with a solid neighbour on one side only gives its whole share to that pair.
@@ -253,7 +247,10 @@ void Slice::advance_velocity(State& s, double dt) const {
     u = Real(c.sign * (wall + dt * solid_mass * traction));
   }
 
-  // What lies behind a face that continues carries rho c times the velocity on top of its share of the heating pressure.
+  // What lies behind a face that continues carries rho c times the velocity on top of its share of the heating pressure, and what comes back from further behind.
+  const std::size_t faces = s.contacts.size() - wetted;
+  if (behind.coefficient != 0 && s.sent.empty()) s.sent.assign(faces * std::size_t(std::max(1L, std::lround(behind.delay / dt))), 0);
+  if (!s.sent.empty()) s.time_of_ring = (s.time_of_ring + faces) % s.sent.size();
   for (std::size_t k = wetted; k < s.contacts.size(); ++k) {
     Contact& c = s.contacts[k];
     const bool solid = grid_.cells[c.cell] == Cell::solid;
@@ -270,8 +267,11 @@ void Slice::advance_velocity(State& s, double dt) const {
       Real& v = (c.across_z ? s.vz : s.vx)[c.face];
       const double share = dt * per_mass, z = std::sqrt(mercury_.density * double(modulus_[c.cell / grid_.nx])), before = c.sign * double(v);
       const double alone = before + share * s.p[c.cell];
-      double now = (alone - share * (p0 + 0.5 * z * before)) / (1 + 0.5 * share * z);
-      if (p0 + 0.5 * z * (now + before) < -c.strength) now = alone + share * c.strength;
+      Real* const sent = s.sent.empty() ? nullptr : &s.sent[s.time_of_ring + (k - wetted)];
+      const double back = sent ? behind.coefficient * *sent : 0;
+      double now = (alone - share * (p0 + back + 0.5 * z * before)) / (1 + 0.5 * share * z), pressure = back + 0.5 * z * (now + before);
+      if (p0 + pressure < -c.strength) now = alone + share * c.strength, pressure = -c.strength - p0;
+      if (sent) *sent = Real(pressure + 0.5 * z * (now + before));
       v = Real(c.sign * now);
     }
   }

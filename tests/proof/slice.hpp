@@ -23,7 +23,6 @@ enum class Cell : std::uint8_t {
   solid,
   mercury,
   rigid,      ///< holds the velocity normal to it at 0, carries no shear
-  guide,      ///< as rigid for faces across z, as vacuum for faces across x
   continuing  ///< the medium in front of it goes on: non-reflecting at normal incidence
 };
 
@@ -46,7 +45,6 @@ struct Grid {
 struct Solid {
   double density = 0, lambda = 0, mu = 0;
   static Solid from_young(double density, double young, double poisson);
-  static Solid from_speed(double density, double speed, double poisson);  ///< of longitudinal waves
   [[nodiscard]] double p_modulus() const { return lambda + 2 * mu; }
   [[nodiscard]] double bending_modulus() const { return p_modulus() - lambda * lambda / p_modulus(); }  ///< plane strain, no normal stress across
 };
@@ -82,6 +80,10 @@ struct Zener {  ///< standard linear solid: relative strength and relaxation tim
 struct Yielding {
   double stress = 0, hardening = 0;  ///< [Pa]; stress 0: off
 };
+struct Behind {           ///< channels of mercury behind the faces that continue, each of which ends at another impedance
+  double coefficient = 0;  ///< of the pressure that comes back
+  double delay = 0;        ///< there and back [s]
+};
 
 /// What one gauge reads: weights of face velocities of the solid, integrated over time.
 struct Gauge {
@@ -116,6 +118,7 @@ class Slice {
   Tait tait;
   Zener zener;
   Yielding yielding;
+  Behind behind;
   void set_solid(const std::function<bool(double x, double z)>& where, const Solid& solid);  ///< another solid there
   void set_pressure(const std::function<double(double x, double z)>& p0);                    ///< heating pressure at energy 1 [Pa]
   void set_heated_solid(const std::function<double(double x, double z)>& stress);            ///< sigma = C:eps - stress * I there, rising with the pulse [Pa]
@@ -176,6 +179,8 @@ struct State {
   std::vector<Real> a, b, c, d;                  ///< of the law of the mercury
   std::vector<Real> mxx, mzz, mxz;               ///< of the standard linear solid
   std::vector<Real> plastic, factor;
+  std::vector<Real> sent;  ///< by the faces that continue, over the delay of what is behind: a ring of times, all faces of one time together
+  std::size_t time_of_ring = 0;
   std::vector<Real> total_xx, total_zz;  ///< strains, kept when `keep_strain`
   std::vector<Contact> contacts;
   bool keep_strain = false;

@@ -144,7 +144,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value that did best
     plan.added.push_back(group.shapes[i]);
     const Parameter& p = group.shapes[i].parameter;
-    sides.push_back({question.shapes[i], p.sigma ? *p.sigma : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
+    sides.push_back({question.shapes[i], p.sigma ? *p.sigma : p.sd ? p.coordinate_width(*p.sd, question.shapes[i]) : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
   }
   Eigen::VectorXd u = fit.modes[0].at.u;
   const auto& free = fit.posterior->free();
@@ -180,7 +180,8 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
 
-FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+  PosteriorInputs& in = plan.inputs;
   if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_several(in, base);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
@@ -193,7 +194,8 @@ FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, cons
   const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
   in.centre = mode.at.theta;
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
-    in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+    if (k < own || plan.added[k - own].share_of.empty())  // a share does nearly the same over all its range
+      in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stayed = 0;

@@ -33,6 +33,6 @@ struct FittedCandidate {
 /// Fits over the planned box and, if its log Bayes factor is `worth` that or its emulator far noisier than the base model's, which then says little, in a narrower one
 /// about the answer until more runs would not change it. A cheap model (`draw_in`) is fitted from several boxes, the best counts; with `least_squares` it is fitted itself first, by
 /// least squares from several starts, and the box laid about the best. Errors: those of fit_posterior.
-[[nodiscard]] FittedCandidate fit_candidate(PosteriorInputs in, const PosteriorFit& base, const std::function<bool(double log_bayes_factor)>& worth);
+[[nodiscard]] FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(double log_bayes_factor)>& worth);
 
 }  // namespace calomel

@@ -28,10 +28,20 @@ constexpr double alike = 4;                    ///< distance in standard deviati
 std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
 Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
 
-/// Means and deviations of the free parameters, natural units: of draws, and in the deviations what the mode moved while runs were added, which the draws do not know of.
+/// Means and deviations of the free parameters, natural units, under the likelihood to the power that the probabilities take the evidences to: on coarse meshes and an emulator it is that
+/// much too sure.
+Moments tempered_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) { return sampled_moments(posterior.to_the_power(1 / Gates{}.temperature), mode, seed); }
+
+/// The same of the deviation of a number that the records tell beside a normal prior.
+double tempered(double sd, double prior_sd) {
+  const double of_prior = 1 / (prior_sd * prior_sd);
+  return 1 / std::sqrt(of_prior + (1 / (sd * sd) - of_prior) / Gates{}.temperature);
+}
+
+/// The moments of a fit, and in the deviations what the mode moved while runs were added, which the draws do not know of.
 Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
   const LocalMode& m = fit.modes[0];
-  Moments moments = sampled_moments(*fit.posterior, m, seed);
+  Moments moments = tempered_moments(*fit.posterior, m, seed);
   std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
   for (std::size_t r = 0; r + 1 < fit.rounds.size(); ++r)
     if (fit.rounds[r].drew_in) first = r + 1;  // and the emulator of a wider box
@@ -160,6 +170,8 @@ class Engine {
       if (in_.base.parameters[k].key == a.share_of)
         for (const auto& e : own)
           if (e.name == in_.base.parameters[k].name) whole = e;
+    // What a share does set in at once: where the records do not halve its prior's deviation, what they seem to say of it is the form of the law.
+    if (const double range = a.parameter.max - a.parameter.min, of_prior = range / std::sqrt(12); sd > 0.5 * of_prior) mean = a.parameter.min + 0.5 * range, sd = of_prior;
     return {a.parameter.name, mean * whole.mean, std::hypot(sd * whole.mean, mean * whole.sd)};
   }
 
@@ -265,7 +277,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   c.explanation.by_scale = by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
   c.explanation.chi2 = plain_chi2(below, with, m, below.errors->with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
-  c.base_parameters = own_parameters(with, sampled_moments(with, m, in_.base.seed));
+  c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
   c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
   // The numbers themselves: what is left of the residual at this mode in their directions.
   const FirstOrder worth = FirstOrderModel(*below.posterior, m).worth(q.directions);
@@ -273,7 +285,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
-    c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, worth.sd[Eigen::Index(i)]});
+    c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, tempered(worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)])});
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
   }
   c.history = kept(below.history(m.at.u, m.at.beyond) + q.effects * worth.value);
@@ -301,7 +313,7 @@ void Engine::fit_leaders() {
     c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
     for (std::size_t i = 0; i < q.numbers.size(); ++i) {
       const auto& a = group.added[q.numbers[i]];
-      c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], q.worth.sd[Eigen::Index(i)], out_.base_parameters));
+      c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], tempered(q.worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)]), out_.base_parameters));
     }
     c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
     for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
@@ -364,7 +376,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(in, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
+    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;

@@ -81,6 +81,28 @@ TEST(WallThinning, TheWallIsNoParameter) {
   EXPECT_NO_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.fraction\"\nmin = 0\nmax = 0.5\n"));
 }
 
+// The ends of a quarter are likeliest where the quarter ends, and may lie as far out as the wall reaches.
+TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
+  const ForwardCase c = small_case();
+  std::size_t parts = 0;
+  for (const auto& g : offered_groups(c)) {
+    if (g.name != "wall_thinning" || !g.part) continue;
+    ++parts;
+    ASSERT_EQ(g.shapes.size(), 2u);
+    const Parameter &begin = g.shapes[0].parameter, &end = g.shapes[1].parameter;
+    const double wall = *(g.place.starts_with("front") ? c.geometry.height : c.geometry.length), quarter = *end.nominal - *begin.nominal;
+    EXPECT_NEAR(quarter, wall / 4, 1e-12) << g.place;
+    EXPECT_EQ(begin.min, 0) << g.place;
+    EXPECT_EQ(end.max, wall) << g.place;
+    EXPECT_NEAR(end.min - begin.max, quarter / 2, 1e-12) << g.place << ": it holds half a quarter at least";
+    for (const Parameter* p : {&begin, &end}) {
+      EXPECT_EQ(*p->mean, *p->nominal) << g.place;
+      EXPECT_NEAR(*p->sd, quarter / 4, 1e-12) << g.place;
+    }
+  }
+  EXPECT_EQ(parts, 3u * 7u);
+}
+
 // ringing_box has a rear wall; plane strain has no side.
 TEST(WallThinning, IsOfferedOnTheWallsThatThereAre) {
   const auto walls = [](const ForwardCase& c) {

@@ -1,5 +1,6 @@
 // The diagnosis on models that are formulas: nothing missing, one effect concealed, one faulty gauge, an effect that nobody offers. And its parts alone.
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
+#include "uq/posterior_moments.hpp"
 
 #include <gmock/gmock.h>
 
@@ -25,6 +26,12 @@ TEST(Diagnosis, NothingMissingIsNone) {
     EXPECT_EQ(d.verdict.kind, VerdictKind::none) << d.verdict.reason;
     EXPECT_DOUBLE_EQ(d.held_out_after, d.held_out_before);
     EXPECT_EQ(shown_explanation(d), nullptr);
+    // What is told of numbers is under the likelihood to the power that the evidences are taken to.
+    const LogPosterior& posterior = *d.base.posterior;
+    const Moments sharp = sampled_moments(posterior, d.base.modes[0], 1), weak = sampled_moments(posterior.to_the_power(0.5), d.base.modes[0], 1);
+    EXPECT_GT(weak.sd[1], 1.2 * sharp.sd[1]);
+    EXPECT_GT(d.base_parameters[1].sd, 0.95 * weak.sd[1]);
+    EXPECT_NEAR(d.base_parameters[1].mean, weak.mean[1], 0.1 * weak.sd[1]);
   }
 }
 
@@ -326,7 +333,9 @@ TEST(FirstOrderModel, IsTheEvidenceOfTheLinearModel) {
     const auto log_sum = [](const std::array<double, 2>& x) { return std::max(x[0], x[1]) + std::log1p(std::exp(-std::abs(x[0] - x[1]))); };
     const double exact = log_sum(with) - log_sum(without);
     EXPECT_NEAR(expected.log_bayes_factor(strength), exact, 1e-6 * std::max(1.0, std::abs(exact))) << strength;
-    if (strength == 10.0) EXPECT_GT(exact, 10);
+    if (strength == 10.0) {
+      EXPECT_GT(exact, 10);
+    }
   }
   // Of the records themselves, which lie on the model: the numbers are nothing, within what is said of them.
   const FirstOrder worth = model.worth(d);

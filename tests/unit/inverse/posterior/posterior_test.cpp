@@ -106,6 +106,25 @@ TEST(LogPosterior, GradientsAreThoseOfDifferences) {
   }
 }
 
+// The likelihood to a power: the prior and the Jacobian stay, and the gradient is that of differences.
+TEST(LogPosterior, ToAPowerHasThatMuchLessOfTheLikelihood) {
+  const Lines lines;
+  const LogPosterior posterior = lines.posterior(0.3, lines.errors), weaker = posterior.to_the_power(0.5);
+  const Eigen::VectorXd q = posterior.q(std::vector<double>{2.6, -0.4}, 0);
+  const double likelihood = posterior.density(posterior.point(q)).log_likelihood;
+  EXPECT_NEAR(posterior.log_density(q) - weaker.log_density(q), 0.5 * likelihood, 1e-9 * std::abs(likelihood));
+  EXPECT_NEAR(posterior.mode_density(q) - weaker.mode_density(q), 0.5 * likelihood, 1e-9 * std::abs(likelihood));
+  EXPECT_DOUBLE_EQ(weaker.density(weaker.point(q)).log_likelihood, likelihood);
+  Eigen::VectorXd gradient;
+  (void)weaker.log_density(q, &gradient);
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    const double h = 1e-5;
+    Eigen::VectorXd up = q, down = q;
+    up[k] += h, down[k] -= h;
+    EXPECT_NEAR(gradient[k], (weaker.log_density(up) - weaker.log_density(down)) / (2 * h), 1e-5 * std::abs(likelihood));
+  }
+}
+
 TEST(LogPosterior, DensityByTheUnconstrainedCoordinatesHasTheSameMassAsByTheParameters) {
   const Lines lines;
   const LogPosterior posterior = lines.posterior(0.3, lines.errors);
