@@ -117,7 +117,7 @@ class Engine {
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
     hold_out_verdict();
     locate_all();
-    separate();
+    out_.separating = separating_measurement(out_, in_.base.problem);
     out_.runs = runs_;
     return std::move(out_);
   }
@@ -171,8 +171,10 @@ class Engine {
         for (const auto& e : own)
           if (e.name == in_.base.parameters[k].name) whole = e;
     // What a share does set in at once: where the records do not halve its prior's deviation, what they seem to say of it is the form of the law.
-    if (const double range = a.parameter.max - a.parameter.min, of_prior = range / std::sqrt(12); sd > 0.5 * of_prior) mean = a.parameter.min + 0.5 * range, sd = of_prior;
-    return {a.parameter.name, mean * whole.mean, std::hypot(sd * whole.mean, mean * whole.sd)};
+    const double range = a.parameter.max - a.parameter.min, of_prior = range / std::sqrt(12);
+    const bool narrowed = sd < 0.5 * of_prior;
+    if (!narrowed) mean = a.parameter.min + 0.5 * range, sd = of_prior;
+    return {a.parameter.name, mean * whole.mean, std::hypot(sd * whole.mean, mean * whole.sd), narrowed};
   }
 
   [[nodiscard]] double best_so_far() const {
@@ -197,7 +199,6 @@ class Engine {
   void hold_out(Alternative& c);
   void hold_out_verdict();
   void locate_all();
-  void separate();
 
   const DiagnosisInputs& in_;
   const std::size_t own_;  ///< the case's own parameters
@@ -478,26 +479,14 @@ void Engine::hold_out(Alternative& c) {
 
 /// Of what is named, each fold by the explanation that says most without the gauges that judge.
 void Engine::hold_out_verdict() {
-  const Eigen::VectorXd& data = out_.base.errors->data();
-  const PosteriorFit& base = out_.base;
   std::vector<double> after = held_out_->base().misfit, best(after.size(), 0.0);
   for (const auto& c : out_.candidates)
     for (std::size_t i = 0; i < c.held_out_worth.size(); ++i)
       if (c.held_out_worth[i] > best[i]) best[i] = c.held_out_worth[i], after[i] = c.held_out[2 * i + 1];
   const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
   if (named) out_.held_out_after = held_out_->mean(after);
-  const auto& conditions = in_.base.problem.shape.conditions;
-  for (std::size_t c = 0; c < conditions.size() && conditions.size() > 1; ++c) {
-    std::vector<std::size_t> observations;
-    for (std::size_t i = 0; i < in_.base.problem.observations.size(); ++i)
-      if (in_.base.problem.observations[i].condition == c) observations.push_back(i);
-    if (observations.empty() || observations.size() == in_.base.problem.observations.size()) continue;
-    const Fold fold = fold_of(grid(), observations);
-    const auto misfit = [&](const PosteriorFit& fit) { return misfit_of(fold, grid(), fit_without(fit, fit, fold).prediction, data); };
-    const auto fit = named ? fits_.find(out_.candidates[0].explanation.name) : fits_.end();
-    const double base_misfit = misfit(base);
-    out_.held_out_conditions.push_back({conditions[c], base_misfit, fit == fits_.end() ? base_misfit : misfit(fit->second.fit)});
-  }
+  const auto fit = named ? fits_.find(out_.candidates[0].explanation.name) : fits_.end();
+  out_.held_out_conditions = held_out_->by_condition(fit == fits_.end() ? nullptr : &fit->second.fit);
 }
 
 void Engine::locate_all() {
@@ -507,27 +496,6 @@ void Engine::locate_all() {
   const Eigen::VectorXd r = out_.base.errors->data() - out_.base.prediction(m.at);
   const Eigen::MatrixXd j = posterior.jacobian(m.at);
   out_.location = locate(in_.base.problem, grid(), r, out_.base.errors->covariance() + density.variance * out_.base.noise + j * m.covariance * j.transpose(), 1);
-}
-
-/// Where and when the first two explanations differ most, in standard deviations of a mean record.
-void Engine::separate() {
-  std::vector<const Alternative*> two;
-  for (const auto& c : out_.candidates)
-    if (!c.history.empty() && two.size() < 2) two.push_back(&c);
-  if (two.empty()) {
-    out_.separating = "nothing was fitted that a further measurement could tell apart";
-    return;
-  }
-  const Eigen::VectorXd difference = grid().apply(values(two[0]->history) - values(two.size() > 1 ? two[1]->history : out_.base_history));
-  const Eigen::VectorXd z = difference.cwiseQuotient(out_.base.errors->covariance().diagonal().cwiseSqrt());
-  Eigen::Index most = 0;
-  z.cwiseAbs().maxCoeff(&most);
-  std::size_t at = 0;
-  while (at + 1 < grid().observations() && Eigen::Index(grid().offset(at + 1)) <= most) ++at;
-  const double time = grid().times()[most];
-  out_.separating = fmt::format("{} and {} differ most at gauge {} about {}, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
-                                two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", in_.base.problem.label(in_.base.problem.observations[at]), time_text(time),
-                                in_.base.problem.mae_scale * std::abs(difference[most]), in_.base.problem.mae_unit, std::abs(z[most]));
 }
 
 }  // namespace

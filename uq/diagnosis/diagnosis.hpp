@@ -46,12 +46,7 @@ struct DiagnosisInputs {
 struct Estimate {
   std::string name;
   double mean = 0, sd = 0;
-};
-
-/// Misfit of all records of a condition (a beam power) by the fit to the other conditions.
-struct HeldOutCondition {
-  std::string name;
-  double before = 0, after = 0;  ///< by the base model, and by the model with what is named; the same where nothing is
+  bool told = true;  ///< by the records; otherwise mean and sd are the prior's
 };
 
 /// One explanation beside the base model, in all that is known of it.

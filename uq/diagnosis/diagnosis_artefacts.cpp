@@ -87,7 +87,7 @@ Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& group
   Json list = estimates_json(told);
   for (std::size_t i = 0; i < c.numbers.size(); ++i) {
     const PlainNumber plain = plain_number(c, c.numbers[i], groups);
-    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations);
+    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations), list[i]["told_by_records"] = c.numbers[i].told;
   }
   return list;
 }

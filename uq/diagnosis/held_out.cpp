@@ -144,6 +144,23 @@ HeldOutFit HeldOut::by(const PosteriorFit& fit) const {
   return out;
 }
 
+std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) const {
+  std::vector<HeldOutCondition> all;
+  const auto& conditions = problem_.shape.conditions;
+  const Decimation& grid = base_.errors->grid();
+  for (std::size_t c = 0; c < conditions.size() && conditions.size() > 1; ++c) {
+    std::vector<std::size_t> observations;
+    for (std::size_t i = 0; i < problem_.observations.size(); ++i)
+      if (problem_.observations[i].condition == c) observations.push_back(i);
+    if (observations.empty() || observations.size() == problem_.observations.size()) continue;
+    const Fold fold = fold_of(grid, observations);
+    const auto misfit = [&](const PosteriorFit& fit) { return misfit_of(fold, grid, fit_without(fit, fit, fold).prediction, base_.errors->data()); };
+    const double before = misfit(base_);
+    all.push_back({conditions[c], before, named ? misfit(*named) : before});
+  }
+  return all;
+}
+
 double HeldOut::mean(const std::vector<double>& by_fold) const {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;

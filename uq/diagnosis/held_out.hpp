@@ -1,6 +1,7 @@
 #pragma once
 /// What a fit to some gauges predicts of the others.
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "inverse/posterior/posterior_fit.hpp"
@@ -49,6 +50,12 @@ struct HeldOutFit {
   std::vector<double> history; ///< (values of the model): each gauge by the fit without it
 };
 
+/// Misfit of all records of a condition (a beam power) by the fit to the other conditions.
+struct HeldOutCondition {
+  std::string name;
+  double before = 0, after = 0;  ///< by the base model, and by the model with what is named; the same where nothing is
+};
+
 /// The folds of a case, and the base model's own misfit on them. What is referred to outlives it.
 class HeldOut {
  public:
@@ -56,6 +63,8 @@ class HeldOut {
   /// Of the base model; its worth is 0.
   [[nodiscard]] const HeldOutFit& base() const { return base_fit_; }
   [[nodiscard]] HeldOutFit by(const PosteriorFit& fit) const;
+  /// Each condition by the fits to the others, where there are several; `named`: of the model with what is named, or null.
+  [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
   /// The mean over the records of what is told of folds, (folds).
   [[nodiscard]] double mean(const std::vector<double>& by_fold) const;
 

@@ -216,18 +216,39 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
     return out;
   }
   const auto unit = shown_unit(added->unit, std::max({std::abs(n.mean), std::abs(n.sd), std::abs(off)}));
-  out.value = with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name);
+  out.value = n.told ? with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name) : "below the mercury's own (the records tell no more)";
   out.off = added->share_of.empty() ? fmt::format("{:.3g}{}{}", unit.factor * off, unit.name.empty() ? "" : " ", unit.name) : "the mercury's own";
   return out;
 }
 
 std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups) {
   std::vector<std::pair<PlainNumber, std::string>> all;
-  for (const auto& n : a.numbers) all.emplace_back(plain_number(a, n, groups), n.name.substr(n.name.rfind('.') + 1));
+  for (const auto& n : a.numbers) {
+    all.emplace_back(plain_number(a, n, groups), n.name.substr(n.name.rfind('.') + 1));
+    if (!n.told) all.back().first.off.clear();
+  }
   std::stable_sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.first.deviations > y.first.deviations; });
   std::vector<std::string> told;
   for (std::size_t i = 0; i < std::min(all.size(), numbers_told); ++i) told.push_back(all[i].second + ' ' + all[i].first.value + (all[i].first.off.empty() ? "" : " in place of " + all[i].first.off));
   return listed(told);
+}
+
+std::string separating_measurement(const Diagnosis& d, const Problem& problem) {
+  std::vector<const Alternative*> two;
+  for (const auto& c : d.candidates)
+    if (!c.history.empty() && two.size() < 2) two.push_back(&c);
+  if (two.empty()) return "nothing was fitted that a further measurement could tell apart";
+  const auto values = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
+  const Decimation& grid = d.base.errors->grid();
+  const Eigen::VectorXd difference = grid.apply(values(two[0]->history) - values(two.size() > 1 ? two[1]->history : d.base_history));
+  const Eigen::VectorXd z = difference.cwiseQuotient(d.base.errors->covariance().diagonal().cwiseSqrt());
+  Eigen::Index most = 0;
+  z.cwiseAbs().maxCoeff(&most);
+  std::size_t at = 0;
+  while (at + 1 < grid.observations() && Eigen::Index(grid.offset(at + 1)) <= most) ++at;
+  return fmt::format("{} and {} differ most at gauge {} about {}, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a second gauge beside it, tell most there",
+                     two[0]->explanation.name, two.size() > 1 ? two[1]->explanation.name : "the base model", problem.label(problem.observations[at]), time_text(grid.times()[most]),
+                     problem.mae_scale * std::abs(difference[most]), problem.mae_unit, std::abs(z[most]));
 }
 
 Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& g) {

@@ -32,6 +32,9 @@ struct PlainNumber {
 /// The two numbers that stand farthest from off in their deviations: "offset_z 2.31 ± 0.16 mm in place of 0 mm". Empty where it has none.
 [[nodiscard]] std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups);
 
+/// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record: what to measure to tell them apart.
+[[nodiscard]] std::string separating_measurement(const Diagnosis& d, const Problem& problem);
+
 /// Why the entry of the ranking is what the verdict says or not, and what would have to be otherwise.
 struct Why {
   std::string why, would_change;

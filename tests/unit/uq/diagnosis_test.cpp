@@ -1,6 +1,5 @@
 // The diagnosis on models that are formulas: nothing missing, one effect concealed, one faulty gauge, an effect that nobody offers. And its parts alone.
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
-#include "uq/posterior_moments.hpp"
 
 #include <gmock/gmock.h>
 
@@ -13,6 +12,8 @@
 #include "base/netcdf_file.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/uq/experiment.hpp"
+#include "uq/diagnosis/plain_words.hpp"
+#include "uq/posterior_moments.hpp"
 
 namespace calomel {
 namespace {
@@ -132,6 +133,8 @@ TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
   EXPECT_GT(strength.mean, 0.1 * a.whole);
   EXPECT_LT(strength.mean, 0.9 * a.whole);
   EXPECT_GT(strength.sd, 0.15 * a.whole) << "the records do not tell the share";
+  EXPECT_FALSE(strength.told);
+  EXPECT_THAT(plain_number(d.candidates[0], strength, std::vector<ParameterGroup>{opened}).value, ::testing::HasSubstr("the records tell no more"));
   // Control: the same step as a number like any other, whose box holds the base model's runs, is worth less.
   ParameterGroup plain = opened;
   plain.added[0].share_of.clear();
