@@ -121,11 +121,13 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
       ParameterGroup one = group;
       one.place = word->choices[i], one.part = end < 1;
       for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
+      if (length) {  // its ends are likeliest where they are looked at first, and may lie anywhere that leaves its middle within
+        const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length, middle = 0.5 * (from + to);
+        one.shapes.push_back(place_of(group.name, "begin", 0, from, middle - reach, reach)), one.shapes.push_back(place_of(group.name, "end", middle + reach, to, *length, reach));
+      }
       if (one.part) {
         one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
         for (auto& a : one.added) a.with.insert(a.with.end(), {{prefix + "begin", begin}, {prefix + "end", end}});
-        const double reach = 0.25 * (end - begin);  // half the distance of two quarters
-        one.shapes.push_back(place_of(group.name, "begin", 0, begin, begin + reach, reach)), one.shapes.push_back(place_of(group.name, "end", end - reach, end, *length, reach));
       }
       groups.push_back(std::move(one));
     }

@@ -78,13 +78,13 @@ EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior,
 
 /// What is known of an explanation before its fit: a group by itself, or on top of what was fitted already.
 Alternative begun(const ParameterGroup& group, const Question& q, const Alternative* on_top_of) {
-  Alternative c{.groups = {group.name}, .place = group.place, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
+  Alternative c{.groups = {group.name}, .places = {{group.name, group.place}}, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
   c.explanation.numerical = group.numerical;
   if (on_top_of) {
     c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
     std::sort(c.groups.begin(), c.groups.end());
     c.choice += on_top_of->choice, c.first_log_bayes_factor += on_top_of->explanation.log_bayes_factor;
-    if (c.place.empty()) c.place = on_top_of->place;
+    c.places.insert(on_top_of->places.begin(), on_top_of->places.end());
   }
   for (const auto& name : c.groups) c.explanation.name += (c.explanation.name.empty() ? "" : "+") + name;
   return c;
@@ -327,7 +327,7 @@ void Engine::fit_leaders() {
 /// which the best is kept.
 void Engine::fit_best_of(const Question& q) {
   const std::string& name = in_.groups[q.group].name;
-  const auto key = [](const Alternative& a) { return a.sensor.empty() ? a.place : a.sensor; };
+  const auto key = [](const Alternative& a) { return a.sensor.empty() ? a.places.begin()->second : a.sensor; };
   std::vector<Alternative> all;
   std::map<std::string, Fitted> fits;  // by gauge or law
   for (const auto& other : asked_) {
@@ -394,6 +394,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
       if (!c.sensor.empty()) c.numbers.back().name.insert(0, c.sensor + '.');
       c.explanation.farthest = std::max(c.explanation.farthest, implausibility(added[i], full.at.theta[n + i]));
     }
+    for (auto& [name, place] : c.places) place = fitted_place(name, place, c.numbers);
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,7 +56,7 @@ struct Alternative {
   std::vector<std::string> groups;     ///< one, or two of a pair
   std::string sensor;                  ///< of a fault of one gauge
   std::vector<std::string> other_sensors;  ///< gauges whose fault explains as much: the records do not tell which it is
-  std::string place;                   ///< of the group: the wall that it acts on, or empty
+  std::map<std::string, std::string> places;  ///< by group: the wall that it acts on and the stretch of it, as fitted, or the law; empty: it has none
   double first_log_bayes_factor = 0;   ///< to first order about the base fit
   double choice = 0;                   ///< Question::choice, that of both of a pair; it is in both log Bayes factors
   double p_value = 1;                  ///< of its score test, not corrected for their number

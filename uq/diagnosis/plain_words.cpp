@@ -180,7 +180,8 @@ std::string plain_name(const Alternative& a, std::span<const ParameterGroup> gro
   std::vector<std::string> names;
   for (const auto& name : a.groups) {
     const auto* g = group_of(groups, name);
-    names.push_back((g && !g->plain.empty() ? g->plain : name) + (g && !g->place.empty() && !a.place.empty() ? " (" + a.place + ')' : ""));
+    const auto place = a.places.find(name);
+    names.push_back((g && !g->plain.empty() ? g->plain : name) + (place != a.places.end() && !place->second.empty() ? " (" + place->second + ')' : ""));
   }
   if (!a.sensor.empty()) return "a fault of gauge " + a.sensor;
   if (names.empty()) return a.explanation.name;
@@ -231,6 +232,13 @@ std::string plain_size(const Alternative& a, std::span<const ParameterGroup> gro
   std::vector<std::string> told;
   for (std::size_t i = 0; i < std::min(all.size(), numbers_told); ++i) told.push_back(all[i].second + ' ' + all[i].first.value + (all[i].first.off.empty() ? "" : " in place of " + all[i].first.off));
   return listed(told);
+}
+
+std::string fitted_place(const std::string& mechanism, const std::string& place, const std::vector<Estimate>& numbers) {
+  const auto number = [&](const char* key) { return std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.name == mechanism + key; }); };
+  const auto begin = number(".begin"), end = number(".end");
+  if (begin == numbers.end() || end == numbers.end()) return place;
+  return fmt::format("{}, {:.3g} to {:.3g} mm", place.substr(0, place.find(',')), 1e3 * begin->mean, 1e3 * end->mean);
 }
 
 std::string separating_measurement(const Diagnosis& d, const Problem& problem) {

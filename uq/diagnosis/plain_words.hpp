@@ -32,6 +32,9 @@ struct PlainNumber {
 /// The two numbers that stand farthest from off in their deviations: "offset_z 2.31 ± 0.16 mm in place of 0 mm". Empty where it has none.
 [[nodiscard]] std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups);
 
+/// The wall of a place with the stretch that was fitted, "front, 10.3 to 25.5 mm"; the place itself where the numbers have no ends.
+[[nodiscard]] std::string fitted_place(const std::string& mechanism, const std::string& place, const std::vector<Estimate>& numbers);
+
 /// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record: what to measure to tell them apart.
 [[nodiscard]] std::string separating_measurement(const Diagnosis& d, const Problem& problem);
 

@@ -25,15 +25,25 @@ double log_part(const EvidenceByScale& e, const Belongs& belongs) {
   return logs.empty() ? -std::numeric_limits<double>::infinity() : log_sum(logs, weights) - std::log(total);
 }
 
+/// Probabilities of the explanations before the records, over that of all names together: singles share alike, and each pair has what it would if all there could be were there.
+std::vector<double> priors_of(const std::vector<Explanation>& all, const Gates& g) {
+  const auto is_pair = [](const Explanation& e) { return e.name.find('+') != std::string::npos; };
+  const double fitted = double(std::count_if(all.begin(), all.end(), is_pair)), singles = double(all.size()) - fitted, pairs = std::max(1.0, singles * (singles - 1) / 2);
+  std::vector<double> out;
+  for (const auto& e : all) out.push_back(is_pair(e) ? g.prior_pairs / pairs : (fitted > 0 ? 1 - g.prior_pairs : 1) / singles);
+  return out;
+}
+
 /// Probabilities by the tempered evidences. "None" claims that nothing is left out, a name that what it leaves is small beside what it accounts for; whatever needs more of
 /// a discrepancy, the base model or an explanation, is "unknown": half of what that has before the records is the base model's.
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
-  const double n = double(all.size()), of_a_name = n > 0 ? (1 - g.prior_none - g.prior_unknown) / n : 0, of_base = n > 0 ? 0.5 : 1;
+  const std::vector<double> of_name = priors_of(all, g);
+  const double of_names = 1 - g.prior_none - g.prior_unknown, of_base = all.empty() ? 1 : 0.5;
   const double left = greatest_remainder(base, g);
   std::vector<double> unknown{log_beyond(base.by_scale, 0)}, weights{of_base}, logs, priors;
-  for (const auto& e : all) unknown.push_back(log_beyond(e.by_scale, left)), weights.push_back((1 - of_base) / n);
+  for (std::size_t i = 0; i < all.size(); ++i) unknown.push_back(log_beyond(all[i].by_scale, left)), weights.push_back((1 - of_base) * of_name[i]);
   std::vector<Ranked> out{{"none", g.prior_none, log_within(base.by_scale, 0)}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
-  for (const auto& e : all) out.push_back({e.name, of_a_name, log_within(e.by_scale, left)});
+  for (std::size_t i = 0; i < all.size(); ++i) out.push_back({all[i].name, of_names * of_name[i], log_within(all[i].by_scale, left)});
   for (const auto& r : out) logs.push_back(r.log_evidence / g.temperature), priors.push_back(r.probability);
   for (auto& x : unknown) x /= g.temperature;
   logs[1] = log_sum(unknown, weights);

@@ -59,7 +59,8 @@ struct Gates {
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
-  double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is shared by all explanations alike
+  double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
+  double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };

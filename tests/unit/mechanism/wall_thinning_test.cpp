@@ -81,25 +81,27 @@ TEST(WallThinning, TheWallIsNoParameter) {
   EXPECT_NO_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.fraction\"\nmin = 0\nmax = 0.5\n"));
 }
 
-// The ends of a quarter are likeliest where the quarter ends, and may lie as far out as the wall reaches.
+// The ends of a stretch are likeliest where it is looked at first, and may lie as far out as the wall reaches.
 TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
   const ForwardCase c = small_case();
-  std::size_t parts = 0;
+  std::size_t wholes = 0, parts = 0;
   for (const auto& g : offered_groups(c)) {
-    if (g.name != "wall_thinning" || !g.part) continue;
-    ++parts;
+    if (g.name != "wall_thinning") continue;
+    ++(g.part ? parts : wholes);
     ASSERT_EQ(g.shapes.size(), 2u);
     const Parameter &begin = g.shapes[0].parameter, &end = g.shapes[1].parameter;
-    const double wall = *(g.place.starts_with("front") ? c.geometry.height : c.geometry.length), quarter = *end.nominal - *begin.nominal;
-    EXPECT_NEAR(quarter, wall / 4, 1e-12) << g.place;
+    const double wall = *(g.place.starts_with("front") ? c.geometry.height : c.geometry.length), extent = *end.nominal - *begin.nominal;
+    EXPECT_NEAR(extent, g.part ? wall / 4 : wall, 1e-12) << g.place;
     EXPECT_EQ(begin.min, 0) << g.place;
     EXPECT_EQ(end.max, wall) << g.place;
-    EXPECT_NEAR(end.min - begin.max, quarter / 2, 1e-12) << g.place << ": it holds half a quarter at least";
+    EXPECT_NEAR(0.5 * (begin.max + end.min), 0.5 * (*begin.nominal + *end.nominal), 1e-12) << g.place;
+    EXPECT_NEAR(end.min - begin.max, g.part ? extent / 2 : extent / 4, 1e-12) << g.place;
     for (const Parameter* p : {&begin, &end}) {
       EXPECT_EQ(*p->mean, *p->nominal) << g.place;
-      EXPECT_NEAR(*p->sd, quarter / 4, 1e-12) << g.place;
+      EXPECT_NEAR(*p->sd, extent / (g.part ? 4 : 8), 1e-12) << g.place;
     }
   }
+  EXPECT_EQ(wholes, 3u);
   EXPECT_EQ(parts, 3u * 7u);
 }
 

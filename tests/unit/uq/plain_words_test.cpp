@@ -49,7 +49,7 @@ Alternative beam() {
 Alternative wall(double log_bayes_factor) {
   Alternative a;
   a.explanation = {.name = "wall_thinning", .log_bayes_factor = log_bayes_factor, .by_scale = {{0, 0.5, log_bayes_factor - 1}, {0.08, 0.5, log_bayes_factor - 0.5}}, .chi2 = 300, .misfit = 0.08, .base_pull = 1, .fitted = true};
-  a.groups = {"wall_thinning"}, a.place = "top";
+  a.groups = {"wall_thinning"}, a.places = {{"wall_thinning", "top"}};
   a.numbers = {{"wall_thinning.fraction", 0.12, 0.04}};
   return a;
 }
@@ -101,10 +101,17 @@ TEST(PlainWords, AFaultyGaugeIsCalledByItsName) {
 
 TEST(PlainWords, APairIsToldAsTwo) {
   Alternative a = beam();
-  a.explanation.name = "beam_profile+wall_thinning", a.groups = {"beam_profile", "wall_thinning"}, a.place = "top";
+  a.explanation.name = "beam_profile+wall_thinning", a.groups = {"beam_profile", "wall_thinning"}, a.places = {{"beam_profile", ""}, {"wall_thinning", "top"}};
   const auto s = told(judged({a}));
   EXPECT_THAT(s.finding, HasSubstr("the proton beam's profile, together with a wall that is thinner than drawn (top) (beam_profile+wall_thinning)"));
   EXPECT_THAT(s.next_step, StartsWith("Compare it with the beam monitors and measure that wall; if that agrees, make it part of the model ([mechanism.beam_profile] and [mechanism.wall_thinning]"));
+}
+
+TEST(PlainWords, AStretchIsToldAsItWasFitted) {
+  const std::vector<Estimate> numbers{{"wall_thinning.fraction", 0.1, 0.01}, {"wall_thinning.begin", 0.0103, 1e-3}, {"wall_thinning.end", 0.02547, 1e-3}};
+  EXPECT_EQ(fitted_place("wall_thinning", "front, 14.2 to 23.8 mm", numbers), "front, 10.3 to 25.5 mm");
+  EXPECT_EQ(fitted_place("wall_thinning", "front", numbers), "front, 10.3 to 25.5 mm");
+  EXPECT_EQ(fitted_place("interface", "top", numbers), "top");
 }
 
 TEST(PlainWords, WithoutWordsAMechanismKeepsItsOwnName) {

@@ -54,6 +54,34 @@ TEST(Verdict, AnExplanationIsAsProbableAsItsEvidenceAndPriorSay) {
   EXPECT_NEAR(v.ranking[1].log_evidence, 50 + std::log(0.5), 1e-9);
 }
 
+// Of a pair, too: it is one of all pairs that there could be, and they share a fifth of what names have.
+TEST(Verdict, APairIsOneOfMany) {
+  const Gates g;
+  BaseEvidence base = poor();
+  base.by_scale = with_and_without(-1000, -1000);
+  Explanation pair = beam(), third = rear();
+  pair.name = "beam_profile+rear_reflection", pair.by_scale = with_and_without(60, 50), third.name = "interface";
+  const auto of_pair = [&](std::vector<Explanation> all) {
+    for (auto& e : all)
+      if (e.name != pair.name) e.by_scale = with_and_without(-1000, -1000);
+    for (const auto& r : judge(base, all).ranking)
+      if (r.name == pair.name) return r.probability / (1 - r.probability);
+    return 0.0;
+  };
+  // Beside it stands what it leaves to a discrepancy, with half of "unknown", as its prior says.
+  const double names = 1 - g.prior_none - g.prior_unknown, expected = std::exp(5.0) * names / (0.5 * g.prior_unknown);
+  EXPECT_NEAR(of_pair({pair, beam(), rear(), third}) / expected, 1, 1e-6);
+  // With something beside it that needs a discrepancy, odds fall as there are more mechanisms.
+  const auto against = [&](std::size_t mechanisms) {
+    std::vector<Explanation> all{pair};
+    for (std::size_t i = 0; i < mechanisms; ++i) all.push_back(rear()), all.back().name = std::string(1, char('a' + i)), all.back().by_scale = with_and_without(-1000, i == 0 ? 55 : -1000);
+    double named = 0, unknown = 0;
+    for (const auto& r : judge(base, all).ranking) (r.name == pair.name ? named : r.name == "unknown" ? unknown : named) += r.name == pair.name || r.name == "unknown" ? r.probability : 0;
+    return named / unknown;
+  };
+  EXPECT_GT(against(3), 2 * against(13));
+}
+
 TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
   Explanation weak = beam();
   weak.log_bayes_factor = 2;
