@@ -122,8 +122,8 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
       one.place = word->choices[i], one.part = end < 1;
       for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
       if (length) {  // its ends are likeliest where they are looked at first, and may lie anywhere that leaves its middle within
-        const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length, middle = 0.5 * (from + to);
-        one.shapes.push_back(place_of(group.name, "begin", 0, from, middle - reach, reach)), one.shapes.push_back(place_of(group.name, "end", middle + reach, to, *length, reach));
+        const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length, middle = 0.5 * (from + to), least = 0.25 * reach;
+        one.shapes.push_back(place_of(group.name, "begin", 0, from, middle - least, reach)), one.shapes.push_back(place_of(group.name, "end", middle + least, to, *length, reach));
       }
       if (one.part) {
         one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);

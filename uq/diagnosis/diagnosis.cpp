@@ -360,7 +360,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     const Fitted& f = fits_.at(on_top_of->explanation.name);
     inputs = &f.inputs, below = &f.fit, added = f.added;
   } else {
-    c.sensor = group.sensor;
+    c.sensor = group.sensor, c.explanation.of_a_gauge = !c.sensor.empty();
   }
   CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());

@@ -25,6 +25,7 @@ using EvidenceByScale = std::vector<ScaleEvidence>;
 struct Explanation {
   std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
+  bool of_a_gauge = false;            ///< a fault of one gauge, which predicts nothing of the others
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
   EvidenceByScale by_scale;           ///< the same, scale by scale of a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
@@ -55,7 +56,7 @@ struct Gates {
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
   double misfit = 1;            ///< of the records with a name over that without it: it has to be below
-  double held_out = 1;          ///< the same of gauges that were left out of the fit
+  double held_out = 0.4;        ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least. What imitates an effect does not predict them
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure

@@ -119,8 +119,12 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
   x = beam(), x.misfit = 0.2;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("the records are not nearer: their misfit is 20 % and was 20 %"));
-  x = beam(), x.held_out = 0.21;
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("gauges that were left out of the fit do not come nearer"));
+  x = beam(), x.held_out = 0.17;  // the records lose 96 % of the square, what is left out 28 %
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("gauges that were left out of the fit gain too little"));
+  x.of_a_gauge = true;  // which predicts nothing of the others
+  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
+  x.held_out = 0.21;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("gain too little"));
   x = beam(), x.by_scale = with_and_without(-30, 100);
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("something else is more probable"));
 }
