@@ -17,7 +17,10 @@ import random
 import subprocess
 import sys
 import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import ThreadingHTTPServer
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "06_outside_model"))
+from beam_server import Handler  # noqa: E402
 
 PULSES, GAIN_SD = 4, 0.005
 
@@ -74,6 +77,9 @@ class Rod:
         def source(time):
             return 8 * p[1] / dx if time < 0.1 - 1e-12 else 0.0
 
+        def conductances(q):  # between cells
+            return [p[0] / dx ** 2 * (1 + beyond * 0.5 * (a + b)) for a, b in zip(q, q[1:])]
+
         for k in range(self.count):
             for record, place in zip(out, places):
                 at = place / dx - 0.5
@@ -81,12 +87,10 @@ class Rod:
                 record.append(t[i] + (at - i) * (t[i + 1] - t[i]))
             for j in range(n):
                 time = k * self.step + j * h
-                conduct = [p[0] / dx ** 2 * (1 + beyond * 0.5 * (t[i] + t[i + 1])) for i in range(cells - 1)]
                 if fine:  # explicit, of second order (Heun)
                     def rate(q, when):
-                        c = [p[0] / dx ** 2 * (1 + beyond * 0.5 * (q[i] + q[i + 1])) for i in range(cells - 1)]
                         r = [-m[0] * v - m[1] * v ** 4 for v in q]
-                        for i, g in enumerate(c):
+                        for i, g in enumerate(conductances(q)):
                             flow = g * (q[i + 1] - q[i])
                             r[i] += flow
                             r[i + 1] -= flow
@@ -96,6 +100,7 @@ class Rod:
                     b = rate([v + h * d for v, d in zip(t, a)], time)
                     t = [v + h / 2 * (d + e) for v, d, e in zip(t, a, b)]
                 else:  # implicit, of first order: a tridiagonal system
+                    conduct = conductances(t)
                     diagonal, right = [1 + h * (m[0] + m[1] * abs(v) ** 3) for v in t], list(t)
                     for i, g in enumerate(conduct):
                         diagonal[i] += h * g
@@ -128,28 +133,14 @@ def serve(system):
         blocks = q["input"]
         return {"output": [sum(system.run(blocks[0], [b[0] for b in blocks[1:]]), [])]}
 
-    class Handler(BaseHTTPRequestHandler):
-        protocol_version, disable_nagle_algorithm, wbufsize = "HTTP/1.1", True, -1
-
-        def log_message(self, *_):
-            pass
-
-        def send(self, body):
-            data = json.dumps(body).encode()
-            self.send_response(200)
-            self.send_header("Content-Type", "application/json")
-            self.send_header("Content-Length", str(len(data)))
-            self.end_headers()
-            self.wfile.write(data)
-            self.wfile.flush()
-
+    class Server(Handler):
         def do_GET(self):
-            self.send({"protocolVersion": 1.0, "models": ["system"]})
+            self.reply(200, {"protocolVersion": 1.0, "models": ["system"]})
 
         def do_POST(self):
-            self.send(answer(self.path, json.loads(self.rfile.read(int(self.headers["Content-Length"])))))
+            self.reply(200, answer(self.path, json.loads(self.rfile.read(int(self.headers["Content-Length"])))))
 
-    server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Server)
     server.daemon_threads = True
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return f"http://127.0.0.1:{server.server_address[1]}"

@@ -76,7 +76,10 @@ TEST(Verdict, APairIsOneOfMany) {
     std::vector<Explanation> all{pair};
     for (std::size_t i = 0; i < mechanisms; ++i) all.push_back(rear()), all.back().name = std::string(1, char('a' + i)), all.back().by_scale = with_and_without(-1000, i == 0 ? 55 : -1000);
     double named = 0, unknown = 0;
-    for (const auto& r : judge(base, all).ranking) (r.name == pair.name ? named : r.name == "unknown" ? unknown : named) += r.name == pair.name || r.name == "unknown" ? r.probability : 0;
+    for (const auto& r : judge(base, all).ranking) {
+      if (r.name == pair.name) named = r.probability;
+      if (r.name == "unknown") unknown = r.probability;
+    }
     return named / unknown;
   };
   EXPECT_GT(against(3), 2 * against(13));
