@@ -18,20 +18,19 @@ SIZES = [2, 1, 1]
 
 def beam(blocks):
     (frequency, damping), (drag,), (friction,) = blocks
-    omega = (2 * math.pi * frequency, 2 * math.pi * frequency * RATIO)
-    x, v = list(RELEASED), [0.0, 0.0]
+    w1, w2 = 2 * math.pi * frequency, 2 * math.pi * frequency * RATIO
+    k1, k2, c1, c2 = w1 ** 2, w2 ** 2, 2 * damping * w1, 2 * damping * w2
+    rub, tanh = friction * w1 ** 2 * RELEASED[0], math.tanh
+    (x1, x2), v1, v2 = RELEASED, 0.0, 0.0
     out = ([], [])
-    for k in range(EVERY * (COUNT - 1) + 1):
-        if k % EVERY == 0:
-            for gauge, record in zip(STRAIN, out):
-                record.append(gauge[0] * x[0] + gauge[1] * x[1])
-        for m in (0, 1):
-            force = -omega[m] ** 2 * x[m] - 2 * damping * omega[m] * v[m] - drag * abs(v[m]) * v[m]
-            if m == 0:
-                force -= friction * omega[0] ** 2 * RELEASED[0] * math.tanh(v[0] / 0.5)
-            v[m] += STEP * force
-        x[0] += STEP * v[0]
-        x[1] += STEP * v[1]
+    for _ in range(COUNT):
+        for gauge, record in zip(STRAIN, out):
+            record.append(gauge[0] * x1 + gauge[1] * x2)
+        for _ in range(EVERY):
+            v1 += STEP * (-k1 * x1 - c1 * v1 - drag * abs(v1) * v1 - rub * tanh(v1 / 0.5))
+            v2 += STEP * (-k2 * x2 - c2 * v2 - drag * abs(v2) * v2)
+            x1 += STEP * v1
+            x2 += STEP * v2
     return [out[0] + out[1]]
 
 def refused(kind, message, status=400):
