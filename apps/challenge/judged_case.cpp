@@ -61,6 +61,8 @@ Finding finding_of(const Json& json) {
     f.ranking.push_back(std::move(r));
   }
   f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
+  for (const auto& entry : json.at("ranking"))
+    if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true)) f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
   f.before = intervals(json.at("base_parameters").at("before")), f.after = intervals(json.at("base_parameters").at("after"));
   f.runs = json.at("runs");
   f.wall = number_or_nan(json, "wall_s");
