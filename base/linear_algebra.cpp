@@ -53,8 +53,6 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
-Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a) { return Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues(); }
-
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
 }

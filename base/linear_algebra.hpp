@@ -48,8 +48,6 @@ struct SymmetricEigen {
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 /// Its eigenvalues alone, ascending.
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a);
-/// Eigenvalues of any square matrix, in no order (Eigen's EigenSolver: Hessenberg form, then QR iterations).
-Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a);
 /// Of a symmetric tridiagonal matrix; diagonal: (n), off: (n - 1).
 SymmetricEigen tridiagonal_eigen(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& off);
 

@@ -4,7 +4,12 @@
 
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <deque>
+#include <future>
+#include <mutex>
 
+#include "base/json.hpp"
+#include "forward/mechanism/left_states.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/sensor/channel.hpp"
 #include "forward/solver/kernel.hpp"
@@ -53,11 +58,25 @@ void for_active(const ForwardCase& c, F&& f) {
   for (const auto& m : c.active_mechanisms()) f(m);
 }
 
-/// Whether one of the mechanisms adds to the histories what the model rings with.
-bool superposes(const ForwardCase& c) {
-  if (std::none_of(c.mechanisms.begin(), c.mechanisms.end(), [](const auto& m) { return m.entry->superpose; })) return false;
-  const auto active = c.active_mechanisms();
-  return std::any_of(active.begin(), active.end(), [](const auto& m) { return m.entry->superpose; });
+/// Shares of the states that earlier pulses have left; empty where there are none.
+std::vector<double> left_shares(const ForwardCase& c) {
+  std::vector<double> shares;
+  for_active(c, [&](const EnabledMechanism& m) {
+    if (m.entry->left) shares = m.entry->left(m.values);
+  });
+  return shares;
+}
+
+void add(std::vector<Vec3>& to, double weight, const std::vector<Vec3>& field) {
+  to.resize(field.size(), Vec3{});
+  for (std::size_t i = 0; i < field.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) to[i][c] += weight * field[i][c];
+}
+
+/// Gauges are set to zero when a record begins: histories (gauge, time).
+void set_to_zero(std::span<double> histories, std::size_t times) {
+  for (std::size_t at = 0; at < histories.size(); at += times)
+    for (std::size_t i = times; i-- > 0;) histories[at + i] -= histories[at];
 }
 
 /// What mechanisms make of the mesh.
@@ -125,7 +144,7 @@ BuiltInModel::BuiltInModel(const ForwardCase& forward_case, EnsembleOptions ense
 }
 
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
-    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))) {
+    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))), kept_states_(std::make_shared<KeptStates>()) {
   for (const auto& p : case_.parameters)
     for (const auto& m : case_.mechanisms)
       if (m.entry->mesh && p.key.starts_with("mechanism." + m.name + '.')) unchanged_mesh_ = std::make_unique<Mesh>(*mesh_);
@@ -210,17 +229,63 @@ double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& me
   return strength;
 }
 
-RingDown BuiltInModel::ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const {
+/// States by what decides them; those used last are kept.
+struct BuiltInModel::KeptStates {
+  using States = std::shared_ptr<const std::vector<LeftState>>;
+  static constexpr std::size_t most = 4;
+  std::mutex guard;
+  std::deque<std::pair<std::string, std::shared_future<States>>> kept;
+
+  /// Of this key: as they are kept, or made; where another thread is making them they are waited for. Errors: those of `make`.
+  template <class Make>
+  States of(const std::string& key, const Make& make) {
+    std::promise<States> promise;
+    {
+      std::unique_lock lock(guard);
+      const auto there = std::find_if(kept.begin(), kept.end(), [&](const auto& k) { return k.first == key; });
+      if (there != kept.end()) {
+        const auto states = there->second;
+        lock.unlock();
+        return states.get();
+      }
+      kept.emplace_back(key, promise.get_future().share());
+      if (kept.size() > most) kept.pop_front();
+    }
+    try {
+      const auto states = std::make_shared<const std::vector<LeftState>>(make());
+      promise.set_value(states);
+      return states;
+    } catch (...) {
+      promise.set_exception(std::current_exception());
+      throw;
+    }
+  }
+};
+
+bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const {
+  const std::vector<double> shares = left_shares(at);
+  if (shares.empty()) return false;
   ForwardCase linear = at;
   linear.mercury.law = "linear";
-  const double longer = std::max(3 * at.time.end, 2e-3);
-  linear.time.end = at.time.output_interval * std::ceil((at.time.end + longer) / at.time.output_interval);
-  RunSetup s = setup(linear, mesh, condition, {1.0});
-  s.slip_strength.clear(), s.slip_hold.clear();
-  SolveOptions options = solve_options(at.solver);
-  options.threads = solver.useful_threads(s, options, threads_).threads;
-  return {.interval = s.output_interval, .sensors = rows.size(), .strain = solver.solve(s, rows, options).observations};
+  std::erase_if(linear.mechanisms, [](const auto& m) { return m.entry->left; });
+  const auto states = kept_states_->of(fmt::format("{} {}", linear.echo().dump(), condition), [&] {
+    LeftStates left(at.time.end, at.time.output_interval);
+    RunSetup one = setup(linear, mesh, condition, {1.0});
+    one.slip_strength.clear(), one.slip_hold.clear();
+    one.end = left.end(), one.output_interval = left.interval();
+    SolveOptions options = solve_options(at.solver);
+    options.threads = solver.useful_threads(one, options, threads_).threads;
+    options.field_interval = left.interval(), options.motion_alone = true;
+    options.on_field = [&](const FieldSnapshot& picture) { left.take(picture); };
+    (void)solver.solve(one, {}, options);
+    return left.states();
+  });
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    if (shares[k] != 0) add(s.initial_displacement, shares[k], (*states)[k].displacement), add(s.initial_velocity, shares[k], (*states)[k].velocity);
+  return true;
 }
+
+void BuiltInModel::share_states_with(const BuiltInModel& other) { kept_states_ = other.kept_states_; }
 
 /// The case at some parameters with the mesh, gauges and elements that it needs: its own where a parameter changes them.
 struct BuiltInModel::Place {
@@ -249,37 +314,6 @@ std::unique_ptr<BuiltInModel::Place> BuiltInModel::at(std::span<const double> th
   return p;
 }
 
-std::vector<std::vector<double>> BuiltInModel::superposed(std::span<const double> theta, const MechanismEntry& entry, std::span<const MechanismValues> values) const {
-  const auto place = at(theta);
-  const std::size_t times = shape_.times.size(), sensors = shape_.sensors.size();
-  std::vector<std::vector<double>> added(values.size());
-  for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-    const RingDown ringing = ring_down(place->at, *place->mesh, *place->solver, place->rows, condition);
-    for (std::size_t i = 0; i < values.size(); ++i) try {
-        std::vector<double> histories(sensors * times, 0), nothing(times);
-        entry.superpose(values[i], ringing, place->at.time.output_interval, histories);
-        added[i].resize(shape_.values(), 0);
-        for (std::size_t k = 0; k < sensors; ++k) {
-          const std::span<double> own(histories.data() + k * times, times);
-          respond(place->at, place->at.sensors[k], place->at.time.output_interval, own);
-          std::fill(nothing.begin(), nothing.end(), 0);
-          respond(place->at, place->at.sensors[k], place->at.time.output_interval, nothing);  // a channel's offset is not added
-          for (std::size_t t = 0; t < times; ++t) added[i][shape_.at(condition, k, t)] = own[t] - nothing[t];
-        }
-      } catch (const InputError&) {
-        added[i].clear();
-      }
-  }
-  return added;
-}
-
-void BuiltInModel::superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const {
-  if (ring_down.sensors == 0) return;
-  for_active(at, [&](const EnabledMechanism& m) {
-    if (m.entry->superpose) m.entry->superpose(m.values, ring_down, at.time.output_interval, histories);
-  });
-}
-
 Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
   Prediction out;
   out.energies = pulse_energies(ensemble_);
@@ -292,15 +326,15 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
     const auto& rows = place->rows;
     std::vector<double> pulses(m * values);
     for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-      const RingDown ringing = superposes(at) ? ring_down(at, mesh, solver, rows, condition) : RingDown{};
       for (std::size_t first = 0; first < m; first += run_lanes) {
         const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
-        const RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
+        RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
+        const bool moving = start_from_what_is_left(s, at, mesh, solver, condition);
         SolveOptions options = solve_options(at.solver);
         options.threads = solver.useful_threads(s, options, threads_).threads;
         SolveSummary summary = solver.solve(s, rows, options);
         expect(summary.times.size() == times, "the solver observes at every output time");
-        for (std::size_t r = 0; r < count; ++r) superpose(at, ringing, {summary.observations.data() + r * sensors * times, sensors * times});
+        if (moving) set_to_zero(summary.observations, times);
         for (std::size_t r = 0; r < count; ++r)
           for (std::size_t k = 0; k < sensors; ++k) {
             const auto from = summary.observations.begin() + std::ptrdiff_t((r * sensors + k) * times);
@@ -339,7 +373,8 @@ std::vector<BuiltInModel::RunTotals> BuiltInModel::totals(std::span<const double
   const auto place = this->at(theta);
   std::vector<RunTotals> out;
   for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-    const RunSetup s = setup(place->at, *place->mesh, condition, {1.0});
+    RunSetup s = setup(place->at, *place->mesh, condition, {1.0});
+    start_from_what_is_left(s, place->at, *place->mesh, *place->solver, condition);
     SolveOptions options = solve_options(place->at.solver);
     options.energy_balance = true;
     options.threads = place->solver->useful_threads(s, options, threads_).threads;
@@ -375,10 +410,11 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, con
       own.field_interval = 0;
       own.checkpoint.identity += "|" + shape_.conditions[condition];
     }
-    const RunSetup one = setup(case_, *mesh_, condition, {1.0});
+    RunSetup one = setup(case_, *mesh_, condition, {1.0});
+    const bool moving = start_from_what_is_left(one, case_, *mesh_, *solver_, condition);
     own.threads = solver_->useful_threads(one, own, options.threads).threads;
     SolveSummary s = solver_->solve(one, rows, own);
-    if (superposes(case_)) superpose(case_, ring_down(case_, *mesh_, *solver_, rows, condition), s.observations);
+    if (moving) set_to_zero(s.observations, times);
     for (std::size_t k = 0; k < sensors; ++k) {
       double* to = out.strain.data() + shape_.at(condition, k, 0);
       std::copy_n(s.observations.begin() + std::ptrdiff_t(k * times), times, to);

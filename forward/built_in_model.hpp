@@ -52,9 +52,8 @@ class BuiltInModel : public ForwardModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
 
-  /// What a mechanism that superposes adds to the mean at `theta`, with each of several sets of its values: (condition, sensor, time) in the sensors' units, empty where the
-  /// mechanism refuses them. It adds, so that no run but the long one of each condition is needed. Errors: as setup().
-  [[nodiscard]] std::vector<std::vector<double>> superposed(std::span<const double> theta, const MechanismEntry& entry, std::span<const MechanismValues> values) const;
+  /// Keeps the states that earlier pulses leave together with another model of the same mesh: a model with a mechanism more need not make them anew.
+  void share_states_with(const BuiltInModel& other);
 
   /// One run at energy 1 with the case's own tables for each condition; fields of the first. With several conditions each has a checkpoint of its own, see
   /// checkpoints(), which it keeps until all are finished: a run that was cut off goes on with the condition that was under way, and repeats none.
@@ -92,9 +91,9 @@ class BuiltInModel : public ForwardModel {
   struct Place;
   [[nodiscard]] std::unique_ptr<Place> at(std::span<const double> theta) const;
 
-  /// What the model rings with, for mechanisms that superpose; and what they add to histories (sensor, time) of one run.
-  [[nodiscard]] RingDown ring_down(const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::span<const ObservationRow> rows, std::size_t condition) const;
-  void superpose(const ForwardCase& at, const RingDown& ring_down, std::span<double> histories) const;
+  /// Where a mechanism says that earlier pulses have left something, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as setup(), and those of the long run.
+  bool start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const;
+  struct KeptStates;
 
   ForwardCase case_;
   EnsembleOptions ensemble_;
@@ -109,6 +108,7 @@ class BuiltInModel : public ForwardModel {
   bool regauge_ = false;  ///< a parameter changes where a gauge sits
   bool reheat_ = false;   ///< a parameter changes the shape of the deposition
   bool resteel_ = false;  ///< a parameter changes the steel's moduli
+  std::shared_ptr<KeptStates> kept_states_;
 };
 
 /// The same model with elements of half the size (walls of a given number of elements get twice as many), one thread a run; null where the mesh comes

@@ -40,34 +40,6 @@ ForwardCase on_mesh(ForwardCase c, double element_size) {
   return c;
 }
 
-/// Directions of a mechanism that adds to the histories, one for each key whose unit shows; none when the model does not run at theta.
-std::optional<MechanismDirections> superposed(const BuiltInModel& model, std::span<const double> theta, const Registry<MechanismEntry>::Row& row) {
-  MechanismDirections m{.name = row.name, .like_the_mesh = row.entry.like_the_mesh};
-  std::vector<MechanismValues> units;
-  std::vector<const MechanismKey*> keys;
-  for (const auto& key : row.entry.keys) {
-    if (!key.decides) continue;
-    units.emplace_back(row.entry.keys);
-    *units.back().find(key.name) = key.off + 1;
-    keys.push_back(&key);
-  }
-  std::vector<std::vector<double>> added;
-  try {
-    added = model.superposed(theta, row.entry, units);
-  } catch (const NumericsError&) {
-  } catch (const InputError&) {
-  }
-  for (std::size_t i = 0; i < added.size(); ++i) {
-    const Eigen::Map<const Eigen::VectorXd> change(added[i].data(), Eigen::Index(added[i].size()));
-    if (change.size() == 0 || change.norm() == 0) continue;
-    m.keys.push_back(keys[i]->name), m.off.push_back(keys[i]->off);
-    m.directions.conservativeResize(change.size(), Eigen::Index(m.keys.size()));
-    m.directions.rightCols(1) = change;
-  }
-  if (m.keys.empty()) return {};
-  return m;
-}
-
 }  // namespace
 
 LevelRuns::LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, std::vector<Parameter> parameters, std::vector<double> element_sizes,
@@ -101,7 +73,9 @@ RunRecord LevelRuns::evaluate(const RunPoint& point) const {
   ForwardCase changed = models_[level]->forward_case();
   try {
     for (const auto& [key, value] : rest) enable(changed, key), changed.set_number(key, value);
-    return evaluate_run(BuiltInModel(changed, ensemble_, 1), theta, false);
+    BuiltInModel own(changed, ensemble_, 1);
+    own.share_states_with(*models_[level]);
+    return evaluate_run(own, theta, false);
   } catch (const InputError& e) {  // a gauge off the target
     return {.message = e.what()};
   }
@@ -164,7 +138,7 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
   std::vector<Difference> differences;
   std::vector<RunPoint> points{point(theta, level)};
   for (const auto& row : calomel::mechanisms().rows()) {
-    if (case_.enables(row.name) || !row.entry.built() || row.entry.cost > greatest_cost || row.entry.superpose) continue;
+    if (case_.enables(row.name) || !row.entry.built() || row.entry.cost > greatest_cost) continue;
     rows.push_back(&row);
     for (const auto& key : row.entry.keys) {
       if (!key.decides) continue;
@@ -198,16 +172,6 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
       m.directions.rightCols(1) = change / (finite ? d.high - d.low : 1 / d.high - (std::isfinite(d.low) ? 1 / d.low : 0));
     }
     if (!m.keys.empty()) out.push_back(std::move(m));
-  }
-  for (auto& m : linear_mechanisms(theta)) out.push_back(std::move(m));
-  return out;
-}
-
-std::vector<MechanismDirections> LevelRuns::linear_mechanisms(std::span<const double> theta) const {
-  std::vector<MechanismDirections> out;
-  for (const auto& row : calomel::mechanisms().rows()) {
-    if (case_.enables(row.name) || !row.entry.superpose) continue;
-    if (auto m = superposed(model(std::min(1, levels() - 1)), theta, row)) out.push_back(std::move(*m));
   }
   return out;
 }

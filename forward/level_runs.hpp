@@ -44,9 +44,6 @@ class LevelRuns {
   std::vector<MechanismDirections> mechanisms(std::span<const double> theta, int threads, const RunStore::Progress& progress = {},
                                               const std::atomic<bool>* stop = nullptr);
 
-  /// Of those that add to the histories in proportion to their numbers: no differences of runs, but one long run of the next to finest mesh.
-  [[nodiscard]] std::vector<MechanismDirections> linear_mechanisms(std::span<const double> theta) const;
-
  private:
   [[nodiscard]] RunPoint point(std::span<const double> theta, int level) const;
   [[nodiscard]] RunRecord evaluate(const RunPoint& point) const;

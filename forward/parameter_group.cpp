@@ -162,11 +162,12 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c) {
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built()) continue;
     for (const auto& law : laws_of(entry)) {
-      ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.superpose != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
+      ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.left != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                        .plain = entry.plain, .check = entry.check};
       for (const auto& k : entry.keys) {
         if (!k.law.empty() && k.law != law) continue;
         if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
+        if (g.linear && !g.added.empty()) g.added.back().strengths.resize(1);
         if (k.shapes) g.shapes.push_back(shape_of(row.name, k));
       }
       add_at_each_wall(groups, std::move(g), entry, c);

@@ -32,7 +32,7 @@ struct ParameterGroup {
   bool part = false;                  ///< of a place that another group of the name is about as a whole
   bool by_sensor = false;             ///< acts on each gauge alone
   std::string sensor;                 ///< acts on this gauge alone; empty: on no one of them
-  bool linear = false;                ///< adds to the histories in proportion to its numbers
+  bool linear = false;                ///< many numbers of one kind, small each: its effect is taken for linear in them about where they are
   bool numerical = false;             ///< no physics: numbers of the solver
   bool like_the_mesh = false;         ///< MechanismEntry::like_the_mesh
   double cost = 1;                    ///< of a run with it over one of the base model

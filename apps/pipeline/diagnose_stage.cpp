@@ -39,13 +39,9 @@ ExitStatus diagnose_stage(StageCall& call) {
       if (quick) return inputs.numbered_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
       return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
     };
-    const auto linear = [&](std::span<const double> theta) {
-      return quick ? std::vector<MechanismDirections>{} : inputs.levels().linear_mechanisms(theta);
-    };
     const DiagnosisInputs in{.base = *base,
                              .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward),
                              .run = run,
-                             .linear = linear,
                              .options = study.diagnosis,
                              .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },
                              .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};

@@ -167,8 +167,7 @@ ExitStatus power_stage(StageCall& call) {
                                  .level = levels.levels() > 1 ? 1 : 0,
                                  .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
                                    return levels.run(thetas, level, added, command.threads, told, &stop_requested());
-                                 },
-                                 .linear = [&](std::span<const double> at) { return levels.linear_mechanisms(at); }});
+                                 }});
 
     std::vector<Plan> plans{{.name = "as planned", .observations = {}}};
     for (const auto& g : plan.gauges) plans.push_back({"with " + g, {}});

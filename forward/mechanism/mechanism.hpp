@@ -64,13 +64,6 @@ class MechanismValues {
   std::map<std::string, double> common_, by_sensor_;
 };
 
-/// What the gauges show long after one pulse, in mercury that never gives way: what the model rings with.
-struct RingDown {
-  double interval = 0;         ///< between samples, the first at t = 0 [s]
-  std::size_t sensors = 0;
-  std::vector<double> strain;  ///< (sensor, time) [-]
-};
-
 /// What the registry knows of a mechanism. A function that is null changes nothing; all null: not built in this version.
 struct MechanismEntry {
   std::string law;    ///< one line
@@ -95,13 +88,12 @@ struct MechanismEntry {
   std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
   /// What a gauge reads of the displacements.
   void (*gauge)(const MechanismValues&, const LocatedGauge&, ObservationRow&) = nullptr;
-  /// What is added to the histories (sensor, time) on the output times, in strain, before their channels. `ring_down` is that of the model with every other
-  /// mechanism at the same parameters and condition, the record four times over and at least 2 ms longer.
-  void (*superpose)(const MechanismValues&, const RingDown& ring_down, double interval, std::span<double> histories) = nullptr;
+  /// Shares of the states of LeftStates from whose sum the run starts; its gauges are set to zero there.
+  std::vector<double> (*left)(const MechanismValues&) = nullptr;
   /// A gauge's history on the output times, in strain, before its gain and delay.
   void (*channel)(const MechanismValues&, const std::string& sensor, double interval, std::span<double> history) = nullptr;
 
-  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || superpose || channel; }
+  [[nodiscard]] bool built() const { return mesh || load || setup || fields || liquid || gauge || left || channel; }
 };
 
 /// All thirteen names of physics.md section 3.

@@ -123,7 +123,7 @@ struct FieldSnapshot {
   double time = 0;                         ///< [s]
   std::vector<Vec3> displacement;          ///< per mesh node [m]
   std::vector<Vec3> velocity;              ///< per mesh node [m/s]
-  std::vector<double> pressure;            ///< per mesh element, compression positive [Pa]
+  std::vector<double> pressure;            ///< per mesh element, compression positive; with the two below empty in a picture of motion alone [Pa]
   std::vector<double> effective_stress;    ///< per mesh element, von Mises at the centre, 0 in the liquid [Pa]
   std::vector<double> time_at_cutoff;      ///< per mesh element, time that the liquid has spent at its cutoff so far; runs with an energy balance only, else 0 [s]
 };
@@ -151,6 +151,7 @@ struct SolveOptions {
   bool every_step = false;                 ///< observe at every step (every slow one) instead of every output interval
   int threads = 1;                         ///< exactly so many, as far as there are blocks; see ExplicitSolver::useful_threads
   double field_interval = 0;               ///< 0 = no fields
+  bool motion_alone = false;               ///< pictures of displacement and velocity alone: those of elements take as long as many steps
   std::function<void(const FieldSnapshot&)> on_field;
   std::function<void(double share)> on_progress;
   const std::atomic<bool>* stop = nullptr; ///< checked at every output; saves the checkpoint and throws Interrupted

@@ -58,7 +58,7 @@ class Run {
   /// sum_k weights_k . u(nodes_k) of a lane.
   [[nodiscard]] double observe(const ObservationRow& row, std::size_t lane) const;
   /// The whole target at step n; the pressure of a liquid law of its own is that of the step before.
-  [[nodiscard]] FieldSnapshot snapshot(std::int64_t n) const;
+  [[nodiscard]] FieldSnapshot snapshot(std::int64_t n, bool motion_alone) const;
   /// Errors: NumericsError naming step, node and element where a displacement is not finite or beyond a metre.
   void check_finite(std::int64_t n) const;
   /// Greatest effective stress [Pa] that any steel element has seen, and that mesh element; runs with an energy balance only.

@@ -36,7 +36,7 @@ double Run<R>::observe(const ObservationRow& row, std::size_t lane) const {
 }
 
 template <class R>
-FieldSnapshot Run<R>::snapshot(std::int64_t n) const {
+FieldSnapshot Run<R>::snapshot(std::int64_t n, bool motion_alone) const {
   FieldSnapshot f;
   f.time = double(n) * dt_;
   const std::size_t nodes = mesh_.nodes.size(), width = packed_.width(), stride = packed_.stride();
@@ -46,7 +46,7 @@ FieldSnapshot Run<R>::snapshot(std::int64_t n) const {
       const std::size_t at = std::size_t(packed_.layout.to_solver[i]) * width + c * stride;
       f.displacement[i][c] = double(u_[at]), f.velocity[i][c] = double(v_[at]);
     }
-  fill_elements(f, ramp(f.time) * setup_.energies[0]);
+  if (!motion_alone) fill_elements(f, ramp(f.time) * setup_.energies[0]);
   return f;
 }
 
@@ -175,7 +175,7 @@ void Run<R>::restore(std::istream& in) {
 
 template double Run<float>::observe(const ObservationRow&, std::size_t) const;
 template void Run<float>::fill_elements(FieldSnapshot&, double) const;
-template FieldSnapshot Run<float>::snapshot(std::int64_t) const;
+template FieldSnapshot Run<float>::snapshot(std::int64_t, bool) const;
 template Eigen::Matrix3d Run<float>::steel_strain(std::size_t) const;
 template void Run<float>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<float>::greatest_stress() const;
@@ -185,7 +185,7 @@ template void Run<float>::save(std::ostream&) const;
 template void Run<float>::restore(std::istream&);
 template double Run<double>::observe(const ObservationRow&, std::size_t) const;
 template void Run<double>::fill_elements(FieldSnapshot&, double) const;
-template FieldSnapshot Run<double>::snapshot(std::int64_t) const;
+template FieldSnapshot Run<double>::snapshot(std::int64_t, bool) const;
 template Eigen::Matrix3d Run<double>::steel_strain(std::size_t) const;
 template void Run<double>::check_finite(std::int64_t) const;
 template std::pair<double, std::int32_t> Run<double>::greatest_stress() const;

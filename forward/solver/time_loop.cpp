@@ -154,7 +154,7 @@ class TimeLoop {
     if (n % sample_every_ == 0) observe(n);
     if (n % (std::int64_t(per_output_) * 16) == 0 || n == steps_) run_.check_finite(n);
     if (field_every_ > 0 && options_.on_field && (n % field_every_ == 0 || n == steps_) && n >= field_due_) {
-      options_.on_field(run_.snapshot(n));
+      options_.on_field(run_.snapshot(n, options_.motion_alone));
       ++fields_;
     }
     if (n % per_output_ != 0) return;

@@ -106,6 +106,12 @@ ErrorModel ErrorModel::with(ErrorTerm term) const {
   return out;
 }
 
+ErrorModel ErrorModel::less(const Eigen::VectorXd& change) const {
+  ErrorModel out = *this;
+  out.data_ -= change;
+  return out;
+}
+
 ErrorModel ErrorModel::without(std::string_view name) const {
   ErrorModel out = *this;
   std::erase_if(out.terms_, [&](const ErrorTerm& t) { return t.name == name; });

@@ -113,6 +113,8 @@ class ErrorModel {
   [[nodiscard]] double freedom() const;
   /// With one more term.
   [[nodiscard]] ErrorModel with(ErrorTerm term) const;
+  /// About records that are less by `change`, (size): of a model whose values are more by it.
+  [[nodiscard]] ErrorModel less(const Eigen::VectorXd& change) const;
   /// Without the term of this name, where there is one.
   [[nodiscard]] ErrorModel without(std::string_view name) const;
   /// Shares of the covariance's trace, by name.

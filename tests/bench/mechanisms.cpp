@@ -32,7 +32,7 @@ const std::vector<Probe> probes{{"liquid_viscosity", {{"zeta", "5000.0"}}},
                                 {"cavitation_kinetics", {{"growth_time", "10e-6"}, {"collapse_time", "10e-6"}}},
                                 {"nonlinear_eos", {{"exponent", "10.8"}}},
                                 {"thermal_stress", {{"delta_t", "1.0"}}},
-                                {"previous_pulses", {{"cos_1", "0.3"}, {"sin_1", "0.3"}}},
+                                {"previous_pulses", {{"left_1", "0.1"}}},
                                 {"interface", {{"strength", "0.0"}}},
                                 {"wall_thinning", {{"fraction", "0.2"}, {"wall", "top"}}},
                                 {"static_pressure", {{"pressure", "1e5"}}}};

@@ -7,7 +7,9 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "base/linear_algebra.hpp"
 #include "inverse/posterior/direct_start.hpp"
@@ -22,6 +24,9 @@ namespace {
 constexpr double worth_fitting = 3;            ///< log Bayes factor to first order
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
+constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
+constexpr double linear_stays = 0.5;           ///< in standard deviations
+constexpr double linear_step = 2, least_linear_step = 0.25;  ///< of a number, over its standard deviation, and over its prior's
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
 /// A history as it is kept, and as it is reckoned with.
@@ -97,9 +102,19 @@ struct Fitted {
   PosteriorFit fit;
 };
 
+/// What a group of many small numbers does about some values of them: rest + effects . values, the effects being the question's.
+struct Linearised {
+  Question q;
+  Eigen::VectorXd rest = {};    ///< (values of the model)
+  Eigen::VectorXd values = {}, sd = {};  ///< that came out, from off; empty: not asked yet
+  std::vector<double> theta = {};  ///< of the rest of the model, beside them
+  bool stays = false;           ///< they came out where they were linearised
+  std::vector<Eigen::VectorXd> points = {}, changes = {};  ///< values that were run, and what they changed
+};
+
 class Engine {
  public:
-  explicit Engine(const DiagnosisInputs& in) : in_(in), own_(in.base.problem.shape.parameters.size()) {}
+  explicit Engine(const DiagnosisInputs& in) : in_(in), own_(in.base.problem.shape.parameters.size()), groups_(in.groups) {}
 
   Diagnosis run() {
     say("base fit");
@@ -190,10 +205,14 @@ class Engine {
   void ask_all();
   void fit_linear();
   void fit_linear(const Question& q, const Alternative* on_top_of = nullptr);
+  std::optional<Alternative> linear_fit(Linearised& about, const Alternative* on_top_of);
+  bool linearise(Linearised& about, const Alternative* on_top_of);
   void fit_leaders();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
   void fit_best_of(const Question& q);
+  void fit_gauge(const Question& q);
+  [[nodiscard]] Question of_its_own(Question q);
   void judge_all();
   void hold_out_base();
   void hold_out(Alternative& c);
@@ -202,6 +221,7 @@ class Engine {
 
   const DiagnosisInputs& in_;
   const std::size_t own_;  ///< the case's own parameters
+  std::vector<ParameterGroup> groups_;  ///< those that are offered, and behind them the parts of single gauges that are fitted
   Diagnosis out_;
   Eigen::MatrixXd places_;
   std::vector<Question> asked_;               ///< most telling first
@@ -234,8 +254,7 @@ QuestionInputs Engine::about(const PosteriorFit& fit, std::vector<AddedParameter
             std::vector<AddedParameter> all = added;
             all.insert(all.end(), further.begin(), further.end());
             return counted(thetas, level, all);
-          },
-          .linear = in_.linear ? LinearDirections([this](std::span<const double> theta) { return in_.linear(theta.first(in_.base.parameters.size())); }) : LinearDirections()};
+          }};
 }
 
 void Engine::ask_all() {
@@ -248,17 +267,36 @@ void Engine::ask_all() {
       say(fmt::format("{}: log Bayes factor {:.3g} to first order, p {:.2g}", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor, q.p_value));
 }
 
-/// The worst gauge and the linear groups: what they do is linear in their numbers, so that these are one more term of the errors and need no runs.
+/// The worst gauge and the groups of many small numbers: what they do is linear in their numbers, so that these are one more term of the errors.
 void Engine::fit_linear() {
   const auto worst = std::find_if(asked_.begin(), asked_.end(), [](const auto& q) { return q.sensor.has_value(); });
   if (worst != asked_.end()) fit_linear(*worst);
   for (const auto& q : asked_)
-    if (in_.groups[q.group].linear) fit_linear(q);
+    if (groups_[q.group].linear) fit_linear(q);
 }
 
-/// A group that adds to the histories, beside the base model's parameters or beside those of what was fitted already.
+/// Such a group beside the base model's parameters, or beside those of what was fitted already: about no numbers, and where it is worth that, about those that come out until they stay.
 void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
-  const ParameterGroup& group = in_.groups[q.group];
+  Linearised about{.q = q, .rest = Eigen::VectorXd::Zero(q.effects.rows())};
+  std::optional<Alternative> c = linear_fit(about, on_top_of);
+  const int before = runs_, more = int(q.numbers.size()) + 2;
+  for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
+    c->settled = c->settled && about.stays;
+    if (about.stays || round == most_linearised || runs_ + more > in_.options.max_runs || !linearise(about, on_top_of)) break;
+    if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
+  }
+  if (!c) return;
+  c->runs = runs_ - before;
+  if (c->runs > 0 || on_top_of)
+    say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name, c->explanation.log_bayes_factor, c->explanation.chi2,
+                    out_.evidence.values, out_.evidence.chi2, c->runs));
+  out_.candidates.push_back(std::move(*c));
+}
+
+/// The group's part of the records as rest + effects . numbers; none where no mode is found. Leaves in `about` where it came out.
+std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternative* on_top_of) {
+  const Question& q = about.q;
+  const ParameterGroup& group = groups_[q.group];
   const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
   const LocalMode& start = below.modes[0];
   Alternative c = begun(group, q, on_top_of);
@@ -267,21 +305,26 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   if (on_top_of) c.numbers = on_top_of->numbers, gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
-  std::vector<WeightedErrors> errors;
-  for (const auto& h : below.hypotheses) errors.push_back({h.errors.with(term), h.log_weight, h.discrepancy});
+  const Eigen::VectorXd rest = grid().apply(about.rest);
+  std::vector<WeightedErrors> errors, plain;
+  for (const auto& h : below.hypotheses) {
+    plain.push_back({h.errors.less(rest), h.log_weight, h.discrepancy});
+    errors.push_back({plain.back().errors.with(term), h.log_weight, h.discrepancy});
+  }
   const LogPosterior with = below.under(errors);
   const auto modes = find_modes(with, {with.q(start.at.theta, start.at.beyond)});
-  if (modes.empty()) return;
+  if (modes.empty()) return {};
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
   c.explanation.log_bayes_factor = gained + log_evidence(with, m) - log_evidence(*below.posterior, start) + c.choice;
   c.explanation.by_scale = by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
-  c.explanation.chi2 = plain_chi2(below, with, m, below.errors->with(term));
+  c.explanation.chi2 = plain_chi2(below, with, m, below.errors->less(rest).with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
   c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
   // The numbers themselves: what is left of the residual at this mode in their directions.
-  const FirstOrder worth = FirstOrderModel(*below.posterior, m).worth(q.directions);
+  const LogPosterior unmoved = below.under(plain);
+  const FirstOrder worth = FirstOrderModel(unmoved, m).worth(q.directions);
   if (on_top_of) c.explanation.farthest = on_top_of->explanation.farthest;
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
@@ -289,22 +332,83 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
     c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, tempered(worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)])});
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
   }
-  c.history = kept(below.history(m.at.u, m.at.beyond) + q.effects * worth.value);
+  c.history = kept(below.history(m.at.u, m.at.beyond) + about.rest + q.effects * worth.value);
   c.explanation.misfit = misfit(values(c.history));
-  if (on_top_of)
-    say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), no runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2, out_.evidence.values,
-                    out_.evidence.chi2));
-  out_.candidates.push_back(std::move(c));
+  about.stays = about.values.size() > 0 && ((worth.value - about.values).array() / worth.sd.array()).abs().maxCoeff() < linear_stays;
+  about.values = worth.value, about.sd = worth.sd, about.theta = m.at.theta;
+  if (group.linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
+    const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = plain, .with = errors, .directions = q.directions, .rest = rest});
+    c.explanation.beginning_before = without_it, c.explanation.held_out = with_it;
+  }
+  return c;
+}
+
+/// What the group's numbers do about where they came out, by runs of the coarser mesh: one there, one with all of them off, and one further along each. False where a run failed.
+bool Engine::linearise(Linearised& about, const Alternative* on_top_of) {
+  const ParameterGroup& group = groups_[about.q.group];
+  std::vector<AddedParameter> added = on_top_of ? fits_.at(on_top_of->explanation.name).added : std::vector<AddedParameter>{};
+  added.insert(added.end(), group.added.begin(), group.added.end());
+  const auto n = Eigen::Index(about.q.numbers.size()), first = Eigen::Index(about.theta.size());
+  Eigen::VectorXd off(first + Eigen::Index(group.added.size()));
+  std::copy(about.theta.begin(), about.theta.end(), off.data());
+  for (std::size_t k = 0; k < group.added.size(); ++k) off[first + Eigen::Index(k)] = *group.added[k].parameter.nominal;
+  Eigen::MatrixXd thetas = off.replicate(1, n + 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = first + Eigen::Index(about.q.numbers[std::size_t(i)]);
+    thetas.row(row).tail(n + 1).array() += about.values[i];
+    thetas(row, i + 2) += std::max(linear_step * about.sd[i], least_linear_step * about.q.directions.prior_sd[i]);
+  }
+  const auto records = counted(thetas, std::vector<int>(std::size_t(n) + 2, in_.base.levels > 1 ? 1 : 0), added);
+  if (std::any_of(records.begin(), records.end(), [](const auto& r) { return !r.done; })) return false;
+  // By least squares over these runs and those of the time before: a single difference of two runs has the noise of both.
+  const Eigen::VectorXd unmoved = records[0].history();
+  if (about.points.size() > std::size_t(n) + 1) about.points.erase(about.points.begin(), about.points.end() - (n + 1)), about.changes.erase(about.changes.begin(), about.changes.end() - (n + 1));
+  for (Eigen::Index i = 0; i <= n; ++i) {
+    Eigen::VectorXd& point = about.points.emplace_back(n);
+    for (Eigen::Index k = 0; k < n; ++k) point[k] = thetas(first + Eigen::Index(about.q.numbers[std::size_t(k)]), i + 1) - off[first + Eigen::Index(about.q.numbers[std::size_t(k)])];
+    about.changes.push_back(records[std::size_t(i) + 1].history() - unmoved);
+  }
+  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(Eigen::Index(about.points.size()), n + 1), y(x.rows(), unmoved.size());
+  for (Eigen::Index r = 0; r < x.rows(); ++r) x.row(r).tail(n) = about.points[std::size_t(r)].transpose(), y.row(r) = about.changes[std::size_t(r)].transpose();
+  const Eigen::MatrixXd fitted = solve_symmetric(x.transpose() * x, Eigen::MatrixXd(x.transpose() * y));
+  about.rest = fitted.row(0).transpose(), about.q.effects = fitted.bottomRows(n).transpose();
+  about.q.directions.by_number = grid().apply(about.q.effects);
+  return true;
+}
+
+/// A question about one gauge as one about a group of its own, whose numbers the model can be run with.
+Question Engine::of_its_own(Question q) {
+  if (!q.sensor) return q;
+  groups_.push_back(of_one_sensor(groups_[q.group], in_.base.problem.shape.sensors[*q.sensor]));
+  q.group = groups_.size() - 1, q.sensor.reset();
+  return q;
+}
+
+/// The gauge that says most in the model itself, in place of what its fault is worth to first order: a low pass or a delay is far from linear in its number.
+void Engine::fit_gauge(const Question& q) {
+  const auto linear = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == groups_[q.group].name; });
+  if (linear == out_.candidates.end()) return;
+  const std::size_t others = out_.candidates.size(), place = std::size_t(linear - out_.candidates.begin());
+  fit(of_its_own(q));
+  if (out_.candidates.size() == others) return;  // no runs left
+  if (out_.candidates.back().explanation.fitted) out_.candidates[place] = std::move(out_.candidates.back());
+  out_.candidates.pop_back();
 }
 
 /// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case.
 void Engine::fit_leaders() {
   int fitted = 0;
+  bool gauge_asked = false;
   for (const auto& q : asked_) {
-    const ParameterGroup& group = in_.groups[q.group];
+    const ParameterGroup& group = groups_[q.group];
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == group.name; });
-    if (q.sensor || there) continue;  // a wall that says less, too
     const double worth = q.worth.log_bayes_factor;
+    if (q.sensor) {
+      const bool first = !std::exchange(gauge_asked, true);
+      if (first && fitted < in_.options.leaders && may_lead(worth)) fit_gauge(q), ++fitted;
+      continue;
+    }
+    if (there) continue;  // a wall that says less, too
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
       group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
       ++fitted;
@@ -326,12 +430,12 @@ void Engine::fit_leaders() {
 /// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault. Likewise the laws of a mechanism, of
 /// which the best is kept.
 void Engine::fit_best_of(const Question& q) {
-  const std::string& name = in_.groups[q.group].name;
+  const std::string& name = groups_[q.group].name;
   const auto key = [](const Alternative& a) { return a.sensor.empty() ? a.places.begin()->second : a.sensor; };
   std::vector<Alternative> all;
   std::map<std::string, Fitted> fits;  // by gauge or law
   for (const auto& other : asked_) {
-    const bool one_of_them = in_.groups[other.group].name == name && other.worth.log_bayes_factor > q.worth.log_bayes_factor - hopeless;
+    const bool one_of_them = groups_[other.group].name == name && other.worth.log_bayes_factor > q.worth.log_bayes_factor - hopeless;
     if (&other != &q && (!one_of_them || all.size() > gauges_tried)) continue;
     const std::size_t before = out_.candidates.size();
     fit(other);
@@ -351,7 +455,7 @@ void Engine::fit_best_of(const Question& q) {
 
 /// A group beside the base model's parameters, or beside those of what was fitted already.
 void Engine::fit(const Question& q, const Alternative* on_top_of) {
-  const ParameterGroup& group = in_.groups[q.group];
+  const ParameterGroup& group = groups_[q.group];
   Alternative c = begun(group, q, on_top_of);
   const PosteriorInputs* inputs = &in_.base;
   const PosteriorFit* below = &out_.base;
@@ -362,7 +466,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   } else {
     c.sensor = group.sensor, c.explanation.of_a_gauge = !c.sensor.empty();
   }
-  CandidatePlan plan = plan_candidate(*inputs, *below, in_.groups, q);
+  CandidatePlan plan = plan_candidate(*inputs, *below, groups_, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
   if (runs_ + first_runs(plan) > in_.options.max_runs) {
     out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
@@ -448,16 +552,16 @@ void Engine::fit_pair() {
   QuestionInputs in = about(f.fit, f.added);
   in.except = below.groups[0];
   auto questions = ask(in).questions;
-  std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return in_.groups[q.group].sensor.empty(); });
-  // Where runs cost little several are fitted: on top of what already explains much, first order says little.
-  const std::size_t most = in_.base.least_squares ? std::size_t(in_.options.leaders) : 1;
+  // Where runs cost little several are fitted, gauges last: on top of what already explains much, first order says little.
+  const bool quick = in_.base.least_squares;
+  if (quick) std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return groups_[q.group].sensor.empty(); });
+  const std::size_t most = quick ? std::size_t(in_.options.leaders) : 1;
   std::set<std::string> tried;
   for (const auto& q : questions) {
-    const ParameterGroup& group = in_.groups[q.group];
-    if (q.sensor || group.numerical || !tried.insert(group.name).second) continue;
-    if (tried.size() > most || (!in_.base.least_squares && q.worth.log_bayes_factor < worth_fitting)) break;
-    say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor));
-    group.linear ? fit_linear(q, &below) : fit(q, &below);
+    if (groups_[q.group].numerical || !tried.insert(groups_[q.group].name).second) continue;
+    if (tried.size() > most || (!quick && q.worth.log_bayes_factor < worth_fitting)) break;
+    say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, groups_, in_.base.problem.shape), q.worth.log_bayes_factor));
+    groups_[q.group].linear ? fit_linear(q, &below) : fit(of_its_own(q), &below);
   }
   judge_all();
 }
@@ -471,6 +575,7 @@ void Engine::hold_out_base() {
 void Engine::hold_out(Alternative& c) {
   const auto fit = fits_.find(c.explanation.name);
   if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
+  if (c.explanation.of_a_gauge && !in_.base.least_squares) return;  // of the many gauges of a target one hardly moves what the others are predicted by
   HeldOutFit with = held_out_->by(fit->second.fit);
   for (std::size_t i = 0; i < with.misfit.size(); ++i) c.held_out.push_back(held_out_->base().misfit[i]), c.held_out.push_back(with.misfit[i]);
   c.explanation.held_out = held_out_->mean(with.misfit);

@@ -38,7 +38,6 @@ struct DiagnosisInputs {
   const PosteriorInputs& base;          ///< of the physical product; its box stands
   std::vector<ParameterGroup> groups;   ///< offered
   RunAdded run;
-  LinearDirections linear;
   DiagnosisOptions options;
   std::function<void(const std::string&)> say;  ///< what is being done; may be empty
   std::function<void(const PosteriorRound&, const std::vector<Parameter>&)> round;  ///< told after every fit of a candidate's emulator; may be empty

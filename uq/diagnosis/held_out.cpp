@@ -63,24 +63,38 @@ std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std:
   return rows;
 }
 
-LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows) {
+LogPosterior part_of(const PosteriorFit& fit, const std::vector<WeightedErrors>& hypotheses, const std::vector<Eigen::Index>& rows) {
   std::vector<RecordErrors> parts;
-  for (const auto& h : errors.hypotheses)
+  for (const auto& h : hypotheses)
     parts.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
   const LogPosterior& all = *fit.posterior;
   return {all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), parts, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior()};
 }
 
-PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
+namespace {
+
+/// The grid's rows that are not the fold's.
+std::vector<Eigen::Index> rows_without(const Fold& fold, const Decimation& grid) {
   std::vector<Eigen::Index> rest;
-  for (Eigen::Index k = 0; k < Eigen::Index(fit.errors->grid().size()); ++k)
+  for (Eigen::Index k = 0; k < Eigen::Index(grid.size()); ++k)
     if (!std::binary_search(fold.rows.begin(), fold.rows.end(), k)) rest.push_back(k);
-  const LogPosterior part = part_of(fit, errors, rest);
+  return rest;
+}
+
+/// Of a part of a fit, from the modes of the whole.
+LocalMode mode_of_part(const LogPosterior& part, const PosteriorFit& whole) {
   std::vector<Eigen::VectorXd> starts;
-  for (const auto& m : fit.modes) starts.push_back(m.q);
-  const auto modes = find_modes(part, starts);
+  for (const auto& m : whole.modes) starts.push_back(m.q);
+  auto modes = find_modes(part, starts);
   if (modes.empty()) throw NumericsError("no mode was found without some of the gauges");
-  const LocalMode& m = modes[0];
+  return std::move(modes[0]);
+}
+
+}  // namespace
+
+PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
+  const LogPosterior part = part_of(fit, errors.hypotheses, rows_without(fold, fit.errors->grid()));
+  const LocalMode m = mode_of_part(part, fit);
   return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond), .history = fit.history(m.at.u, m.at.beyond)};
 }
 
@@ -142,6 +156,23 @@ HeldOutFit HeldOut::by(const PosteriorFit& fit) const {
   HeldOutFit out = left_out(fit);
   for (std::size_t i = 0; i < folds_.size(); ++i) out.worth[i] -= fit_without(base_, fit, folds_[i]).log_evidence;
   return out;
+}
+
+std::pair<double, double> HeldOut::beginning(const LinearBeside& linear) const {
+  const Decimation& grid = base_.errors->grid();
+  Fold f;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto& windows = grid.windows(i);
+    for (std::size_t k = 0; k < windows.size(); ++k)
+      if (windows[k].time < windows.back().time / 4) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
+  }
+  const Eigen::VectorXd& data = base_.errors->data();
+  const auto rows = rows_without(f, grid);
+  const LogPosterior with = part_of(linear.fit, linear.with, rows), without = part_of(linear.fit, linear.without, rows);
+  const LocalMode m = mode_of_part(with, linear.fit);
+  const AddedDirections of_rows{.by_number = linear.directions.by_number(rows, Eigen::all), .prior_sd = linear.directions.prior_sd};
+  const Eigen::VectorXd change = linear.rest + linear.directions.by_number * FirstOrderModel(without, m).worth(of_rows).value;
+  return {misfit_of(f, grid, fit_without(base_, base_, f).prediction, data), misfit_of(f, grid, linear.fit.coefficients * with.emulator().features(m.at.u, m.at.beyond) + change, data)};
 }
 
 std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) const {

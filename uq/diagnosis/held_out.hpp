@@ -2,9 +2,11 @@
 /// What a fit to some gauges predicts of the others.
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "inverse/posterior/posterior_fit.hpp"
+#include "uq/diagnosis/first_order.hpp"
 
 namespace calomel {
 
@@ -25,7 +27,7 @@ struct Fold {
 [[nodiscard]] std::vector<Eigen::Index> rows_of(const Decimation& grid, const std::vector<std::size_t>& observations);
 
 /// The posterior of a fit by some of the values, on its own emulator, under the errors of another fit (or its own).
-[[nodiscard]] LogPosterior part_of(const PosteriorFit& fit, const PosteriorFit& errors, const std::vector<Eigen::Index>& rows);
+[[nodiscard]] LogPosterior part_of(const PosteriorFit& fit, const std::vector<WeightedErrors>& hypotheses, const std::vector<Eigen::Index>& rows);
 
 /// A fit without some of its values.
 struct PartFit {
@@ -50,6 +52,14 @@ struct HeldOutFit {
   std::vector<double> history; ///< (values of the model): each gauge by the fit without it
 };
 
+/// Numbers beside a fit whose effect on the model's values is rest + effects . numbers.
+struct LinearBeside {
+  const PosteriorFit& fit;
+  std::vector<WeightedErrors> without, with;  ///< hypotheses about the records less `rest`: the fit's, and those with the numbers as one more term
+  AddedDirections directions;                 ///< on the grid
+  Eigen::VectorXd rest;                       ///< on the grid, (size)
+};
+
 /// Misfit of all records of a condition (a beam power) by the fit to the other conditions.
 struct HeldOutCondition {
   std::string name;
@@ -63,6 +73,8 @@ class HeldOut {
   /// Of the base model; its worth is 0.
   [[nodiscard]] const HeldOutFit& base() const { return base_fit_; }
   [[nodiscard]] HeldOutFit by(const PosteriorFit& fit) const;
+  /// Misfit of the first quarter of all records by what is told by the rest of them: by the base model, and with such numbers.
+  [[nodiscard]] std::pair<double, double> beginning(const LinearBeside& linear) const;
   /// Each condition by the fits to the others, where there are several; `named`: of the model with what is named, or null.
   [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
   /// The mean over the records of what is told of folds, (folds).

@@ -14,7 +14,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group that adds to the histories
+constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group of many numbers of one kind
 constexpr int shapes_tried = 9;  ///< values over its prior
 constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than this is none
 
@@ -69,9 +69,8 @@ class Asking {
       ask_group(g);
       const std::string name = label(in_.groups[g]);
       const bool failed = std::any_of(out_.skipped.begin(), out_.skipped.end(), [&](const auto& s) { return s.starts_with(name + ": "); });
-      if (out_.questions.size() == before && !in_.groups[g].linear && !failed) out_.skipped.push_back(name + ": none of its numbers changes the records by itself");
+      if (out_.questions.size() == before && !failed) out_.skipped.push_back(name + ": none of its numbers changes the records by itself");
     }
-    if (in_.linear) ask_linear();
     keep_the_best();
     test();
     return std::move(out_);
@@ -81,7 +80,7 @@ class Asking {
   void measure();
   void ask_group(std::size_t g);
   void ask_choice(std::size_t g, std::size_t choice, const std::vector<double>& shapes);
-  void ask_linear();
+  void add_over_scales(Question q);
   void keep_the_best();
   void test();
   [[nodiscard]] Question answered(Question q) const {
@@ -120,7 +119,7 @@ void Asking::measure() {
   for (std::size_t g = 0; g < in_.groups.size(); ++g) {
     const ParameterGroup& group = in_.groups[g];
     if (group.name == in_.except) continue;
-    for (std::size_t k = 0; k < group.added.size() && !group.linear; ++k)
+    for (std::size_t k = 0; k < group.added.size(); ++k)
       for (const auto& shapes : shapes_of(group))
         for (const double strength : group.added[k].strengths) {
           columns.push_back(off);
@@ -172,10 +171,8 @@ void Asking::ask_choice(std::size_t g, std::size_t choice, const std::vector<dou
     q.effects.col(Eigen::Index(i)) = taken[i]->change;
     q.directions.prior_sd[Eigen::Index(i)] = prior_sd(group.added[taken[i]->number], taken[i]->strength);
   }
-  if (!group.by_sensor) {
-    add(std::move(q));
-    return;
-  }
+  if (group.linear) return add_over_scales(std::move(q));
+  if (!group.by_sensor) return add(std::move(q));
   for (std::size_t s = 0; s < in_.problem.shape.sensors.size(); ++s) {
     Question one = q;
     one.sensor = s;
@@ -184,32 +181,20 @@ void Asking::ask_choice(std::size_t g, std::size_t choice, const std::vector<dou
   }
 }
 
-void Asking::ask_linear() {
-  for (const auto& m : in_.linear(mode_.at.theta)) {
-    const auto of = std::find_if(in_.groups.begin(), in_.groups.end(), [&](const auto& g) { return g.linear && g.name == m.name && g.name != in_.except; });
-    if (of == in_.groups.end()) continue;
-    Question q{.group = std::size_t(of - in_.groups.begin())};
-    q.effects = m.directions, q.directions.prior_sd.resize(m.directions.cols());
-    for (std::size_t i = 0; i < m.keys.size(); ++i) {
-      const auto a = std::find_if(of->added.begin(), of->added.end(), [&](const auto& x) { return x.parameter.name == m.name + '.' + m.keys[i]; });
-      expect(a != of->added.end(), "a direction is of one of the group's numbers");
-      q.numbers.push_back(std::size_t(a - of->added.begin()));
-      q.directions.prior_sd[Eigen::Index(i)] = prior_sd(*a, 1);
-    }
-    // Many numbers of one kind: how large they are together is not known, so that their evidence is the mean over a few scales.
-    const Eigen::VectorXd widest = q.directions.prior_sd;
-    std::vector<Question> scales;
-    for (const double scale : scales_of_many) {
-      q.directions.prior_sd = scale * widest;
-      scales.push_back(answered(q));
-    }
-    auto best = std::max_element(scales.begin(), scales.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor < b.worth.log_bayes_factor; });
-    std::vector<double> over_best;
-    for (const auto& x : scales) over_best.push_back(x.worth.log_bayes_factor - best->worth.log_bayes_factor);
-    best->choice = log_mean(over_best);
-    best->worth.log_bayes_factor += best->choice;
-    out_.questions.push_back(std::move(*best));
+/// Many numbers of one kind: how large they are together is not known, so that their evidence is the mean over a few scales.
+void Asking::add_over_scales(Question q) {
+  const Eigen::VectorXd widest = q.directions.prior_sd;
+  std::vector<Question> scales;
+  for (const double scale : scales_of_many) {
+    q.directions.prior_sd = scale * widest;
+    scales.push_back(answered(q));
   }
+  auto best = std::max_element(scales.begin(), scales.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor < b.worth.log_bayes_factor; });
+  std::vector<double> over_best;
+  for (const auto& x : scales) over_best.push_back(x.worth.log_bayes_factor - best->worth.log_bayes_factor);
+  best->choice = log_mean(over_best);
+  best->worth.log_bayes_factor += best->choice;
+  out_.questions.push_back(std::move(*best));
 }
 
 void Asking::keep_the_best() {
@@ -284,6 +269,13 @@ std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGro
     g.added = std::move(deciding);
   }
   return groups;
+}
+
+ParameterGroup of_one_sensor(ParameterGroup group, const std::string& sensor) {
+  expect(group.by_sensor, "a group that acts on each gauge alone has a part of each");
+  group.by_sensor = false, group.sensor = group.place = sensor;
+  for (auto& a : group.added) a.parameter.key.insert(a.parameter.key.rfind('.'), '.' + sensor);
+  return group;
 }
 
 Answers ask(const QuestionInputs& in) { return Asking(in).answers(); }

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "forward/mechanism_directions.hpp"
 #include "forward/parameter_group.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "uq/diagnosis/first_order.hpp"
@@ -15,8 +14,6 @@ namespace calomel {
 
 /// Runs the columns of thetas (n_parameters + added, n), each on its level's mesh.
 using RunAdded = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added)>;
-/// Directions of the groups that add to the histories, at a point of the base parameters; may be empty.
-using LinearDirections = std::function<std::vector<MechanismDirections>(std::span<const double> theta)>;
 
 /// A group, or a gauge's own part of one, at the strengths that say most.
 struct Question {
@@ -37,7 +34,6 @@ struct QuestionInputs {
   const std::vector<ParameterGroup>& groups;
   int level = 0;           ///< mesh of the runs
   RunAdded run;
-  LinearDirections linear;
   std::string except = {};  ///< groups of this name are not asked about: they are in the fit
 };
 
@@ -54,6 +50,9 @@ struct Answers {
 /// priors, and fitted with the others. theta: (n_parameters), where it is tried, one run a strength. A group of which no number acts alone stays as it is, and so do all where the model
 /// has no answer there.
 [[nodiscard]] std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGroup> groups, const RunAdded& run, std::span<const double> theta);
+
+/// The part of a group that acts on each gauge alone (`by_sensor`) which is one gauge's: numbers "mechanism.NAME.SENSOR.KEY" of the case, under the names of the group's.
+[[nodiscard]] ParameterGroup of_one_sensor(ParameterGroup group, const std::string& sensor);
 
 /// "interface (top)", "sensor_response of S08".
 [[nodiscard]] std::string label(const Question& q, const std::vector<ParameterGroup>& groups, const ModelShape& shape);

@@ -118,7 +118,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
   if (e.chi2 > plausible && share < least_explained(g)) return Gate::remainder;
   if (!(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
-  if (e.held_out && !(share_gone(*e.held_out, base.held_out) > (e.of_a_gauge ? 0 : g.held_out * share_gone(e.misfit, base.misfit)))) return Gate::held_out;
+  if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * share_gone(e.misfit, base.misfit)))) return Gate::held_out;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   if (ranked(base, all, g)[0].name == "unknown") return Gate::probability;
@@ -160,6 +160,8 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::misfit:
       return unknown(fmt::format("{} has the evidence, but with it the records are not nearer: their misfit is {:.3g} % and was {:.3g} %", best.name, 100 * best.misfit, 100 * base.misfit));
     case Gate::held_out:
+      if (best.beginning_before)
+        return unknown(fmt::format("{} has the evidence, but the first quarter of the records, left out of the fit, does not gain by it: its misfit is {:.3g} % and was {:.3g} %", best.name, 100 * *best.held_out, 100 * *best.beginning_before));
       return unknown(fmt::format("{} has the evidence, but gauges that were left out of the fit gain too little by it: their misfit is {:.3g} % and was {:.3g} %, where that of the records is {:.3g} % and was {:.3g} %", best.name,
                                  100 * *best.held_out, 100 * base.held_out, 100 * best.misfit, 100 * base.misfit));
     case Gate::plausible:

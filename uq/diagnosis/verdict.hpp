@@ -31,6 +31,7 @@ struct Explanation {
   double chi2 = 0;                    ///< with it, without any discrepancy
   double misfit = 0;                  ///< with it, |history - record| / |record|, mean over the gauges
   std::optional<double> held_out;     ///< the same of what was left out of the fit; where that was made
+  std::optional<double> beginning_before = {};  ///< where what was left out is the first quarter of all records: the base model's misfit of that, which `held_out` is held against; none: gauges were left out
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
   bool fitted = false;                ///< in the true model; else to first order only

@@ -22,7 +22,7 @@ class Part {
 
  private:
   Part(const PosteriorFit& fit, const std::vector<Eigen::Index>& rows, const std::vector<Question>& questions)
-      : posterior_(part_of(fit, fit, rows)), modes_(find_modes(posterior_, {fit.modes[0].q})) {
+      : posterior_(part_of(fit, fit.hypotheses, rows)), modes_(find_modes(posterior_, {fit.modes[0].q})) {
     if (modes_.empty()) throw NumericsError("no mode was found for a part of the planned records");
     model_.emplace(posterior_, modes_[0]);
     for (const auto& q : questions) blocks_.push_back(model_->block({Eigen::MatrixXd(q.directions.by_number(rows, Eigen::all)), q.directions.prior_sd}));

@@ -58,19 +58,12 @@ TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
   const double zeta = 1 + 0.25 * 9999;  // one-sided: 0 is the least
   const Eigen::VectorXd by_zeta = (mean_of("[mechanism.liquid_viscosity]\nenabled = true\nzeta = " + std::to_string(zeta) + "\n") - mean_of("")) / zeta;
   EXPECT_LT((column(*viscous, "zeta") - by_zeta).norm(), 1e-5 * by_zeta.norm());
-  const MechanismDirections* earlier = find(all, "previous_pulses");  // without runs: it adds to the histories
+  const MechanismDirections* earlier = find(all, "previous_pulses");
   ASSERT_NE(earlier, nullptr);
-  const Eigen::VectorXd by_sine = (mean_of("[mechanism.previous_pulses]\nenabled = true\nsin_2 = 0.5\n") - mean_of("")) / 0.5;
-  ASSERT_GT(by_sine.norm(), 0);
-  EXPECT_LT((column(*earlier, "sin_2") - by_sine).norm(), 1e-9 * by_sine.norm());
-  EXPECT_EQ(std::count(earlier->keys.begin(), earlier->keys.end(), "sin_8"), 0);  // the box has no such mode
-}
-
-TEST(LevelRuns, DirectionsOfWhatIsAddedKnowTheChannelsButNotTheirOffsets) {
-  const auto all = of_case("[mechanism.sensor_response]\nenabled = true\noffset = 1e-4\ngain = 0.9\n"), plain = of_case("");
-  const MechanismDirections *with = find(all, "previous_pulses"), *without = find(plain, "previous_pulses");
-  ASSERT_TRUE(with && without);
-  EXPECT_LT((column(*with, "cos_1") - 0.9 * column(*without, "cos_1")).norm(), 1e-9 * column(*without, "cos_1").norm());
+  const auto left = [](const std::string& share) { return mean_of("[mechanism.previous_pulses]\nenabled = true\nleft_2 = " + share + "\n"); };
+  const Eigen::VectorXd by_share = (left("0.1") - left("-0.1")) / 0.2;
+  ASSERT_GT(by_share.norm(), 0);
+  EXPECT_LT((column(*earlier, "left_2") - by_share).norm(), 1e-5 * by_share.norm());
 }
 
 // What acts on one wall goes through the store as any other number does: the run is that of the case that says so.

@@ -1,5 +1,6 @@
 #pragma once
 /// An experiment whose model is a formula, with physics that may be missing: for the diagnosis and for the power of an experiment.
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -56,10 +57,16 @@ struct Experiment {
 
   /// The model with what is added, numbers of one name together, and a numerical noise that the same numbers always repeat.
   static RunRecord run(const Eigen::VectorXd& theta, int level, std::span<const AddedParameter> added, double noise) {
-    double echo = 0, drift = 0, gain = 1;
+    double echo = 0, drift = 0;
+    std::array<double, sensors> gain;
+    gain.fill(1);
     for (std::size_t k = 0; k < added.size(); ++k) {
-      const std::string& name = added[k].parameter.name;
-      (name == "echo.strength" ? echo : name == "drift.rate" ? drift : gain) += theta[Eigen::Index(2 + k)];
+      const std::string &name = added[k].parameter.name, &key = added[k].parameter.key;
+      const double value = theta[Eigen::Index(2 + k)];
+      if (name == "echo.strength") echo += value;
+      if (name == "drift.rate") drift += value;
+      for (std::size_t s = 0; s < sensors; ++s)
+        if (name == "sensor_response.gain" && (key == "mechanism." + name || key == "mechanism.sensor_response.S" + std::to_string(s) + ".gain")) gain[s] += value;
     }
     RunRecord r{.done = true};
     std::uint64_t hash = 7 + std::uint64_t(level);
@@ -68,7 +75,7 @@ struct Experiment {
     for (std::size_t s = 0; s < sensors; ++s) {
       const auto error = ou_noise(times, 1e-6, 5e-6, random);
       for (std::size_t t = 0; t < times; ++t)
-        r.mean.push_back(float(gain * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0) * (1 + 0.01 * level) + noise * error[t]));
+        r.mean.push_back(float(gain[s] * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0) * (1 + 0.01 * level) + noise * error[t]));
     }
     return r;
   }
@@ -96,7 +103,7 @@ struct Experiment {
   /// Writes its artefacts to `folder`, where there is one.
   [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}) const {
     const PosteriorInputs fitted = base();
-    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = runs(), .linear = {}, .options = {.leaders = 2}, .say = {}, .round = {}};
+    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = runs(), .options = {.leaders = 2}, .say = {}, .round = {}};
     Diagnosis d = diagnose(in);
     if (folder.empty()) return d;
     const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};

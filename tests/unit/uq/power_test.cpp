@@ -23,7 +23,7 @@ TEST(Power, IsThatOfTheDiagnosis) {
   }();
   const PosteriorFit fit = fit_posterior(in);
   const auto groups = Experiment::groups();
-  const Answers answers = ask({.fit = fit, .problem = nothing.problem, .groups = groups, .level = 1, .run = Experiment::runs(), .linear = {}});
+  const Answers answers = ask({.fit = fit, .problem = nothing.problem, .groups = groups, .level = 1, .run = Experiment::runs()});
   std::vector<std::size_t> all, few{0};
   for (std::size_t i = 0; i < nothing.problem.observations.size(); ++i) all.push_back(i);
   const auto plans = power(fit, nothing.problem, groups, answers.questions, {{"one gauge", few}, {"all", all}});
