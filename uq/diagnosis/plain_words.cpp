@@ -225,12 +225,26 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
 
 std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups) {
   std::vector<std::pair<PlainNumber, std::string>> all;
+  std::vector<std::string> told;
+  const auto of_many = [&](const Estimate& n) {
+    const auto* g = group_of(groups, n.name.substr(0, n.name.find('.')));
+    return g && g->linear;
+  };
+  std::vector<Estimate> many;
+  for (const auto& n : a.numbers)
+    if (of_many(n)) many.push_back(n);
+  if (!many.empty()) {
+    double squares = 0;
+    for (const auto& n : many) squares += n.mean * n.mean;
+    const auto key = [](const Estimate& n) { return n.name.substr(n.name.rfind('.') + 1); };
+    told.push_back(fmt::format("{} to {} together {:.2g} (root of the sum of squares) in place of 0", key(many.front()), key(many.back()), std::sqrt(squares)));
+  }
   for (const auto& n : a.numbers) {
+    if (of_many(n)) continue;
     all.emplace_back(plain_number(a, n, groups), n.name.substr(n.name.rfind('.') + 1));
     if (!n.told) all.back().first.off.clear();
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.first.deviations > y.first.deviations; });
-  std::vector<std::string> told;
   for (std::size_t i = 0; i < std::min(all.size(), numbers_told); ++i) told.push_back(all[i].second + ' ' + all[i].first.value + (all[i].first.off.empty() ? "" : " in place of " + all[i].first.off));
   return listed(told);
 }

@@ -72,6 +72,15 @@ Diagnosis judged(std::vector<Alternative> candidates, double base_chi2 = 400) {
 
 PlainSummary told(const Diagnosis& d, const Misfits& m = {.before = 0.112, .after = 0.053, .held_out_before = 0.121, .held_out_after = 0.0604}) { return plain_summary(d, groups(), m); }
 
+// Many numbers of one kind say nothing one by one.
+TEST(PlainWords, ManySmallNumbersAreToldTogether) {
+  Alternative a;
+  a.explanation.name = "left", a.groups = {"left"};
+  a.numbers = {{"left.a_1", 0.03, 0.01}, {"left.a_2", 0, 0.01}, {"left.a_3", -0.04, 0.01}};
+  const std::vector<ParameterGroup> many{{.name = "left", .added = {number("left.a_1", "", 0, ""), number("left.a_2", "", 0, ""), number("left.a_3", "", 0, "")}, .linear = true}};
+  EXPECT_EQ(plain_size(a, many), "a_1 to a_3 together 0.05 (root of the sum of squares) in place of 0");
+}
+
 TEST(PlainWords, ANamedMechanismIsToldWithWhatItMendsAndWhatToDo) {
   const Diagnosis d = judged({beam(), wall(8)});
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;

@@ -128,6 +128,10 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
   x.held_out = 0.21;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("gain too little"));
+  x = beam(), x.held_out = 0.17, x.beginning_before = 0.18;  // of the first quarter of the records any gain will do
+  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
+  x.beginning_before = 0.16;
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("the first quarter of the records, left out of the fit, does not gain"));
   x = beam(), x.by_scale = with_and_without(-30, 100);
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("something else is more probable"));
 }
