@@ -67,12 +67,6 @@ std::vector<double> left_shares(const ForwardCase& c) {
   return shares;
 }
 
-void add(std::vector<Vec3>& to, double weight, const std::vector<Vec3>& field) {
-  to.resize(field.size(), Vec3{});
-  for (std::size_t i = 0; i < field.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) to[i][c] += weight * field[i][c];
-}
-
 /// Gauges are set to zero when a record begins: histories (gauge, time).
 void set_to_zero(std::span<double> histories, std::size_t times) {
   for (std::size_t at = 0; at < histories.size(); at += times)
@@ -280,8 +274,8 @@ bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, c
     (void)solver.solve(one, {}, options);
     return left.states();
   });
-  for (std::size_t k = 0; k < shares.size(); ++k)
-    if (shares[k] != 0) add(s.initial_displacement, shares[k], (*states)[k].displacement), add(s.initial_velocity, shares[k], (*states)[k].velocity);
+  LeftState sum = together(*states, shares);
+  s.initial_displacement = std::move(sum.displacement), s.initial_velocity = std::move(sum.velocity);
   return true;
 }
 

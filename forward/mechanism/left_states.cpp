@@ -64,4 +64,11 @@ std::vector<LeftState> LeftStates::states() const {
   return all;
 }
 
+LeftState together(const std::vector<LeftState>& states, const std::vector<double>& shares) {
+  LeftState sum;
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    if (shares[k] != 0) add(sum.displacement, shares[k], states[k].displacement), add(sum.velocity, shares[k], states[k].velocity);
+  return sum;
+}
+
 }  // namespace calomel

@@ -37,4 +37,7 @@ class LeftStates {
   std::vector<LeftState> sums_;
 };
 
+/// Their sum with these shares.
+[[nodiscard]] LeftState together(const std::vector<LeftState>& states, const std::vector<double>& shares);
+
 }  // namespace calomel
