@@ -25,7 +25,7 @@ constexpr double worth_fitting = 3;            ///< log Bayes factor to first or
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
 constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
-constexpr double linear_stays = 0.5;           ///< in standard deviations
+constexpr double linear_stays = 0.5;           ///< root mean square of their moves, in standard deviations
 constexpr double linear_step = 2, least_linear_step = 0.25;  ///< of a number, over its standard deviation, and over its prior's
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
@@ -287,6 +287,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   }
   if (!c) return;
   c->runs = runs_ - before;
+  if (!c->settled && c->runs > 0) c->message = fmt::format("its numbers still moved after {} runs", c->runs);
   if (c->runs > 0 || on_top_of)
     say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name, c->explanation.log_bayes_factor, c->explanation.chi2,
                     out_.evidence.values, out_.evidence.chi2, c->runs));
@@ -334,7 +335,7 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   }
   c.history = kept(below.history(m.at.u, m.at.beyond) + about.rest + q.effects * worth.value);
   c.explanation.misfit = misfit(values(c.history));
-  about.stays = about.values.size() > 0 && ((worth.value - about.values).array() / worth.sd.array()).abs().maxCoeff() < linear_stays;
+  about.stays = about.values.size() > 0 && std::sqrt(((worth.value - about.values).array() / worth.sd.array()).square().mean()) < linear_stays;
   about.values = worth.value, about.sd = worth.sd, about.theta = m.at.theta;
   if (group.linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
     const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = plain, .with = errors, .directions = q.directions, .rest = rest});
