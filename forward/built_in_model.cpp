@@ -223,7 +223,7 @@ double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& me
   return strength;
 }
 
-/// States by what decides them; those used last are kept.
+/// States by what decides them; those made last are kept.
 struct BuiltInModel::KeptStates {
   using States = std::shared_ptr<const std::vector<LeftState>>;
   static constexpr std::size_t most = 4;

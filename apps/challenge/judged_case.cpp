@@ -55,14 +55,13 @@ Finding finding_of(const Json& json) {
   f.mechanisms = json.at("mechanisms").get<std::vector<std::string>>();
   const bool names = f.verdict == VerdictKind::named || f.verdict == VerdictKind::ambiguous;
   if (names == f.mechanisms.empty()) throw std::runtime_error("the verdict \"" + verdict + "\" does not go with its mechanisms");
+  f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
   for (const auto& entry : json.at("ranking")) {
+    if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true)) f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
     Ranking r{.name = entry.at("name"), .probability = entry.at("probability"), .gauge = entry.value("sensor", "")};
     for (const auto& p : entry.at("parameters")) r.numbers[p.at("name").get<std::string>()] = {number_or_nan(p, "mean"), number_or_nan(p, "sd")};
     f.ranking.push_back(std::move(r));
   }
-  f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
-  for (const auto& entry : json.at("ranking"))
-    if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true)) f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
   f.before = intervals(json.at("base_parameters").at("before")), f.after = intervals(json.at("base_parameters").at("after"));
   f.runs = json.at("runs");
   f.wall = number_or_nan(json, "wall_s");

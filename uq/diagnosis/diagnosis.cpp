@@ -14,8 +14,9 @@
 #include "base/linear_algebra.hpp"
 #include "inverse/posterior/direct_start.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
+#include "uq/diagnosis/linearised.hpp"
 #include "uq/diagnosis/plain_words.hpp"
-#include "uq/posterior_moments.hpp"
+#include "uq/diagnosis/told_moments.hpp"
 
 namespace calomel {
 
@@ -25,44 +26,11 @@ constexpr double worth_fitting = 3;            ///< log Bayes factor to first or
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
 constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
-constexpr double linear_stays = 0.5;           ///< root mean square of their moves, in standard deviations
-constexpr double linear_step = 2, least_linear_step = 0.25;  ///< of a number, over its standard deviation, and over its prior's
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
 /// A history as it is kept, and as it is reckoned with.
 std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
 Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
-
-/// Means and deviations of the free parameters, natural units, under the likelihood to the power that the probabilities take the evidences to: on coarse meshes and an emulator it is that
-/// much too sure.
-Moments tempered_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) { return sampled_moments(posterior.to_the_power(1 / Gates{}.temperature), mode, seed); }
-
-/// The same of the deviation of a number that the records tell beside a normal prior.
-double tempered(double sd, double prior_sd) {
-  const double of_prior = 1 / (prior_sd * prior_sd);
-  return 1 / std::sqrt(of_prior + (1 / (sd * sd) - of_prior) / Gates{}.temperature);
-}
-
-/// The moments of a fit, and in the deviations what the mode moved while runs were added, which the draws do not know of.
-Moments parameters_of(const PosteriorFit& fit, std::uint64_t seed) {
-  const LocalMode& m = fit.modes[0];
-  Moments moments = tempered_moments(*fit.posterior, m, seed);
-  std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
-  for (std::size_t r = 0; r + 1 < fit.rounds.size(); ++r)
-    if (fit.rounds[r].drew_in) first = r + 1;  // and the emulator of a wider box
-  const auto n = double(fit.rounds.size() - first);
-  const auto& free = fit.posterior->free();
-  for (std::size_t i = 0; i < free.size() && n > 1; ++i) {
-    double sum = 0, squares = 0;
-    for (std::size_t r = first; r < fit.rounds.size(); ++r) {
-      const double t = fit.rounds[r].theta[std::size_t(free[i])] - m.at.theta[std::size_t(free[i])];
-      sum += t, squares += t * t;
-    }
-    double& sd = moments.sd[Eigen::Index(i)];
-    sd = std::sqrt(sd * sd + (squares - sum * sum / n) / (n - 1));
-  }
-  return moments;
-}
 
 /// Evidence of the hypotheses of each scale of a discrepancy, each by itself, over the whole's and `plus` more.
 EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0) {
@@ -100,16 +68,6 @@ struct Fitted {
   std::vector<AddedParameter> added;  ///< in the order of the fit's parameters, behind the base model's
   PosteriorInputs inputs;
   PosteriorFit fit;
-};
-
-/// What a group of many small numbers does about some values of them: rest + effects . values, the effects being the question's.
-struct Linearised {
-  Question q;
-  Eigen::VectorXd rest = {};    ///< (values of the model)
-  Eigen::VectorXd values = {}, sd = {};  ///< that came out, from off; empty: not asked yet
-  std::vector<double> theta = {};  ///< of the rest of the model, beside them
-  bool stays = false;           ///< they came out where they were linearised
-  std::vector<Eigen::VectorXd> points = {}, changes = {};  ///< values that were run, and what they changed
 };
 
 class Engine {
@@ -277,7 +235,8 @@ void Engine::fit_linear() {
 
 /// Such a group beside the base model's parameters, or beside those of what was fitted already: about no numbers, and where it is worth that, about those that come out until they stay.
 void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
-  Linearised about{.q = q, .rest = Eigen::VectorXd::Zero(q.effects.rows())};
+  Linearised about;
+  about.q = q, about.rest = Eigen::VectorXd::Zero(q.effects.rows());
   std::optional<Alternative> c = linear_fit(about, on_top_of);
   const int before = runs_, more = int(q.numbers.size()) + 2;
   for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
@@ -286,6 +245,11 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
+  if (groups_[q.group].linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
+    const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
+    const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .rest = grid().apply(about.rest)});
+    c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
+  }
   c->runs = runs_ - before;
   if (!c->settled && c->runs > 0) c->message = fmt::format("its numbers still moved after {} runs", c->runs);
   if (c->runs > 0 || on_top_of)
@@ -335,45 +299,20 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   }
   c.history = kept(below.history(m.at.u, m.at.beyond) + about.rest + q.effects * worth.value);
   c.explanation.misfit = misfit(values(c.history));
-  about.stays = about.values.size() > 0 && std::sqrt(((worth.value - about.values).array() / worth.sd.array()).square().mean()) < linear_stays;
-  about.values = worth.value, about.sd = worth.sd, about.theta = m.at.theta;
-  if (group.linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
-    const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = plain, .with = errors, .directions = q.directions, .rest = rest});
-    c.explanation.beginning_before = without_it, c.explanation.held_out = with_it;
-  }
+  about.came_out(worth, m.at.theta);
+  about.without = std::move(plain), about.with = std::move(errors);
   return c;
 }
 
-/// What the group's numbers do about where they came out, by runs of the coarser mesh: one there, one with all of them off, and one further along each. False where a run failed.
+/// What the group's numbers do about where they came out, by runs of the coarser mesh. False where one failed.
 bool Engine::linearise(Linearised& about, const Alternative* on_top_of) {
   const ParameterGroup& group = groups_[about.q.group];
   std::vector<AddedParameter> added = on_top_of ? fits_.at(on_top_of->explanation.name).added : std::vector<AddedParameter>{};
   added.insert(added.end(), group.added.begin(), group.added.end());
-  const auto n = Eigen::Index(about.q.numbers.size()), first = Eigen::Index(about.theta.size());
-  Eigen::VectorXd off(first + Eigen::Index(group.added.size()));
-  std::copy(about.theta.begin(), about.theta.end(), off.data());
-  for (std::size_t k = 0; k < group.added.size(); ++k) off[first + Eigen::Index(k)] = *group.added[k].parameter.nominal;
-  Eigen::MatrixXd thetas = off.replicate(1, n + 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index row = first + Eigen::Index(about.q.numbers[std::size_t(i)]);
-    thetas.row(row).tail(n + 1).array() += about.values[i];
-    thetas(row, i + 2) += std::max(linear_step * about.sd[i], least_linear_step * about.q.directions.prior_sd[i]);
-  }
-  const auto records = counted(thetas, std::vector<int>(std::size_t(n) + 2, in_.base.levels > 1 ? 1 : 0), added);
+  const Eigen::MatrixXd thetas = about.points(group);
+  const auto records = counted(thetas, std::vector<int>(std::size_t(thetas.cols()), in_.base.levels > 1 ? 1 : 0), added);
   if (std::any_of(records.begin(), records.end(), [](const auto& r) { return !r.done; })) return false;
-  // By least squares over these runs and those of the time before: a single difference of two runs has the noise of both.
-  const Eigen::VectorXd unmoved = records[0].history();
-  if (about.points.size() > std::size_t(n) + 1) about.points.erase(about.points.begin(), about.points.end() - (n + 1)), about.changes.erase(about.changes.begin(), about.changes.end() - (n + 1));
-  for (Eigen::Index i = 0; i <= n; ++i) {
-    Eigen::VectorXd& point = about.points.emplace_back(n);
-    for (Eigen::Index k = 0; k < n; ++k) point[k] = thetas(first + Eigen::Index(about.q.numbers[std::size_t(k)]), i + 1) - off[first + Eigen::Index(about.q.numbers[std::size_t(k)])];
-    about.changes.push_back(records[std::size_t(i) + 1].history() - unmoved);
-  }
-  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(Eigen::Index(about.points.size()), n + 1), y(x.rows(), unmoved.size());
-  for (Eigen::Index r = 0; r < x.rows(); ++r) x.row(r).tail(n) = about.points[std::size_t(r)].transpose(), y.row(r) = about.changes[std::size_t(r)].transpose();
-  const Eigen::MatrixXd fitted = solve_symmetric(x.transpose() * x, Eigen::MatrixXd(x.transpose() * y));
-  about.rest = fitted.row(0).transpose(), about.q.effects = fitted.bottomRows(n).transpose();
-  about.q.directions.by_number = grid().apply(about.q.effects);
+  about.learn(thetas, records, grid());
   return true;
 }
 

@@ -1,0 +1,55 @@
+#include "uq/diagnosis/linearised.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/linear_algebra.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double still = 0.5;                   ///< root mean square of their moves, in standard deviations
+constexpr double step = 2, least_step = 0.25;   ///< of a number, over its standard deviation, and over its prior's
+
+}  // namespace
+
+void Linearised::came_out(const FirstOrder& worth, const std::vector<double>& at) {
+  stays = values.size() > 0 && std::sqrt(((worth.value - values).array() / worth.sd.array()).square().mean()) < still;
+  values = worth.value, sd = worth.sd, theta = at;
+}
+
+Eigen::MatrixXd Linearised::points(const ParameterGroup& group) const {
+  const auto n = Eigen::Index(q.numbers.size()), first = Eigen::Index(theta.size());
+  Eigen::VectorXd off(first + Eigen::Index(group.added.size()));
+  std::copy(theta.begin(), theta.end(), off.data());
+  for (std::size_t k = 0; k < group.added.size(); ++k) off[first + Eigen::Index(k)] = *group.added[k].parameter.nominal;
+  Eigen::MatrixXd thetas = off.replicate(1, n + 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = first + Eigen::Index(q.numbers[std::size_t(i)]);
+    thetas.row(row).tail(n + 1).array() += values[i];
+    thetas(row, i + 2) += std::max(step * sd[i], least_step * q.directions.prior_sd[i]);
+  }
+  return thetas;
+}
+
+void Linearised::learn(const Eigen::MatrixXd& thetas, const std::vector<RunRecord>& records, const Decimation& grid) {
+  const auto n = Eigen::Index(q.numbers.size()), first = Eigen::Index(theta.size());
+  const Eigen::VectorXd unmoved = records[0].history();
+  if (run_.size() > std::size_t(n) + 1) run_.erase(run_.begin(), run_.end() - (n + 1)), changes_.erase(changes_.begin(), changes_.end() - (n + 1));
+  for (Eigen::Index i = 1; i < thetas.cols(); ++i) {
+    Eigen::VectorXd& point = run_.emplace_back(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Index row = first + Eigen::Index(q.numbers[std::size_t(k)]);
+      point[k] = thetas(row, i) - thetas(row, 0);
+    }
+    changes_.push_back(records[std::size_t(i)].history() - unmoved);
+  }
+  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(Eigen::Index(run_.size()), n + 1), y(x.rows(), unmoved.size());
+  for (Eigen::Index r = 0; r < x.rows(); ++r) x.row(r).tail(n) = run_[std::size_t(r)].transpose(), y.row(r) = changes_[std::size_t(r)].transpose();
+  const Eigen::MatrixXd fitted = solve_symmetric(x.transpose() * x, Eigen::MatrixXd(x.transpose() * y));
+  rest = fitted.row(0).transpose(), q.effects = fitted.bottomRows(n).transpose();
+  q.directions.by_number = grid.apply(q.effects);
+}
+
+}  // namespace calomel
