@@ -16,6 +16,7 @@ namespace calomel::challenge {
 namespace {
 
 constexpr double edge_step = 0.5e-3;  ///< every edge of a target lies on a grid of this spacing
+constexpr double never_parts = 1e9;   ///< tension at which a wetted face parts, in cutoffs, that nothing reaches
 
 double rounded(double value, double step) { return step * std::round(value / step); }
 double on_grid(double value) { return rounded(value, edge_step); }
@@ -55,19 +56,32 @@ struct DrawnGauge {
   bool along_x;
 };
 
+/// From what a target is drawn.
+struct TargetRanges {
+  std::pair<double, double> length, height, wall, end;  ///< end of the records [s]
+  std::vector<double> top, bottom;                      ///< places of the gauges, in lengths
+};
+
+const TargetRanges& ranges_of(const std::string& target) {
+  static const std::map<std::string, TargetRanges> all{
+      {"small", {{0.09, 0.11}, {0.032, 0.040}, {0.003, 0.005}, {0.22e-3, 0.26e-3}, {0.14, 0.32, 0.52, 0.75}, {0.2, 0.45, 0.7}}},
+      {"full", {{0.19, 0.22}, {0.055, 0.065}, {0.004, 0.006}, {0.45e-3, 0.5e-3}, {0.1, 0.27, 0.42, 0.57, 0.75}, {0.16, 0.3, 0.45, 0.6, 0.78}}}};
+  return all.at(target);
+}
+
 struct Target {
   double length, height, front, top, bottom;
   std::vector<DrawnGauge> gauges;
 
-  explicit Target(RandomStream& r) {
-    length = on_grid(r.uniform(0.09, 0.11)), height = on_grid(r.uniform(0.032, 0.040));
-    for (double* wall : {&front, &top, &bottom}) *wall = on_grid(r.uniform(0.003, 0.005));
+  Target(RandomStream& r, const TargetRanges& of) {
+    const auto within = [&](std::pair<double, double> range) { return r.uniform(range.first, range.second); };
+    length = on_grid(within(of.length)), height = on_grid(within(of.height));
+    for (double* wall : {&front, &top, &bottom}) *wall = on_grid(within(of.wall));
     const auto place = [](double x) { return rounded(x, 1e-4); };
     int count = 0;
-    for (const double share : {0.14, 0.32, 0.52, 0.75})
-      gauges.push_back({fmt::format("T{}", ++count), place(length * (share + r.uniform(-0.04, 0.04))), height, true});
+    for (const double share : of.top) gauges.push_back({fmt::format("T{}", ++count), place(length * (share + r.uniform(-0.04, 0.04))), height, true});
     count = 0;
-    for (const double share : {0.2, 0.45, 0.7}) gauges.push_back({fmt::format("B{}", ++count), place(length * (share + r.uniform(-0.04, 0.04))), 0, true});
+    for (const double share : of.bottom) gauges.push_back({fmt::format("B{}", ++count), place(length * (share + r.uniform(-0.04, 0.04))), 0, true});
     gauges.push_back({"F1", 0, place(height * r.uniform(0.45, 0.6)), false});
   }
 
@@ -250,23 +264,27 @@ const std::map<std::string, Draw>& drawers() {
 
 }  // namespace
 
-std::string draw_spec(std::size_t index, const std::vector<std::string>& effects, std::uint64_t seed, double grid) {
+std::string draw_spec(std::size_t index, const std::vector<std::string>& effects, std::uint64_t seed, const SuiteOptions& options) {
   RandomStream r(seed, 1 + index);  // 0 is that of the order
-  const Target t(r);
+  const TargetRanges& of = ranges_of(options.target);
+  const Target t(r, of);
   // One statement a number: the order in which arguments are evaluated is not fixed.
   const double noise = one_of(r, {2e-6, 3e-6, 4e-6});
   const auto generator_seed = std::int64_t(r.below(std::uint64_t{1} << 31));
-  std::string text = table("[case]", {{"name", case_name(index)}, {"seed", generator_seed}, {"grid", grid}});
+  std::string text = table("[case]", {{"name", case_name(index)}, {"seed", generator_seed}, {"grid", options.grid}});
   text += table("[geometry]", {{"length", t.length}, {"height", t.height}, {"front", t.front}, {"top", t.top}, {"bottom", t.bottom}});
   const double young = 193e9 * (1 + 0.015 * std::clamp(r.normal(), -2.0, 2.0));
   text += table("[steel]", {{"young", young}, {"density", 7960.0}, {"poisson", 0.29}});
   const double density = r.uniform(13250, 13590), speed = r.uniform(1405, 1490), cutoff = log_uniform(r, 8e4, 4e5), viscosity = log_uniform(r, 500, 4000);
-  text += table("[mercury]", {{"density", density}, {"sound_speed", speed}, {"tensile_cutoff", cutoff}, {"viscosity", viscosity}});
+  Values mercury{{"density", density}, {"sound_speed", speed}, {"tensile_cutoff", cutoff}, {"viscosity", viscosity}};
+  // Nothing shows whether a target's mercury parts from its walls: of full ones half are like those of a code in which it cannot.
+  if (options.target == "full" && r.below(2) == 0) mercury.emplace_back("wall_strength_ratio", never_parts);
+  text += table("[mercury]", mercury);
   const double peak = rounded(r.uniform(20e6, 30e6), 1e5), center = rounded(t.height * r.uniform(0.45, 0.55), 1e-4),
                width = rounded(t.height * r.uniform(0.3, 0.42), 1e-4);
   const double pulse_length = 0.7e-6 * r.uniform(0.9, 1.1);
   text += table("[load]", {{"peak_pressure", peak}, {"center", center}, {"width", width}, {"pulse_length", pulse_length}});
-  text += table("[time]", {{"end", rounded(r.uniform(0.22e-3, 0.26e-3), 1e-6)}, {"interval", 1e-6}});
+  text += table("[time]", {{"end", rounded(r.uniform(of.end.first, of.end.second), 1e-6)}, {"interval", 1e-6}});
   const auto pulses = std::int64_t(18 + r.below(7));
   const double energy = 1 + 0.01 * r.normal();
   text += table("[pulses]", {{"count", pulses}, {"energy", energy}, {"energy_sd", 0.015}});

@@ -48,7 +48,7 @@ MakeSummary make_suite(const SuiteOptions& options, std::uint64_t seed, const fs
   const auto cases = cases_of(options, seed);
   MakeSummary summary{.cases = cases.size()};
   for (std::size_t k = 0; k < cases.size(); ++k)
-    if (const fs::path spec = truths / (case_name(k) + ".spec.toml"); !fs::exists(spec)) write_atomically(spec, draw_spec(k, cases[k], seed, options.grid));
+    if (const fs::path spec = truths / (case_name(k) + ".spec.toml"); !fs::exists(spec)) write_atomically(spec, draw_spec(k, cases[k], seed, options));
   if (!generate) return summary;
   make_directory(out / "cases");
   for (std::size_t k = 0; k < cases.size(); ++k) {

@@ -18,6 +18,7 @@ struct SuiteOptions {
   int pair = 0;                      ///< with two effects
   std::vector<std::string> effects;  ///< singles and outside keep to these; empty: all
   double grid = 0.25e-3;             ///< of the records [m]
+  std::string target = "small";      ///< which targets are drawn: small or full
 
   template <class V>
   void visit(V& v) {
@@ -28,6 +29,7 @@ struct SuiteOptions {
     v("pair", pair, {.range = between(0, 100000), .doc = "cases with two effects"});
     v("effects", effects, {.doc = "effects that singles and outside keep to; empty: all"});
     v("grid", grid, {.unit = "m", .range = between(0.02e-3, 0.5e-3), .doc = "a whole part of 0.5 mm, spacing of the grid on which the records are made"});
+    v("target", target, {.doc = "small: slices of 0.10 m by 0.04 m, 0.25 ms, 8 gauges; full: 0.20 m by 0.06 m, 0.5 ms, 11 gauges", .choices = {"small", "full"}});
   }
   /// Errors: InputError where an effect is not known, grid does not divide 0.5 mm, or there is no case at all.
   void validate() const;
@@ -47,7 +49,7 @@ std::vector<std::vector<std::string>> cases_of(const SuiteOptions& options, std:
 std::string case_name(std::size_t index);
 
 /// SPEC of the reference generator (docs/proof/generator.md) for the case at `index` of a suite: target, true numbers, gauges, pulses, and the effects with
-/// numbers drawn for them. Depends on seed, index, effects and grid alone.
-std::string draw_spec(std::size_t index, const std::vector<std::string>& effects, std::uint64_t seed, double grid);
+/// numbers drawn for them. Depends on seed, index, effects, and the options' target and grid alone.
+std::string draw_spec(std::size_t index, const std::vector<std::string>& effects, std::uint64_t seed, const SuiteOptions& options);
 
 }  // namespace calomel::challenge

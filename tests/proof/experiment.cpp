@@ -170,7 +170,8 @@ Experiment Experiment::read(const std::filesystem::path& path) {
   table("case")("name", e.name)("seed", e.seed)("grid", e.grid);
   table("geometry")("length", e.length)("height", e.height)("front", e.front)("top", e.top)("bottom", e.bottom)("rear", e.rear);
   table("steel")("density", e.steel_density)("young", e.young)("poisson", e.poisson);
-  table("mercury")("density", e.density)("sound_speed", e.sound_speed)("tensile_cutoff", e.cutoff)("viscosity", e.viscosity)("collapse", e.collapse);
+  table("mercury")("density", e.density)("sound_speed", e.sound_speed)("tensile_cutoff", e.cutoff)("viscosity", e.viscosity)("collapse", e.collapse)(
+      "wall_strength_ratio", e.wall_strength_ratio);
   table("nominal")("young", e.nominal_young)("density", e.nominal_density)("sound_speed", e.nominal_sound_speed)("tensile_cutoff", e.nominal_cutoff)(
       "pulse_length", e.nominal_pulse_length);
   e.center = e.height / 2;
@@ -303,6 +304,7 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   if (const Effect* e = find("yielding")) s.yielding = {(*e)["stress"], (*e)["hardening"]};
 
   // 3. The faces.
+  if (wall_strength_ratio != 1) s.set_contacts([&](Contact& c, double, double) { c.strength *= wall_strength_ratio; });
   const Effect *debonding = find("debonding"), *pocket = find("gas_pocket");
   if (debonding || pocket)
     s.set_contacts([&](Contact& c, double x, double z) {

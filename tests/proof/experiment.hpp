@@ -36,6 +36,7 @@ struct Experiment {
   double length = 0, height = 0, front = 0, top = 0, bottom = 0, rear = 0;  ///< rear > 0: a wall
   double steel_density = 7960, young = 193e9, poisson = 0.29;
   double density = 13500, sound_speed = 1450, cutoff = 1.5e5, viscosity = 2000, collapse = 0.75;
+  double wall_strength_ratio = 1;  ///< tension at which a wetted face parts, in cutoffs
   double nominal_young = 193e9, nominal_density = 13500, nominal_sound_speed = 1450, nominal_cutoff = 1.5e5;
   double peak = 25e6, center = 0, width = 0.02, decay = 0.13, buildup = 1.5, buildup_length = 0.02, exponent = 2;
   double pulse_length = 0.7e-6, nominal_pulse_length = 0.7e-6;

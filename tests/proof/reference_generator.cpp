@@ -96,8 +96,8 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
       "samples = {:.5f}\nscale = {:.5g}\ntarget = {:.5g}\nby_gauge = [{:.5f}]\n\n",
       effects.empty() ? 0.0 : strength(d.band, x), effects.empty() ? 0.0 : strength(d.raw, x), scale, x.target_strength, fmt::join(d.band, ", "));
   t += fmt::format("[parameter]\ndensity = {:.10g}\nsound_speed = {:.10g}\ntensile_cutoff = {:.10g}\n\n", x.density, x.sound_speed, x.cutoff);
-  t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\n\n",
-                   x.young, x.viscosity, x.pulse_length, x.energy, fmt::join(x.energies, ", "), x.noise_time);
+  t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\nwall_strength_ratio = {:.3g}\n\n",
+                   x.young, x.viscosity, x.pulse_length, x.energy, fmt::join(x.energies, ", "), x.noise_time, x.wall_strength_ratio);
   for (const auto& g : x.gauges) t += fmt::format("[nuisance.gauge.{}]\nmoved = {:.6g}\ngain = {:.6f}\nnoise = {:.4g}\n\n", g.name, g.moved, g.gain, g.noise);
   for (const auto& e : effects) {
     t += fmt::format("[[effect]]\nname = \"{}\"\nmechanism = \"{}\"\n", e.name, library_name(e.name));

@@ -195,6 +195,32 @@ TEST(ReferenceGenerator, MercuryPartsFromTheWall) {
   EXPECT_NEAR(s.contacts.front().gap, thrown * time - 0.5 * cutoff * time * time / (7960 * 0.004) - mercury * time, 0.03 * thrown * time);
 }
 
+// Where the walls hold, their faces never part, and the mercury behind them gives way in their place.
+TEST(ReferenceGenerator, MercuryThatCannotPartGivesWayBehindTheFaces) {
+  Experiment x = small();
+  const auto run = [&](double wall_strength_ratio) {
+    x.wall_strength_ratio = wall_strength_ratio;
+    const Slice slice = x.slice({}, x.grid);
+    const double dt = slice.stable_step();
+    State s = slice.rest();
+    std::ptrdiff_t parted = 0;
+    double before = 0;
+    for (double t = dt; t < 60e-6; t += dt) {
+      slice.advance_velocity(s, dt);
+      const double ramp = std::min(t / x.pulse_length, 1.0);
+      slice.advance_stress(s, dt, before, ramp);
+      before = ramp;
+      parted = std::max(parted, std::count_if(s.contacts.begin(), s.contacts.end(), [](const Contact& c) { return c.apart; }));
+    }
+    return std::pair(parted, std::count_if(s.opened.begin(), s.opened.end(), [](auto opened) { return opened != 0; }));
+  };
+  const auto [parted, opened] = run(1);
+  const auto [held_parted, held_opened] = run(1e9);
+  EXPECT_GT(parted, 0);
+  EXPECT_EQ(held_parted, 0);
+  EXPECT_GT(held_opened, 0);
+}
+
 // The laws of the effects against formulas.
 
 /// Moves of the lowest mode of a closed strip: (time of the first zero of its velocity, amplitude after `periods` over that at the start).

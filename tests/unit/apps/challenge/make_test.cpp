@@ -64,7 +64,7 @@ TEST(Make, KeepsTruthApartFromWhatAUserWouldHave) {
     EXPECT_THAT(files, testing::UnorderedElementsAre("case.toml", "recordings.csv"));
     EXPECT_TRUE(fs::exists(dir / "truth" / (name + ".toml")));
     EXPECT_EQ(read_text(dir / "truth" / (name + ".spec.toml")),
-              draw_spec(std::size_t(name.back() - '1'), cases_of(three, 1)[std::size_t(name.back() - '1')], 1, three.grid));
+              draw_spec(std::size_t(name.back() - '1'), cases_of(three, 1)[std::size_t(name.back() - '1')], 1, three));
   }
   EXPECT_FALSE(fs::exists(dir / "making"));
 }

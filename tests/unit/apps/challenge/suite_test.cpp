@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, CaseFile>> many_specs() {
   std::vector<std::pair<std::string, CaseFile>> all;
   const SuiteOptions options{.none = 40, .single = 12, .outside = 12, .sensor = 40, .pair = 20};
   const auto cases = cases_of(options, 3);
-  for (std::size_t k = 0; k < cases.size(); ++k) all.emplace_back(join(cases[k], "+"), CaseFile::from_text(draw_spec(k, cases[k], 3, 0.25e-3)));
+  for (std::size_t k = 0; k < cases.size(); ++k) all.emplace_back(join(cases[k], "+"), CaseFile::from_text(draw_spec(k, cases[k], 3, {})));
   return all;
 }
 
@@ -103,10 +103,10 @@ TEST(Suite, RefusesWhatCannotBeDrawn) {
 
 TEST(Draw, SameSeedSameSpec) {
   const std::vector<std::string> beam{"beam"};
-  const std::string spec = draw_spec(7, beam, 11, 0.25e-3);
-  EXPECT_EQ(spec, draw_spec(7, beam, 11, 0.25e-3));
-  EXPECT_NE(spec, draw_spec(7, beam, 12, 0.25e-3));
-  const CaseFile here = CaseFile::from_text(spec), there = CaseFile::from_text(draw_spec(8, beam, 11, 0.25e-3));
+  const std::string spec = draw_spec(7, beam, 11, {});
+  EXPECT_EQ(spec, draw_spec(7, beam, 11, {}));
+  EXPECT_NE(spec, draw_spec(7, beam, 12, {}));
+  const CaseFile here = CaseFile::from_text(spec), there = CaseFile::from_text(draw_spec(8, beam, 11, {}));
   EXPECT_EQ(here.text("case.name"), "case_008");
   for (const char* key : {"case.seed", "mercury.density", "load.pulse_length", "steel.young"}) EXPECT_NE(here.number(key), there.number(key)) << key;
 }
@@ -194,15 +194,35 @@ TEST(Draw, EffectsStayOnTheirWallsAndOffTheGauges) {
   EXPECT_EQ(faults.size(), 4u);
 }
 
+TEST(Draw, AFullTargetIsTwiceAsLongAndMayHoldItsMercury) {
+  const auto& full = suites().get("full");
+  EXPECT_NO_THROW(full.validate());
+  const auto cases = cases_of(full, 1);
+  EXPECT_EQ(cases.size(), 12u);
+  int held = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const auto path = scratch_file("full.toml");
+    std::ofstream(path) << draw_spec(k, {}, 7, full);
+    const auto x = proof::Experiment::read(path);
+    EXPECT_GE(x.length, 0.19);
+    EXPECT_GE(x.height, 0.055);
+    EXPECT_GE(x.end, 0.45e-3);
+    EXPECT_EQ(x.gauges.size(), 11u);
+    held += x.wall_strength_ratio > 1;
+  }
+  EXPECT_NEAR(held, 20, 3 * std::sqrt(40 * 0.25));
+}
+
 TEST(Draw, TheGeneratorReadsEveryEffect) {
   std::set<std::string> seen;
   const auto cases = cases_of({.none = 1, .single = 2, .outside = 2, .sensor = 4, .pair = 10}, 5);
   for (std::size_t k = 0; k < cases.size(); ++k) {
     const auto path = scratch_file("drawn.toml");
-    std::ofstream(path) << draw_spec(k, cases[k], 5, 0.5e-3);
+    std::ofstream(path) << draw_spec(k, cases[k], 5, {.grid = 0.5e-3});
     const auto x = proof::Experiment::read(path);
     ASSERT_EQ(x.effects.size(), cases[k].size());
     EXPECT_NO_THROW((void)x.slice(x.effects, x.grid)) << join(cases[k]);
+    EXPECT_EQ(x.wall_strength_ratio, 1) << "small targets' mercury parts from its walls as it gives way";
     for (const auto& e : x.effects) {
       seen.insert(e.name);
       EXPECT_EQ(proof::library_name(e.name).empty(), std::count(outside_effects().begin(), outside_effects().end(), e.name) == 1) << e.name;
