@@ -38,12 +38,6 @@ Eigen::MatrixXd Cholesky::solve_lower(const Eigen::MatrixXd& b) const {
   return x;
 }
 
-Eigen::MatrixXd Cholesky::solve_lower_transposed(const Eigen::MatrixXd& b) const {
-  Eigen::MatrixXd x = b;
-  factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
-  return x;
-}
-
 Eigen::MatrixXd Cholesky::lower() const { return factor_.triangularView<Eigen::Lower>(); }
 
 double Cholesky::half_log_determinant() const { return factor_.diagonal().array().log().sum(); }

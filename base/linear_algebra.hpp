@@ -20,8 +20,6 @@ class Cholesky {
   /// L^-1 b; columns at once.
   [[nodiscard]] Eigen::VectorXd solve_lower(const Eigen::VectorXd& b) const;
   [[nodiscard]] Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& b) const;
-  /// L^-T b; columns at once.
-  [[nodiscard]] Eigen::MatrixXd solve_lower_transposed(const Eigen::MatrixXd& b) const;
   /// L, zero above its diagonal.
   [[nodiscard]] Eigen::MatrixXd lower() const;
   /// log(det A) / 2, the sum of the logarithms of L's diagonal.

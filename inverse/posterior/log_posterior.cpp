@@ -44,7 +44,7 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
     const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
     const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
     Hypothesis h{.log_weight = e.log_weight, .freedom = e.freedom, .log_norm = 0, .whitener = {}, .data = {}, .coefficients = {}, .ratio = eigen.values.cwiseMax(0.0)};
-    h.whitener = factor.solve_lower_transposed(eigen.vectors).transpose();  // (L^-T V)^T
+    h.whitener = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
     h.data = h.whitener * e.data;
     h.coefficients = h.whitener * coefficients;
     const double half_log_det = factor.half_log_determinant(), p = double(n);
