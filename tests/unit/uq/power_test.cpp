@@ -35,7 +35,9 @@ TEST(Power, IsThatOfTheDiagnosis) {
   // Six gauges tell more than the first alone.
   EXPECT_GT(plans[1].gain, 0);
   const Detectable& alone = of(plans[0], "echo.strength");
-  if (alone.from) EXPECT_GT(*alone.from, *echo.from);
+  if (alone.from) {
+    EXPECT_GT(*alone.from, *echo.from);
+  }
 
   EXPECT_EQ(Experiment(1.5 * *echo.from, 0, 0, 1, 2).diagnosed().verdict.kind, VerdictKind::named);
   EXPECT_NE(Experiment(0.5 * *echo.from, 0, 0, 1, 2).diagnosed().verdict.kind, VerdictKind::named);

@@ -148,7 +148,7 @@ TEST(Smc, ItsBudgetEndsItAndMoreGoesOn) {
   const auto whole = run_sampler(density, at(2, 0), options, {.seed = 4});
   options.smc.evaluations = int(whole.summary.evaluations / 4);
   try {
-    run_sampler(density, at(2, 0), options, run);
+    (void)run_sampler(density, at(2, 0), options, run);
     FAIL() << "it went on beyond its budget";
   } catch (const NumericsError& e) {
     EXPECT_THAT(e.what(), HasSubstr("sampler.smc.evaluations"));
