@@ -1,4 +1,4 @@
-# The example on the first 0.2 ms of its records, with two mechanisms fitted at most, in 650 runs or a round more, from the records to the expected numbers.
+# The example on the first 0.2 ms of its records, with the explanation fitted that leads to first order, in 650 runs or a round more, from the records to the expected numbers.
 include("${CMAKE_CURRENT_LIST_DIR}/../steps.cmake")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")

@@ -214,11 +214,10 @@ TEST(ReferenceGenerator, MercuryThatCannotPartGivesWayBehindTheFaces) {
     }
     return std::pair(parted, std::count_if(s.opened.begin(), s.opened.end(), [](auto opened) { return opened != 0; }));
   };
-  const auto [parted, opened] = run(1);
-  const auto [held_parted, held_opened] = run(1e9);
-  EXPECT_GT(parted, 0);
-  EXPECT_EQ(held_parted, 0);
-  EXPECT_GT(held_opened, 0);
+  EXPECT_GT(run(1).first, 0);
+  const auto [parted, opened] = run(1e9);
+  EXPECT_EQ(parted, 0);
+  EXPECT_GT(opened, 0);
 }
 
 // The laws of the effects against formulas.

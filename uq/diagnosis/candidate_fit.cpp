@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -174,6 +175,22 @@ int first_runs(const CandidatePlan& plan) {
   const PosteriorInputs& in = plan.inputs;
   const int coarse = in.emulator.coarse_runs, fine = in.emulator.fine_runs;
   return std::max(1, in.levels - 1) * (coarse - in.stood_for(coarse, false)) + (in.levels > 1 ? fine - in.stood_for(fine, true) : 0);
+}
+
+EvidenceByScale evidence_by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus) {
+  const double whole = log_evidence(posterior, m);
+  std::map<double, std::vector<WeightedErrors>> parts;
+  for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
+  EvidenceByScale all;
+  for (auto& [scale, part] : parts) {
+    double weight = 0;
+    for (const auto& h : part) weight += std::exp(h.log_weight);
+    for (auto& h : part) h.log_weight -= std::log(weight);
+    const LogPosterior p = fit.under(part);
+    const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
+    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
+  }
+  return all;
 }
 
 double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -31,23 +30,6 @@ constexpr double alike = 4;                    ///< distance in standard deviati
 /// A history as it is kept, and as it is reckoned with.
 std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
 Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
-
-/// Evidence of the hypotheses of each scale of a discrepancy, each by itself, over the whole's and `plus` more.
-EvidenceByScale by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0) {
-  const double whole = log_evidence(posterior, m);
-  std::map<double, std::vector<WeightedErrors>> parts;
-  for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
-  EvidenceByScale all;
-  for (auto& [scale, part] : parts) {
-    double weight = 0;
-    for (const auto& h : part) weight += std::exp(h.log_weight);
-    for (auto& h : part) h.log_weight -= std::log(weight);
-    const LogPosterior p = fit.under(part);
-    const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
-    all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
-  }
-  return all;
-}
 
 /// What is known of an explanation before its fit: a group by itself, or on top of what was fitted already.
 Alternative begun(const ParameterGroup& group, const Question& q, const Alternative* on_top_of) {
@@ -199,7 +181,7 @@ void Engine::describe_base() {
   e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
-  e.by_scale = by_scale(out_.base, posterior, m, out_.base.hypotheses);
+  e.by_scale = evidence_by_scale(out_.base, posterior, m, out_.base.hypotheses);
 }
 
 /// Questions about a fit with these numbers added.
@@ -282,7 +264,7 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
   c.explanation.log_bayes_factor = gained + log_evidence(with, m) - log_evidence(*below.posterior, start) + c.choice;
-  c.explanation.by_scale = by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
+  c.explanation.by_scale = evidence_by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
   c.explanation.chi2 = plain_chi2(below, with, m, below.errors->less(rest).with(term));
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
@@ -427,7 +409,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     const LogPosterior& posterior = *fit.posterior;
     c.explanation.fitted = true;
     c.explanation.log_bayes_factor = log_bayes_factor(fit, out_.base) + c.choice;
-    c.explanation.by_scale = by_scale(fit, posterior, full, fit.hypotheses, c.explanation.log_bayes_factor);
+    c.explanation.by_scale = evidence_by_scale(fit, posterior, full, fit.hypotheses, c.explanation.log_bayes_factor);
     c.explanation.chi2 = plain_chi2(fit, posterior, full, *fit.errors);
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
     const Moments moments = parameters_of(fit, in_.base.seed);
