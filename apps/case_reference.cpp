@@ -40,6 +40,12 @@ std::string off_text(const MechanismKey& key) {
   return key.off_at.empty() ? off : "`" + key.off_at + "` (" + off + ")";
 }
 
+std::string prior_text(const MechanismKey& k) {
+  if (!k.shows_below.empty()) return "uniform, as a share of `" + k.shows_below + '`';
+  if (!std::isfinite(k.off)) return "uniform in the inverse";
+  return k.log_uniform ? "half-Cauchy about the geometric middle" : "normal";
+}
+
 std::string mechanism_rows(const std::vector<MechanismKey>& keys) {
   std::string s = "\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n";
   for (const auto& k : keys) {
@@ -48,7 +54,7 @@ std::string mechanism_rows(const std::vector<MechanismKey>& keys) {
       continue;
     }
     s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high),
-                     k.log_uniform ? "log-uniform" : "uniform", k.doc);
+                     prior_text(k), k.doc);
   }
   return s;
 }
@@ -57,7 +63,8 @@ std::string mechanism_page() {
   std::string s =
       "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
       "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly; where another number of the case stands there, it is "
-      "that one (its default in brackets). The range is that of the default prior.\n";
+      "that one (its default in brackets). The range is that of a diagnosis' prior: a normal one is "
+      "about off, and its range two standard deviations either way; it may be left up to twice that far, as far as the law goes.\n";
   const auto& rows = mechanisms().rows();
   const auto built = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.entry.built(); });
   if (std::size_t(built) < rows.size())

@@ -14,6 +14,7 @@ namespace calomel {
 namespace {
 
 constexpr double first_part = 0.25;      ///< of a key's range: where its effect is first looked at
+constexpr double beyond = 2;             ///< how far a number may go, in its range on that side
 constexpr double least_infinite = 0.01;  ///< of the upper end of its range: the least value of a key that is infinite where it is off
 
 }  // namespace
@@ -48,8 +49,12 @@ AddedParameter added_number(const std::string& mechanism, const MechanismKey& k,
     for (const double part : {0.25, 0.5, 0.75}) a.strengths.push_back(k.low * std::exp(part * ratio));
     return a;
   }
-  if (p.max > off) a.strengths.push_back(off + first_part * (p.max - off));
-  if (p.min < off) a.strengths.push_back(off - first_part * (off - p.min));
+  const double up = p.max - off, down = off - p.min;
+  if (up > 0) a.strengths.push_back(off + first_part * up);
+  if (down > 0) a.strengths.push_back(off - first_part * down);
+  // The range is two standard deviations, of the wider side. A fit may leave it: a bound where the range ends would hold the number there, and its error too small.
+  p.prior = "truncated_normal", p.mean = off, p.sd = 0.5 * std::max(up, down);
+  p.max = std::min(k.greatest, off + beyond * up), p.min = std::max(k.least, off - beyond * down);
   return a;
 }
 

@@ -39,8 +39,8 @@ struct ParameterGroup {
   std::string plain, check;           ///< MechanismEntry's
 };
 
-/// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is the range of the registry, reaching to the off value: uniform, half-Cauchy
-/// about the geometric middle for a log-uniform one, uniform in the inverse for one that is infinite where it is off. `whole`: of a key with `shows_below`, that number, of which it is then
+/// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is normal about off, the range of the registry two standard deviations of it, and
+/// ends at twice that range or where the law does; half-Cauchy about the geometric middle of a log-uniform range, uniform in the inverse of one that is infinite where it is off. `whole`: of a key with `shows_below`, that number, of which it is then
 /// a uniform share.
 [[nodiscard]] AddedParameter added_number(const std::string& mechanism, const MechanismKey& key, double off, double whole = 1);
 

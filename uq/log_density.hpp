@@ -16,8 +16,11 @@
 #include <vector>
 
 #include "base/errors.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
+
+inline constexpr double never = -infinity;  ///< log density of what cannot be
 
 /// What constrain() gives a number for.
 struct Quantity {

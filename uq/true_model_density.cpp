@@ -1,14 +1,12 @@
 #include "uq/true_model_density.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "uq/posterior_density.hpp"
 
 namespace calomel {
 
 namespace {
-constexpr double never = -std::numeric_limits<double>::infinity();
 }
 
 double TrueModelDensity::log_density(std::span<const double> x) const {

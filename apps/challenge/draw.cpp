@@ -15,7 +15,6 @@ namespace calomel::challenge {
 
 namespace {
 
-constexpr double edge_step = 0.5e-3;  ///< every edge of a target lies on a grid of this spacing
 constexpr double never_parts = 1e9;   ///< tension at which a wetted face parts, in cutoffs, that nothing reaches
 
 double rounded(double value, double step) { return step * std::round(value / step); }

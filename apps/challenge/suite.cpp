@@ -11,7 +11,6 @@ namespace calomel::challenge {
 
 namespace {
 
-constexpr double edge_step = 0.5e-3;    ///< every edge of a target lies on a grid of this spacing [m]
 constexpr double least_grid = 0.02e-3;  ///< [m]
 
 /// Pairs, taken in this order.

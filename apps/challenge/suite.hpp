@@ -9,6 +9,8 @@
 
 namespace calomel::challenge {
 
+inline constexpr double edge_step = 0.5e-3;  ///< [m] every edge of a target lies on a grid of this spacing
+
 /// How many cases of each kind, and which effects.
 struct SuiteOptions {
   int none = 0;                      ///< with nothing concealed

@@ -12,14 +12,6 @@
 
 namespace calomel {
 
-namespace {
-
-void refuse(bool asked, const char* option, const char* why) {
-  if (asked) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
-}
-
-}  // namespace
-
 ExitStatus check_external_stage(StageCall& call) {
   auto& inputs = call.inputs;
   const auto& command = inputs.command();

@@ -13,14 +13,6 @@
 
 namespace calomel {
 
-namespace {
-
-void refuse(bool asked, const char* option, const char* why) {
-  if (asked) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
-}
-
-}  // namespace
-
 ExitStatus check_line_stage(StageCall& call) {
   auto& inputs = call.inputs;
   const auto& command = inputs.command();

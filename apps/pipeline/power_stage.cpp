@@ -13,7 +13,7 @@
 #include "apps/presentation/power_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "base/artefact.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "uq/power/power.hpp"

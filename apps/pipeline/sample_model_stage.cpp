@@ -26,7 +26,7 @@ namespace {
 constexpr double long_wait = 600;  ///< [s] that is told before the chains begin
 constexpr double search_share = 0.01;                              ///< of the chains' evaluations, for the search of modes
 constexpr std::size_t fewest_points = 64, most_points = 1024;      ///< of its design
-constexpr double inner = 0.02;                                     ///< share of the bounds' distance at either end that the design leaves out
+constexpr double edge = 0.02;                                      ///< share of the bounds' distance at either end that the design leaves out
 
 /// All modes from a design over the bounds, the nominal values, and, of records, the ends of least squares by the model itself.
 std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posterior, const LogDensity& density) {
@@ -34,7 +34,7 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
   const Eigen::Index d = posterior.dimension();
   const double wanted = search_share * usual_evaluations(call.inputs.study().sampler, std::size_t(d));
   const Eigen::ArrayXXd unit = sobol_points(std::size_t(d), std::clamp(std::size_t(wanted), fewest_points, most_points), command.seed);
-  const Eigen::ArrayXXd place = inner + (1 - 2 * inner) * unit;
+  const Eigen::ArrayXXd place = edge + (1 - 2 * edge) * unit;
   std::vector<std::vector<double>> starts;
   if (posterior.is_log_density())
     starts.push_back(nominal(call.inputs.external().shape()));

@@ -14,7 +14,7 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t most_quantities = 6, most_chains = 16, trace_points = 300, bins = 20, curve_points = 120;
-constexpr double far = 2;  ///< half widths of the prior
+constexpr double far_moved = 2;  ///< half widths of the prior
 
 const Parameter* parameter_of(const ReportInput& input, const std::string& name) {
   for (const auto& p : input.parameters)
@@ -156,7 +156,7 @@ Table prior_table(const Study& study, const ReportInput& input) {
     const double wide = half_width(before), narrow = half_width(after), moved = (quantile(after, 0.5) - quantile(before, 0.5)) / wide;
     t.rows.push_back({parameter_label(input, name), quantile(before, 0.5), wide, quantile(after, 0.5), narrow,
                       narrow > 0 ? std::optional(wide / narrow) : std::nullopt,
-                      informed(name, study, input) && wide > 0 ? Cell(moved, std::abs(moved) > far) : Cell()});
+                      informed(name, study, input) && wide > 0 ? Cell(moved, std::abs(moved) > far_moved) : Cell()});
   }
   return t;
 }

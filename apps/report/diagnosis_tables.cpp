@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "apps/report/html.hpp"
 #include "apps/report/traces.hpp"
 #include "base/json.hpp"
 #include "uq/diagnosis/verdict.hpp"
@@ -15,7 +16,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double percent = 100;
 constexpr double significant = 0.05;  ///< q-value below which a part of the mismatch is no chance
 constexpr double far = 1;             ///< deviations from the handbook that are set in bold
 
@@ -61,12 +61,6 @@ std::string lower_first(std::string text) {
 }
 
 std::string heading(const char* text) { return fmt::format("<h3>{}</h3>\n", text); }
-
-std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
-  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id, escape_html(label), escape_html(caption));
-}
-
-std::string folded(const std::string& title, const Table& table) { return table.empty() ? "" : "<details><summary>" + escape_html(title) + "</summary>" + table.html() + "</details>\n"; }
 
 /// What the four verdicts mean.
 std::string meaning(const std::string& verdict) {

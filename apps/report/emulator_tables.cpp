@@ -6,13 +6,13 @@
 #include <cctype>
 #include <cmath>
 
+#include "apps/report/html.hpp"
 #include "base/json.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double percent = 100;
 constexpr double notable_pull = 1;  ///< prior standard deviations
 
 const Json& map_json_of(const Study& study) {
@@ -37,7 +37,7 @@ const Json& check_of(const Study& study) {
 std::string level_name(std::size_t level) { return level == 0 ? "finest" : level == 1 ? "next coarser" : fmt::format("{} coarser", level); }
 
 /// A sentence as a paragraph that begins with a capital and ends with a stop; strong where it is bad news.
-std::string paragraph(std::string text, bool bad = false) {
+std::string told(std::string text, bool bad = false) {
   if (text.empty()) return "";
   text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
   if (!text.ends_with('.')) text += '.';
@@ -78,9 +78,9 @@ Table share_table(const Study& study) {
 
 std::string emulator_section(const Study& study) {
   const Json &map = map_json_of(study), &emulator = emulator_of(study), &check = check_of(study);
-  std::string s = paragraph(text_at(map, "identified")) + paragraph(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + paragraph(text_at(part_at(map, "score_tests"), "sentence"));
-  if (const auto message = text_at(emulator, "message"); !message.empty()) s += paragraph("the emulator: " + message, part_at(emulator, "settled") == Json(false));
-  s += paragraph(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
+  std::string s = told(text_at(map, "identified")) + told(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + told(text_at(part_at(map, "score_tests"), "sentence"));
+  if (const auto message = text_at(emulator, "message"); !message.empty()) s += told("the emulator: " + message, part_at(emulator, "settled") == Json(false));
+  s += told(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
   for (const Table& t : {nuisance_table(study), emulator_table(study), share_table(study)})
     if (!t.empty()) s += t.html();
   return s;

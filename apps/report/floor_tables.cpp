@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/report/html.hpp"
 #include "apps/report/tables.hpp"
 #include "base/json.hpp"
 
@@ -11,10 +12,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double percent = 100;
-
 /// The comparisons' columns and rows, in words.
-std::string title_of(const Json& comparison) {
+std::string comparison_title(const Json& comparison) {
   const std::string name = text_at(comparison, "name");
   return name == "single_runs" ? "Single runs" : name == "finer_mesh" ? "Half the element size" : name == "precision" ? "Single against double precision" : name;
 }
@@ -47,7 +46,7 @@ Table floor_table(const Study& study) {
                     fmt::format("standard deviation of the ensemble mean over {} jitters of mesh, viscosity and energies", list_at(study.floor, "members").size())});
   for (const auto& c : comparisons_of(study)) {
     const std::string message = text_at(c, "message");
-    t.rows.push_back({title_of(c), number_at(c, "mean"), number_at(c, "worst"), message.empty() ? text_at(c, "what") : message});
+    t.rows.push_back({comparison_title(c), number_at(c, "mean"), number_at(c, "worst"), message.empty() ? text_at(c, "what") : message});
   }
   return t;
 }
@@ -60,7 +59,7 @@ Table floor_sensor_table(const Study& study) {
   std::vector<const Json*> shown;
   for (const auto& c : comparisons_of(study))
     if (list_at(c, "sensors").size() == records.size()) {
-      t.columns.push_back({text_at(c, "name"), title_of(c), text_at(c, "name") == "precision" ? any_share : alike_shares, false, percent});
+      t.columns.push_back({text_at(c, "name"), comparison_title(c), text_at(c, "name") == "precision" ? any_share : alike_shares, false, percent});
       shown.push_back(&list_at(c, "sensors"));
     }
   for (std::size_t row = 0; row < records.size(); ++row) {

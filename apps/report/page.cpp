@@ -9,6 +9,7 @@
 #include "apps/report/diagnosis_tables.hpp"
 #include "apps/report/emulator_tables.hpp"
 #include "apps/report/floor_tables.hpp"
+#include "apps/report/html.hpp"
 #include "apps/report/posterior.hpp"
 #include "apps/report/sensitivity.hpp"
 #include "apps/report/spe_tables.hpp"
@@ -19,14 +20,6 @@
 namespace calomel {
 
 namespace {
-std::string case_argument(const ReportInput& input) { return input.case_file.empty() ? "CASE.toml" : input.case_file; }
-
-std::string command(const ReportInput& input, const std::string& verb, const std::string& more = "") {
-  return "<code>calomel " + verb + " " + escape_html(case_argument(input)) + (more.empty() ? "" : " " + more) + "</code>";
-}
-
-std::string missing(const std::string& what, const std::string& how) { return "<p class=\"missing\">" + what + " " + how + "</p>\n"; }
-
 std::string count(const Json& json, const std::string& key) {
   const auto x = number_at(json, key);
   return x ? number_html(*x, 6) : "an unknown number of";

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/report/chains.hpp"
+#include "apps/report/html.hpp"
 #include "apps/report/posterior.hpp"
 #include "apps/report/published.hpp"
 #include "apps/report/tables.hpp"
@@ -13,15 +14,6 @@ namespace calomel {
 namespace {
 
 constexpr double clearly = 1.5, hardly = 1.1;  ///< times narrower than before the records
-
-std::string command(const ReportInput& input, const std::string& verb) {
-  return "<code>calomel " + verb + " " + escape_html(input.case_file.empty() ? "CASE.toml" : input.case_file) + "</code>";
-}
-std::string missing(const std::string& text) { return "<p class=\"missing\">" + text + "</p>\n"; }
-
-std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
-  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id, label, caption);
-}
 
 /// Whether the chains, the emulator and the true model agree.
 std::string verdict(const Json& sample) {

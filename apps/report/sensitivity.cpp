@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/html.hpp"
 #include "apps/report/sensitivity_totals.hpp"
 #include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
@@ -219,14 +220,6 @@ Json by_parameter(const std::vector<Windowed>& records, std::vector<std::vector<
 }
 
 bool has_curves(const Study& study) { return study.sensitivity && study.sensitivity->time.size() > 1 && !study.sensitivity->total_order.empty(); }
-
-std::string folded(const std::string& title, const Table& table) {
-  return table.empty() ? "" : "<details><summary>" + escape_html(title) + "</summary>" + table.html() + "</details>\n";
-}
-
-std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
-  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id, label, caption);
-}
 
 }  // namespace
 

@@ -35,7 +35,7 @@ MechanismEntry beam_profile() {
                    ratio("width_ratio_y", 0.85, 1.15, "of the width along y to the one in [load]"),
                    ratio("width_ratio_z", 0.85, 1.15, "of the width along z to the one in [load]"),
                    ratio("energy_ratio", 0.97, 1.03, "of the heating pressure everywhere to the one that the widths and [load] give"),
-                   {.name = "pulse_length", .unit = "s", .off = LoadOptions{}.pulse_length, .low = 0, .high = 2e-6, .least = 0, .greatest = 1e-3, .doc = "in place of the one in [load]", .off_at = "load.pulse_length"}},
+                   {.name = "pulse_length", .unit = "s", .off = LoadOptions{}.pulse_length, .low = 0, .high = 4e-6, .least = 0, .greatest = 1e-3, .doc = "in place of the one in [load]", .off_at = "load.pulse_length"}},
           .load = change_source};
 }
 

@@ -36,7 +36,7 @@ namespace {
 constexpr double surface_tension = 0.47;   // N/m
 constexpr double viscosity = 1.3e-3;       // Pa s
 
-std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup& s) {
+std::shared_ptr<const LiquidLaw> bubbly_law(const MechanismValues& v, const RunSetup& s) {
   const KellerMiksis bubble{.density = s.liquid_density,
                             .sound_speed = std::sqrt(s.liquid.bulk_modulus / s.liquid_density),
                             .radius = v["radius"],
@@ -59,7 +59,7 @@ MechanismEntry bubbly_liquid() {
                    {.name = "polytropic", .unit = "", .off = 1.16, .low = 1, .high = 1.67, .decides = false, .least = 1, .greatest = 1.67, .doc = "exponent kappa of the gas"},
                    {.name = "thermal_viscosity", .unit = "Pa s", .off = 0.5, .low = 0.05, .high = 5, .log_uniform = true, .decides = false, .shapes = true, .least = 0, .doc = "stands for the loss of heat, b_th rho R0^2 / 2, in the bubble's damping"}},
           .cost = 2.5,
-          .liquid = liquid};
+          .liquid = bubbly_law};
 }
 
 }  // namespace calomel

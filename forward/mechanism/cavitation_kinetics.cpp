@@ -45,7 +45,7 @@ namespace {
 
 void slow_walls(const MechanismValues& v, RunSetup& s) { s.parting_time = v["growth_time"], s.meeting_time = v["collapse_time"]; }
 
-std::shared_ptr<const LiquidLaw> liquid(const MechanismValues& v, const RunSetup& s) {
+std::shared_ptr<const LiquidLaw> cavitating_law(const MechanismValues& v, const RunSetup& s) {
   const double spacing = v["nuclei_spacing"];
   if (spacing == 0) return std::make_shared<KineticLiquid>(s.liquid, v["growth_time"], v["collapse_time"]);
   if (v["growth_time"] > 0 || v["collapse_time"] > 0)
@@ -72,7 +72,7 @@ MechanismEntry cavitation_kinetics() {
           .like_the_mesh = true,
           .cost = 1.2,
           .setup = slow_walls,
-          .liquid = liquid};
+          .liquid = cavitating_law};
 }
 
 }  // namespace calomel

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "base/not_finite.hpp"
 #include "forward/mechanism/wall_stretch.hpp"
 
 namespace calomel {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Any wetted face, those of plates inside as well; or one of the walls.
 const std::vector<std::string>& faces() {
@@ -29,7 +28,7 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
                       .suggestion = "set geometry.wetted = \"slip\""});
   const auto pairs = pairs_at_wall(mesh, stretch);
   if (pairs.empty()) throw nothing_there(stretch, "interface");
-  s.slip_strength.resize(mesh.slip.size(), infinite), s.slip_hold.resize(mesh.slip.size(), 0);
+  s.slip_strength.resize(mesh.slip.size(), infinity), s.slip_hold.resize(mesh.slip.size(), 0);
   for (const PairAtWall& p : pairs) {
     // Where the stretch ends within what a pair stands for, the rest of it holds as the mercury does.
     const double rest = p.share < 1 ? (1 - p.share) * s.wetted_cutoff : 0, strength = p.share * v["strength"] + rest;
@@ -40,7 +39,7 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
 }  // namespace
 
 MechanismEntry interface() {
-  std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinite, .low = 0, .high = 1.5e5, .least = 0,
+  std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinity, .low = 0, .high = 1.5e5, .least = 0,
                                   .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds", .shows_below = "material.mercury.tensile_cutoff"}};
   for (auto& k : stretch_keys(faces())) keys.push_back(std::move(k));
   return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound",

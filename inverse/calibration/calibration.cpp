@@ -7,7 +7,7 @@
 #include <limits>
 #include <mutex>
 
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/parallel.hpp"
 
 namespace calomel {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "base/artefact.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/netcdf_file.hpp"
 #include "inverse/data/record_rows.hpp"
 

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <limits>
 
 #include "base/linear_algebra.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double smoothing_time = 25e-6;       ///< [s] half width over which the variance may change
 constexpr double shrinkage_squares = 10;       ///< squares at which local and mean variance count alike
 constexpr double least_white = 0.01;           ///< keeps the covariance regular

@@ -1,6 +1,6 @@
 #include "inverse/enc/enc.hpp"
 
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "inverse/calibration/remembering_model.hpp"
 

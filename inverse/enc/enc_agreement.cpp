@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "base/json.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/parallel.hpp"
 
 namespace calomel {

@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/linear_algebra.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Of a discrepancy.
 constexpr double arrival_share = 0.05;                                        ///< of a gauge's greatest value: it begins where the record passes this

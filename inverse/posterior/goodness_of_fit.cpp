@@ -7,7 +7,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
@@ -17,13 +17,13 @@ constexpr double least_p_value = 0.01;
 constexpr double told_apart = 0.8;  ///< chi-squared over its expectation below which the covariance is called too wide
 
 /// The share of replicated data that would fit worse: chi-squared, or F for the multivariate t.
-double tail(double chi2, double freedom, double of_scale) {
+double tail_probability(double chi2, double freedom, double of_scale) {
   if (!(freedom > 0)) return nan;
   if (std::isinf(of_scale)) return boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), chi2));
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(freedom, of_scale), chi2 / freedom));
 }
 
-/// The chi-squared at which tail() comes to least_p_value.
+/// The chi-squared at which tail_probability() comes to least_p_value.
 double critical(double freedom, double of_scale) {
   if (std::isinf(of_scale)) return boost::math::quantile(boost::math::complement(boost::math::chi_squared(freedom), least_p_value));
   return freedom * boost::math::quantile(boost::math::complement(boost::math::fisher_f(freedom, of_scale), least_p_value));
@@ -44,8 +44,8 @@ GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mo
   out.effective_data = p * p / (unit.asDiagonal() * covariance * unit.asDiagonal()).squaredNorm();
   out.effective_chi2 = out.effective_data * (residual.array().square() / variance.array()).mean();
   const double freedom = p - parameters, effective = std::max(1.0, out.effective_data - parameters);
-  out.p_value = tail(out.chi2, freedom, of_scale);
-  out.effective_p_value = tail(out.effective_chi2, effective, of_scale);
+  out.p_value = tail_probability(out.chi2, freedom, of_scale);
+  out.effective_p_value = tail_probability(out.effective_chi2, effective, of_scale);
   out.adequate = out.p_value >= least_p_value && out.effective_p_value >= least_p_value;
   const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", out.chi2, out.values,
                                           parameters, out.p_value, out.effective_chi2, out.effective_data, out.effective_p_value);

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
 #include "base/log_sum.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double edge = 1e-6;
 const std::string beyond_name = "beyond";
 
@@ -41,10 +40,14 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
     expect(e.data.size() == n && e.covariance.rows() == n, "all hypotheses are about the same records");
     const Cholesky factor(e.covariance);
     if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
-    const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
-    const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
-    Hypothesis h{.log_weight = e.log_weight, .freedom = e.freedom, .log_norm = 0, .whitener = {}, .data = {}, .coefficients = {}, .ratio = eigen.values.cwiseMax(0.0)};
-    h.whitener = eigen.vectors.transpose() * factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+    Hypothesis h{.log_weight = e.log_weight, .freedom = e.freedom, .log_norm = 0, .whitener = factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))), .data = {}, .coefficients = {},
+                 .ratio = Eigen::VectorXd::Zero(n)};
+    if (!noise.isZero(0)) {
+      const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));
+      const SymmetricEigen eigen = symmetric_eigen(0.5 * (whitened + whitened.transpose()));
+      h.ratio = eigen.values.cwiseMax(0.0);
+      h.whitener = eigen.vectors.transpose() * h.whitener;
+    }
     h.data = h.whitener * e.data;
     h.coefficients = h.whitener * coefficients;
     const double half_log_det = factor.half_log_determinant(), p = double(n);
@@ -58,6 +61,18 @@ LogPosterior LogPosterior::to_the_power(double power) const {
   expect(power > 0, "the power of a likelihood is above 0");
   LogPosterior out = *this;
   out.power_ = power;
+  return out;
+}
+
+LogPosterior LogPosterior::part(const std::vector<std::size_t>& hypotheses) const {
+  LogPosterior out = *this;
+  out.hypotheses_.clear();
+  double weight = 0;
+  for (const auto j : hypotheses) weight += std::exp(hypotheses_[j].log_weight);
+  for (const auto j : hypotheses) {
+    out.hypotheses_.push_back(hypotheses_[j]);
+    out.hypotheses_.back().log_weight -= std::log(weight);
+  }
   return out;
 }
 

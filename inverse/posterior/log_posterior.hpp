@@ -46,6 +46,9 @@ class LogPosterior {
   /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of tell the likelihood itself. power: > 0.
   [[nodiscard]] LogPosterior to_the_power(double power) const;
 
+  /// Under some of the hypotheses about the errors (indices) alone, their weights over the sum of these.
+  [[nodiscard]] LogPosterior part(const std::vector<std::size_t>& hypotheses) const;
+
   /// A nested hypothesis: the parameters named (index into the box, value) are held, and their priors do not count.
   [[nodiscard]] LogPosterior held(const std::vector<std::pair<Eigen::Index, double>>& values) const;
 

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "base/errors.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double edge = 1e-6;  ///< of the bounds' distance
 
 /// 1 / (1 + exp(-q)) without loss at either end.

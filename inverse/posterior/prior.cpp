@@ -4,14 +4,14 @@
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 const boost::math::normal standard;
 
 struct Handbook {
@@ -119,6 +119,11 @@ std::optional<double> prior_deviation(const Parameter& p, double value) {
   if (p.prior == "normal" || p.prior == "truncated_normal") return (value - *p.mean) / *p.sd;
   if (p.prior == "lognormal") return (std::log(value) - *p.mu) / *p.sigma;
   return {};
+}
+
+std::pair<double, double> expected_range(const Parameter& p) {
+  if (p.prior != "truncated_normal") return {p.min, p.max};
+  return {std::max(p.min, *p.mean - 2 * *p.sd), std::min(p.max, *p.mean + 2 * *p.sd)};
 }
 
 std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "forward/parameter.hpp"
@@ -43,6 +44,9 @@ double log_prior(std::span<const Prior> priors, std::span<const double> theta);
 
 /// Distance of a value from the middle of a normal, truncated normal or lognormal prior, in its standard deviations (of the logarithm); none of another prior.
 std::optional<double> prior_deviation(const Parameter& parameter, double value);
+
+/// Where a value is expected: within the bounds, and of a truncated normal prior within two of its standard deviations.
+std::pair<double, double> expected_range(const Parameter& parameter);
 
 /// The parameters with handbook priors where these are known: density normal about nominal with 1.5 %, sound speed normal with 3 %, tensile cutoff
 /// lognormal with ln nominal and 0.7 (of material.mercury). Others keep the case's prior; one that is uniform is refused, because a free

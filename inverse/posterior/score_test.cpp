@@ -8,7 +8,7 @@
 
 #include "base/json.hpp"
 #include "base/linear_algebra.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "base/json.hpp"
 
@@ -10,7 +9,6 @@ namespace calomel::testing {
 
 namespace {
 
-constexpr double never = -std::numeric_limits<double>::infinity();
 using Numbers = std::vector<double>;
 using Names = std::vector<std::string>;
 

@@ -4,20 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/json.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "uq/convergence/diagnostics.hpp"
 
 namespace calomel {
 
 namespace {
 
-double mean(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
-
 double sd(std::span<const double> x) {
-  const double m = mean(x);
+  const double m = mean_of(x);
   double s = 0;
   for (const double v : x) s += (v - m) * (v - m);
   return std::sqrt(s / double(x.size() - 1));
@@ -28,7 +25,7 @@ double correlation_within(ChainDraws a, ChainDraws b) {
   double aa = 0, bb = 0, ab = 0;
   for (std::size_t c = 0; c < a.chains; ++c) {
     const auto x = a.values.subspan(c * a.draws(), a.draws()), y = b.values.subspan(c * b.draws(), b.draws());
-    const double mx = mean(x), my = mean(y);
+    const double mx = mean_of(x), my = mean_of(y);
     for (std::size_t i = 0; i < x.size(); ++i) aa += (x[i] - mx) * (x[i] - mx), bb += (y[i] - my) * (y[i] - my), ab += (x[i] - mx) * (y[i] - my);
   }
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
@@ -38,7 +35,7 @@ ParameterSummary summary_of(const std::string& name, ChainDraws x) {
   const bool finite = std::all_of(x.values.begin(), x.values.end(), [](double v) { return std::isfinite(v); });
   ParameterSummary s{.name = name, .mean = nan, .sd = nan, .q05 = nan, .q50 = nan, .q95 = nan};
   if (finite && x.values.size() > 1)
-    s.mean = mean(x.values), s.sd = sd(x.values), s.q05 = quantile(x.values, 0.05), s.q50 = quantile(x.values, 0.5), s.q95 = quantile(x.values, 0.95);
+    s.mean = mean_of(x.values), s.sd = sd(x.values), s.q05 = quantile(x.values, 0.05), s.q50 = quantile(x.values, 0.5), s.q95 = quantile(x.values, 0.95);
   s.r_hat = split_r_hat(x), s.ess_bulk = ess_bulk(x), s.ess_tail = ess_tail(x);
   s.mcse_mean = mcse_mean(x), s.mcse_sd = mcse_sd(x);
   s.mcse_q05 = mcse_quantile(x, 0.05), s.mcse_q50 = mcse_quantile(x, 0.5), s.mcse_q95 = mcse_quantile(x, 0.95);
@@ -81,7 +78,7 @@ std::optional<Groups> separate_groups(ChainDraws x) {
   std::vector<Chain> chains;
   for (std::size_t c = 0; c < x.chains; ++c) {
     const auto v = x.values.subspan(c * x.draws(), x.draws());
-    chains.push_back({c, mean(v), quantile(v, 0.05), quantile(v, 0.95)});
+    chains.push_back({c, mean_of(v), quantile(v, 0.05), quantile(v, 0.95)});
   }
   std::sort(chains.begin(), chains.end(), [](const Chain& a, const Chain& b) { return a.mean < b.mean; });
   for (std::size_t k = 1; k < chains.size(); ++k) {
@@ -107,7 +104,7 @@ bool drifts(ChainDraws x) {
     const std::size_t third = v.size() / 3;
     if (third < 2) return false;
     const auto first = v.first(third), last = v.last(third);
-    const double a = mean(first), b = mean(v.subspan(third, third)), e = mean(last);
+    const double a = mean_of(first), b = mean_of(v.subspan(third, third)), e = mean_of(last);
     drifting += (b - a) * (e - b) > 0 && std::abs(e - a) > 3 * std::min(sd(first), sd(last));
   }
   return 4 * drifting >= 3 * x.chains;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/errors.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 
 namespace calomel {
 
@@ -45,10 +45,8 @@ bool answerable(ChainDraws x) {
   return varies;
 }
 
-double mean(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
-
 double variance(std::span<const double> x) {
-  const double m = mean(x);
+  const double m = mean_of(x);
   double s = 0;
   for (const double v : x) s += (v - m) * (v - m);
   return s / double(x.size() - 1);
@@ -72,8 +70,8 @@ std::vector<double> normal_scores(std::span<const double> x) {
 
 double r_hat_of(const Halves& h) {
   std::vector<double> means, variances;
-  for (std::size_t c = 0; c < h.chains; ++c) means.push_back(mean(h.chain(c))), variances.push_back(variance(h.chain(c)));
-  const double n = double(h.draws), between = variance(means), within = mean(variances);  // between: B / N
+  for (std::size_t c = 0; c < h.chains; ++c) means.push_back(mean_of(h.chain(c))), variances.push_back(variance(h.chain(c)));
+  const double n = double(h.draws), between = variance(means), within = mean_of(variances);  // between: B / N
   return std::sqrt(between / within + (n - 1) / n);
 }
 
@@ -82,7 +80,7 @@ std::vector<double> autocovariance(std::span<const double> x) {
   std::size_t size = 1;
   while (size < 2 * x.size()) size *= 2;
   std::vector<double> f(size, 0.0);
-  const double m = mean(x);
+  const double m = mean_of(x);
   for (std::size_t i = 0; i < x.size(); ++i) f[i] = x[i] - m;
   gsl_fft_real_radix2_transform(f.data(), 1, size);
   f[0] *= f[0], f[size / 2] *= f[size / 2];
@@ -100,7 +98,7 @@ double ess_of(const Halves& h) {
   for (std::size_t c = 0; c < h.chains; ++c) {
     const auto a = autocovariance(h.chain(c));
     for (std::size_t t = 0; t < n; ++t) covariance[t] += a[t] / double(h.chains);
-    means.push_back(mean(h.chain(c)));
+    means.push_back(mean_of(h.chain(c)));
   }
   const double within = covariance[0] * double(n) / double(n - 1);
   const double all = covariance[0] + (h.chains > 1 ? variance(means) : 0.0);
@@ -150,6 +148,8 @@ double ess_of(std::span<const double> values, ChainDraws x) {
 
 }  // namespace
 
+double mean_of(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
+
 double split_r_hat(ChainDraws x) {
   if (!answerable(x)) return nan;
   const double middle = quantile(x.values, 0.5);
@@ -182,10 +182,10 @@ double mcse_mean(ChainDraws x) { return answerable(x) ? std::sqrt(variance(x.val
 
 double mcse_sd(ChainDraws x) {
   if (!answerable(x)) return nan;
-  const double m = mean(x.values);
+  const double m = mean_of(x.values);
   std::vector<double> square(x.values.begin(), x.values.end());
   for (double& v : square) v = (v - m) * (v - m);
-  const double m2 = mean(square);
+  const double m2 = mean_of(square);
   double m4 = 0;
   for (const double v : square) m4 += v * v / double(square.size());
   const double ess = ess_mean({square, x.chains, x.walkers});

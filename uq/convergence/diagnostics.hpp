@@ -15,6 +15,8 @@ struct ChainDraws {
   [[nodiscard]] std::size_t draws() const { return chains > 0 ? values.size() / chains : 0; }
 };
 
+[[nodiscard]] double mean_of(std::span<const double> x);
+
 /// Rank-normalised split R-hat [1]: the larger of that of the ranks' normal scores z = Phi^-1((r - 3/8) / (S + 1/4)) (equation 14) and that of
 /// the folded draws |x - median(x)| (section 4.2). R-hat = sqrt(((N - 1)/N W + B/N) / W) over halves of chains (equations 1 to 4); infinite where chains do
 /// not move and stand apart.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/prior.hpp"
 
 namespace calomel {
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double reach = 1.0;                        ///< half width of the first box of a number, over its distance from off to first order
 constexpr double widths = 6;                         ///< the same in standard deviations to first order
-constexpr double least_width = 0.03;                 ///< the same over the number's range
+constexpr double least_width = 0.1;                  ///< the same over the standard deviation of the number's prior
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
 constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
@@ -64,7 +65,7 @@ struct Side {
 Side side_of(const AddedParameter& a, double estimate, double sd) {
   const Parameter& p = a.parameter;
   const double away = std::abs(p.coordinate(estimate) - p.coordinate(*p.nominal)), deviation = p.coordinate_width(sd, estimate);
-  const double least = p.prior == "half_cauchy" ? 0.5 * a.strengths[0] : least_width * (p.coordinate(p.max) - p.coordinate(p.min));
+  const double least = p.prior == "half_cauchy" ? 0.5 * a.strengths[0] : p.coordinate_width(least_width * Prior(p).scale(), estimate);
   return {estimate, std::max({reach * away, widths * deviation, least})};
 }
 
@@ -77,7 +78,8 @@ FittedCandidate fit_from_several(const PosteriorInputs& planned, const Posterior
     PosteriorInputs in = planned;
     for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
       const Parameter& p = in.parameters[k];
-      const double low = p.coordinate(p.min), high = p.coordinate(p.max);
+      const auto [least, greatest] = expected_range(p);
+      const double low = p.coordinate(least), high = p.coordinate(greatest);
       in.centre[k] = p.natural(low + place * (high - low)), in.half_width[k] = start_width * (high - low);
     }
     try {
@@ -177,16 +179,15 @@ int first_runs(const CandidatePlan& plan) {
   return std::max(1, in.levels - 1) * (coarse - in.stood_for(coarse, false)) + (in.levels > 1 ? fine - in.stood_for(fine, true) : 0);
 }
 
-EvidenceByScale evidence_by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus) {
+EvidenceByScale evidence_by_scale(const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus) {
   const double whole = log_evidence(posterior, m);
-  std::map<double, std::vector<WeightedErrors>> parts;
-  for (const auto& h : hypotheses) parts[h.discrepancy].push_back(h);
+  std::map<double, std::vector<std::size_t>> parts;
+  for (std::size_t j = 0; j < hypotheses.size(); ++j) parts[hypotheses[j].discrepancy].push_back(j);
   EvidenceByScale all;
-  for (auto& [scale, part] : parts) {
+  for (const auto& [scale, part] : parts) {
     double weight = 0;
-    for (const auto& h : part) weight += std::exp(h.log_weight);
-    for (auto& h : part) h.log_weight -= std::log(weight);
-    const LogPosterior p = fit.under(part);
+    for (const auto j : part) weight += std::exp(hypotheses[j].log_weight);
+    const LogPosterior p = posterior.part(part);
     const auto modes = find_modes(p, {p.q(m.at.theta, m.at.beyond)});
     all.push_back({scale, weight, modes.empty() ? -std::numeric_limits<double>::infinity() : plus + log_evidence(p, modes[0]) - whole});
   }

@@ -25,8 +25,8 @@ struct CandidatePlan {
 /// Log Bayes factor of a fit over the base model's: both under the errors of the one and both under those of the other; what counts is the lesser. Errors: NumericsError where no mode is found.
 [[nodiscard]] double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base);
 
-/// Evidence of the hypotheses of each scale of a discrepancy, each by itself, at the mode near m, over the whole's at m and `plus` more; -infinity where no mode is found.
-[[nodiscard]] EvidenceByScale evidence_by_scale(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0);
+/// Evidence of the posterior's hypotheses of each scale of a discrepancy, each by itself, at the mode near m, over the whole's at m and `plus` more; -infinity where no mode is found.
+[[nodiscard]] EvidenceByScale evidence_by_scale(const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus = 0);
 
 struct FittedCandidate {
   PosteriorInputs inputs;  ///< of its last box

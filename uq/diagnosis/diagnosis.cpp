@@ -87,9 +87,12 @@ class Engine {
     runs_ += int(level.size());
     return in_.run(thetas, level, added);
   }
-  /// chi-squared of a fit without any discrepancy at the mode of the posterior with it.
-  [[nodiscard]] static double plain_chi2(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const ErrorModel& errors) {
-    return Cholesky(errors.covariance() + posterior.density(m.at, false).variance * fit.noise).solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
+  /// Errors without any discrepancy of a fit at its mode: those of the records and of its emulator.
+  [[nodiscard]] static Cholesky plain_errors(const PosteriorFit& fit, const LogPosterior& posterior, const LocalMode& m, const ErrorModel& errors) {
+    return Cholesky(errors.covariance() + posterior.density(m.at, false).variance * fit.noise);
+  }
+  [[nodiscard]] static double chi2(const Cholesky& plain, const ErrorModel& errors, const PosteriorFit& fit, const LocalMode& m) {
+    return plain.solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
   }
   /// |history - record| / |record|, mean over the gauges, in the band that is compared.
   [[nodiscard]] double misfit(const Eigen::VectorXd& history) const {
@@ -178,10 +181,10 @@ void Engine::describe_base() {
   out_.base_history = kept(out_.base.history_at_mode());
   BaseEvidence& e = out_.evidence;
   e.values = double(grid().size());
-  e.chi2 = plain_chi2(out_.base, posterior, m, *out_.base.errors);
+  e.chi2 = chi2(plain_errors(out_.base, posterior, m, *out_.base.errors), *out_.base.errors, out_.base, m);
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
-  e.by_scale = evidence_by_scale(out_.base, posterior, m, out_.base.hypotheses);
+  e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
 }
 
 /// Questions about a fit with these numbers added.
@@ -264,8 +267,9 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   const LocalMode& m = modes[0];
   c.explanation.fitted = true;
   c.explanation.log_bayes_factor = gained + log_evidence(with, m) - log_evidence(*below.posterior, start) + c.choice;
-  c.explanation.by_scale = evidence_by_scale(below, with, m, errors, c.explanation.log_bayes_factor);
-  c.explanation.chi2 = plain_chi2(below, with, m, below.errors->less(rest).with(term));
+  c.explanation.by_scale = evidence_by_scale(with, m, errors, c.explanation.log_bayes_factor);
+  const ErrorModel with_term = below.errors->less(rest).with(term);
+  c.explanation.chi2 = chi2(plain_errors(below, with, m, with_term), with_term, below, m);
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
   c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
@@ -409,8 +413,10 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     const LogPosterior& posterior = *fit.posterior;
     c.explanation.fitted = true;
     c.explanation.log_bayes_factor = log_bayes_factor(fit, out_.base) + c.choice;
-    c.explanation.by_scale = evidence_by_scale(fit, posterior, full, fit.hypotheses, c.explanation.log_bayes_factor);
-    c.explanation.chi2 = plain_chi2(fit, posterior, full, *fit.errors);
+    c.explanation.by_scale = evidence_by_scale(posterior, full, fit.hypotheses, c.explanation.log_bayes_factor);
+    const Cholesky plain = plain_errors(fit, posterior, full, *fit.errors);
+    c.explanation.chi2 = chi2(plain, *fit.errors, fit, full);
+    c.explanation.base_chi2 = chi2(plain, *fit.errors, out_.base, mode());
     c.explanation.base_pull = root_mean_square(pulls(full.at.theta));
     const Moments moments = parameters_of(fit, in_.base.seed);
     c.base_parameters = own_parameters(posterior, moments);

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "base/json.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"

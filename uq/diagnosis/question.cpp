@@ -292,6 +292,7 @@ double prior_sd(const AddedParameter& a, double strength) {
 double implausibility(const AddedParameter& a, double value) {
   const Parameter& p = a.parameter;
   if (p.prior == "half_cauchy") return value > p.max ? std::numeric_limits<double>::infinity() : std::log10(1 + value / *p.scale);
+  if (p.sd) return std::abs(value - *p.nominal) / *p.sd;
   const double far = value > *p.nominal ? p.max - *p.nominal : *p.nominal - p.min;
   return far > 0 ? 2 * std::abs(value - *p.nominal) / far : 0;
 }

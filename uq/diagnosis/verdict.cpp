@@ -101,9 +101,9 @@ double greatest_plausible(const BaseEvidence& base, const Gates& gates) {
 }
 
 std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates) {
-  const double excess = base.chi2 - gates.null_chi2 * base.values;
+  const double before = e.base_chi2.value_or(base.chi2), excess = before - gates.null_chi2 * base.values;
   if (!(excess > 0)) return {};
-  return std::clamp((base.chi2 - e.chi2) / excess, 0.0, 1.0);
+  return std::clamp((before - e.chi2) / excess, 0.0, 1.0);
 }
 
 Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {

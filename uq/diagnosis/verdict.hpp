@@ -29,6 +29,7 @@ struct Explanation {
   double log_bayes_factor = 0;        ///< against the base model, under the same errors
   EvidenceByScale by_scale;           ///< the same, scale by scale of a discrepancy
   double chi2 = 0;                    ///< with it, without any discrepancy
+  std::optional<double> base_chi2 = {};  ///< the base model's under the same covariance, its emulator's noise included; none: the base model's own is under it
   double misfit = 0;                  ///< with it, |history - record| / |record|, mean over the gauges
   std::optional<double> held_out;     ///< the same of what was left out of the fit; where that was made
   std::optional<double> beginning_before = {};  ///< where what was left out is the first quarter of all records: the base model's misfit of that, which `held_out` is held against; none: gauges were left out

@@ -33,10 +33,10 @@ class Part {
   std::vector<FirstOrderModel::Block> blocks_;
 };
 
-/// How far a number may go on the side that its question asks, from off.
+/// How far a number may be expected to go on a side, from off.
 double reach_of(const AddedParameter& a, double direction) {
-  const Parameter& p = a.parameter;
-  return direction > 0 ? p.max - *p.nominal : *p.nominal - p.min;
+  const auto [least, greatest] = expected_range(a.parameter);
+  return direction > 0 ? greatest - *a.parameter.nominal : *a.parameter.nominal - least;
 }
 
 }  // namespace

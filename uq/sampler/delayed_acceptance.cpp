@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
 
 namespace {
-
-constexpr double never = -std::numeric_limits<double>::infinity();
 
 class DelayedAcceptanceChain final : public MarkovChain {
  public:

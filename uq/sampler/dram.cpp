@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
@@ -11,8 +10,6 @@
 namespace calomel {
 
 namespace {
-
-constexpr double never = -std::numeric_limits<double>::infinity();
 
 /// ln(1 - exp(a)), a <= 0.
 double log_complement(double a) {

@@ -15,7 +15,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr std::size_t most_descents = 16;
 constexpr int most_iterations = 200;
 constexpr double step = 1e-4;           ///< of a gradient's difference

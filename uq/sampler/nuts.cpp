@@ -13,7 +13,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double divergent_energy = 1000;  ///< error of the energy beyond which a trajectory is given up (Stan's)
 constexpr double shrinkage = 5;            ///< draws, beside one a dimension, by which a covariance is drawn to its diagonal
 // Dual averaging, as published (Hoffman and Gelman 2014, section 3.2.1).

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "base/log_sum.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/parallel.hpp"
 #include "uq/convergence/diagnostics.hpp"
 #include "uq/sampler/jumps.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
@@ -16,7 +15,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double resample_below = 0.5;   ///< of the particles
 constexpr double few = 10;               ///< particles of a part, by their weights, of which no correlation is asked
 constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that keeps enough particles

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
 #include "base/errors.hpp"
 #include "base/json.hpp"
+#include "base/not_finite.hpp"
 #include "uq/sensitivity/totals.hpp"
 
 namespace calomel {
@@ -16,7 +16,6 @@ namespace {
 constexpr Eigen::Index block_rows = 64;  ///< of the design that are evaluated together
 constexpr double most_failed = 0.2;
 constexpr int morris_levels = 8;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Numbers of one record; the record itself is a quantity of its own.
 constexpr std::size_t numbers_a_record = 3;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/errors.hpp"
+#include "base/not_finite.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/design.hpp"
 
@@ -12,7 +12,6 @@ namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double outside = 0.025;  ///< of the bootstrap's draws, on either side of the interval
 
 double quantile(std::vector<double>& sorted, double u) {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 
+#include "base/not_finite.hpp"
+
 namespace calomel {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double followed = 0.9;            ///< left-out R2 from which a polynomial stands for the runs
 constexpr Eigen::Index block_points = 4096;  ///< that are evaluated together
 

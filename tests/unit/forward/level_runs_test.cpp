@@ -142,6 +142,28 @@ TEST(LevelRuns, MovesTheEndsOfAStretch) {
   EXPECT_EQ(moved, 1);
 }
 
+// A range is two standard deviations of a normal prior about off. A fit may leave it up to twice, as far as the law goes: a bound where the range ends would hold a number there.
+TEST(OfferedGroups, MayLeaveTheirRangeAsFarAsTheLawGoes) {
+  const auto groups = offered_groups(testing::small_case());
+  const auto number = [&](const std::string& name) {
+    for (const auto& g : groups)
+      for (const auto& a : g.added)
+        if (a.parameter.name == name) return a;
+    throw InputError({.problem = "no number " + name});
+  };
+  const AddedParameter offset = number("beam_profile.offset_z"), pulse = number("beam_profile.pulse_length"), rear = number("rear_reflection.coefficient");
+  EXPECT_EQ(offset.parameter.prior, "truncated_normal");
+  EXPECT_DOUBLE_EQ(*offset.parameter.sd, 2.5e-3);
+  EXPECT_DOUBLE_EQ(offset.parameter.min, -10e-3);
+  EXPECT_DOUBLE_EQ(offset.parameter.max, 10e-3);
+  EXPECT_DOUBLE_EQ(*pulse.parameter.mean, 0.7e-6);
+  EXPECT_DOUBLE_EQ(*pulse.parameter.sd, 1.65e-6);  // half of the wider side
+  EXPECT_EQ(pulse.parameter.min, 0);
+  EXPECT_DOUBLE_EQ(pulse.parameter.max, 7.3e-6);
+  EXPECT_EQ(rear.parameter.min, -1);
+  EXPECT_EQ(rear.parameter.max, 1);
+}
+
 TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
   for (const auto& g : offered_groups(testing::small_case())) {
     EXPECT_FALSE(g.plain.empty() || g.check.empty()) << g.name;

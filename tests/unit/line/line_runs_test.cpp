@@ -45,7 +45,10 @@ TEST(LineGroups, HaveThePriorsOfTheRegistryAndTheirOffValues) {
   EXPECT_EQ(poisson.key, "mechanism.lateral_inertia.poisson");
   EXPECT_EQ(poisson.min, 0);
   EXPECT_EQ(*poisson.nominal, 0);
-  EXPECT_EQ(poisson.max, 0.4);
+  EXPECT_EQ(poisson.max, 0.49);  // where the law ends: below twice the range of the registry, 0.4
+  EXPECT_EQ(poisson.prior, "truncated_normal");
+  EXPECT_EQ(*poisson.mean, 0);
+  EXPECT_EQ(*poisson.sd, 0.2);
   const Parameter& time = number_of(bar, "viscous_attenuation.time").parameter;
   EXPECT_EQ(time.prior, "half_cauchy");
   EXPECT_DOUBLE_EQ(*time.scale, std::sqrt(1e-9 * 1e-6));

@@ -4,7 +4,7 @@
 
 #include "base/artefact.hpp"
 #include "base/json.hpp"
-#include "base/nan.hpp"
+#include "base/not_finite.hpp"
 #include "base/random.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/convergence/diagnostics.hpp"

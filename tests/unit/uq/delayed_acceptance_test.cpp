@@ -14,7 +14,6 @@ using ::testing::HasSubstr;
 
 namespace {
 
-const double never = -std::numeric_limits<double>::infinity();
 SamplerOptions delayed(int warmup, int draws) { return {.kind = "delayed_acceptance", .warmup = warmup, .draws = draws, .thin = 1}; }
 SamplerStart at(std::size_t d, double place) { return {.mean = Eigen::VectorXd::Constant(Eigen::Index(d), place), .covariance = {}, .points = {}}; }
 

@@ -11,7 +11,6 @@ using namespace calomel::testing;
 using ::testing::HasSubstr;
 
 namespace {
-constexpr double never = -std::numeric_limits<double>::infinity();
 }
 
 TEST(DelayedAcceptance, OneStageIsMetropolis) {

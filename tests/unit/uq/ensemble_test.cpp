@@ -14,7 +14,6 @@ using ::testing::HasSubstr;
 
 namespace {
 
-const double never = -std::numeric_limits<double>::infinity();
 SamplerOptions ensemble(int warmup, int draws, int thin) { return {.kind = "ensemble", .warmup = warmup, .draws = draws, .thin = thin}; }
 SamplerStart at(std::size_t d, double place) { return {.mean = Eigen::VectorXd::Constant(Eigen::Index(d), place), .covariance = {}, .points = {}}; }
 

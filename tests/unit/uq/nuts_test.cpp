@@ -16,7 +16,6 @@ using ::testing::HasSubstr;
 
 namespace {
 
-const double never = -std::numeric_limits<double>::infinity();
 
 /// Ten normals of sds 1, 2, ... 10, and an exponential behind a wall as the last.
 Sloped walled() {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "uq/sensitivity/sensitivity.hpp"
 
@@ -12,7 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Three parameters on [-1, 3]; its one value is their sum.
 class Sum : public ForwardModel {

@@ -16,7 +16,6 @@ using ::testing::HasSubstr;
 
 namespace {
 
-const double never = -std::numeric_limits<double>::infinity();
 SamplerOptions smc(int chains, int draws) { return {.kind = "smc", .chains = chains, .warmup = 500, .draws = draws, .thin = 1}; }
 SamplerStart at(std::size_t d, double place) { return {.mean = Eigen::VectorXd::Constant(Eigen::Index(d), place), .covariance = {}, .points = {}}; }
 

@@ -152,6 +152,20 @@ TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   EXPECT_EQ(judge(base, {x}).ranking[0].name, "unknown");
 }
 
+// Two emulators are not of one noise: what a name accounts for is measured under the errors of its own fit, which are the narrower ones here.
+TEST(Verdict, WhatANameAccountsForIsMeasuredUnderOneCovariance) {
+  BaseEvidence base = poor();
+  base.chi2 = 265;  // by an emulator so noisy that 200 are above that of nothing missing
+  Explanation x = beam();
+  x.chi2 = 65 + 20;  // a tenth of them
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);  // plausible in itself
+  x.chi2 = 65 + 80;
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
+  x.base_chi2 = 65 + 2000;
+  EXPECT_DOUBLE_EQ(*share_explained(base, x), 0.96);
+  EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named) << judge(base, {x}).reason;
+}
+
 // A weak effect: the base model explains the records within their errors, and there is no excess of chi-squared to take away; the evidence alone speaks.
 TEST(Verdict, AWeakEffectIsNamedByItsEvidenceWhereTheBaseModelIsAdequate) {
   BaseEvidence base = good();
