@@ -14,8 +14,7 @@ endfunction()
 calomel_precompiled(calomel_precompiled)
 
 # One static library a folder: calomel_library(mesh SOURCES a.cpp b.cpp LINKS calomel::base Eigen3::Eigen)
-# More than half of the time of compiling is headers: half a dozen files are compiled as one, by everybody, for a name that two of them have shows only there. Test programs, whose files call
-# their cases and helpers alike, are compiled file by file.
+# More than half of the time of compiling is headers: half a dozen files are compiled as one, by everybody, for a name that two of them have shows only there.
 function(calomel_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(calomel_${name} STATIC ${ARG_SOURCES})
@@ -27,7 +26,7 @@ function(calomel_library name)
   target_compile_options(calomel_${name} PRIVATE -Wall -Wextra -Wno-psabi -Wno-missing-field-initializers)
   target_link_libraries(calomel_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   target_precompile_headers(calomel_${name} REUSE_FROM calomel_precompiled)
-  set_target_properties(calomel_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(calomel_${name} PROPERTIES UNITY_BUILD ${CALOMEL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
   set_property(GLOBAL APPEND PROPERTY CALOMEL_LIBRARIES calomel_${name})
 endfunction()
 
@@ -58,12 +57,12 @@ macro(calomel_precompiled_tests)
 endmacro()
 
 # One test program a folder: calomel_test(unit_mesh SOURCES mesh_test.cpp LINKS calomel::mesh LABELS unit)
-# SETS_UP names a fixture that another test requires: that one runs after all of these.
+# SETS_UP names a fixture that another test requires: that one runs after all of these. ALONE lists files whose helpers have names that others have, too: each is compiled by itself.
 function(calomel_test name)
-  cmake_parse_arguments(ARG "" "SETS_UP" "SOURCES;LINKS;LABELS" ${ARGN})
-  add_executable(test_${name} ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "SETS_UP" "SOURCES;ALONE;LINKS;LABELS" ${ARGN})
+  add_executable(test_${name} ${ARG_SOURCES} ${ARG_ALONE})
   target_compile_options(test_${name} PRIVATE ${CALOMEL_TEST_OPTIONS})
-  foreach(source ${ARG_SOURCES})  # only where it is used: a path in the command makes a compiler cache useless for another copy of the tree
+  foreach(source ${ARG_SOURCES} ${ARG_ALONE})  # only where it is used: a path in the command makes a compiler cache useless for another copy of the tree
     file(STRINGS ${source} uses REGEX CALOMEL_SOURCE_DIR)
     if(uses)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS CALOMEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -72,6 +71,8 @@ function(calomel_test name)
   endforeach()
   target_link_libraries(test_${name} PRIVATE ${ARG_LINKS} GTest::gtest GTest::gmock GTest::gtest_main)
   target_precompile_headers(test_${name} REUSE_FROM calomel_precompiled_tests)
+  set_target_properties(test_${name} PROPERTIES UNITY_BUILD ${CALOMEL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   include(GoogleTest)
   set(properties LABELS "${ARG_LABELS}")
   if(ARG_SETS_UP)
