@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Diagnoses of box slices whose concealed physics has the library's own form. Needs Python 3 alone.
+"""Diagnoses of targets whose concealed physics has the library's own form. Needs Python 3 alone.
 
-  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--element 0.5e-3] [--threads N]
+  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--target slice|jet_flow] [--element 0.5e-3] [--threads N]
   own_form.py diagnose BUILD_DIR WORK_DIR --draws 1,2,3 [--threads N] [--set table.key=value]...
-  own_form.py table    WORK_DIR --draws 1,2,3
+  own_form.py table    WORK_DIR --draws 1,2,3 [--target slice|jet_flow]
 
 `calomel challenge` asks whether physics of another code, in another form than the library's, is named. Where a name is missed there it may be the form or the engine. Here the form is right: draw n conceals
 mechanism n modulo 10 of a list (nothing at 0; what is added to the histories, earlier pulses and faults of a gauge, is linear in the engine and not among them), with numbers drawn within its ranges, and make_recordings plays the experiment with this solver on elements of `--element`, another time step, and a
-modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
+modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. Targets are box slices, or half of a jet-flow target in three dimensions with twelve gauges, for which there is no other code. What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
 effect (as the challenge does: relative L2 of the mean records with and without it after a Hann window of 50 us, mean over the gauges, by ensemble means on the case's own mesh), the verdict, and the numbers beside the true ones.
 A call that is cut off goes on where it stopped.
 """
@@ -68,9 +68,8 @@ EFFECTS = (
 )
 
 
-def draw_case(draw, element):
-    """The case, the truth file of make_recordings, its [parameter], and the mechanism with its numbers."""
-    r = random.Random(f"own form {draw}")
+def slice_target(r, draw):
+    """The case, the target that effects are drawn for, and the peak pressure."""
     length, height = 0.001 * r.randrange(90, 111), 0.001 * r.randrange(32, 41)
     front, top, bottom = (0.001 * r.choice((3, 4, 5)) for _ in range(3))
     gauges, sensors = [], ""
@@ -82,18 +81,105 @@ def draw_case(draw, element):
     target = {"length": length, "height": height, "gauges": gauges}
     peak = r.uniform(20e6, 30e6)
     case = CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=peak, middle=height * r.uniform(0.45, 0.55), width=height * r.uniform(0.3, 0.42), sensors=sensors)
-    case = case.replace("max = 16000.0", "max = 13600.0").replace("min = 10000.0", "min = 1350.0").replace("min = 1000.0", "min = 500.0").replace("max = 2000.0", "max = 4000.0")
+    return case.replace("max = 16000.0", "max = 13600.0").replace("min = 10000.0", "min = 1350.0").replace("min = 1000.0", "min = 500.0").replace("max = 2000.0", "max = 4000.0"), target, peak
+
+
+def jet_target(r, draw):
+    """The same of half a jet-flow target: dimensions, beam, and places and directions of the gauges about those of examples/03_jet_flow."""
+    length, width, height, wall = r.uniform(0.5, 0.6), r.uniform(0.36, 0.44), r.uniform(0.10, 0.14), r.choice((0.004, 0.005, 0.006))
+    gauges, sensors = [], ""
+    for name, x, y, top, direction in JET_GAUGES:
+        gauges.append(name)
+        place = (length * (x + r.uniform(-0.02, 0.02)), 0.0 if y == 0 else width * (y + r.uniform(-0.02, 0.02)), height if top else 0.0)
+        sensors += '[[sensor]]\nname = "{}"\nposition = [{:.4f}, {:.4f}, {:.4f}]\ndirection = {}\ngauge_length = 0.006\n'.format(name, *place, direction)
+    peak = r.uniform(20e6, 30e6)
+    case = JET.format(draw=draw, length=length, width=width, height=height, wall=wall, peak=peak, middle=height * r.uniform(0.45, 0.55), wide=r.uniform(0.05, 0.065), high=r.uniform(0.017, 0.023), sensors=sensors)
+    return case, {"length": length, "height": height, "gauges": gauges}, peak
+
+
+JET = """[case]
+name = "concealed jet-flow target {draw}"
+[geometry]
+kind = "jet_flow"
+half = true
+rear = "non_reflecting"
+length = {length:.4f}
+width = {width:.4f}
+height = {height:.4f}
+wall = {wall}
+window = 0.003
+element_size = 0.010
+[material.mercury]
+density = 13500.0
+sound_speed = 1450.0
+tensile_cutoff = 1.5e5
+[load]
+kind = "initial_pressure"
+peak_pressure = {peak:.4e}
+profile = {{ center = [0.0, {middle:.4f}], widths = [{wide:.4f}, {high:.4f}] }}
+[time]
+end = 0.3e-3
+output_interval = 2e-6
+[solver]
+precision = "single"
+{sensors}[recordings]
+file = "records_{draw}.nc"
+[campaign]
+pulses = 2
+[emulator]
+element_sizes = [0.010, 0.007]
+[parameter.tensile_cutoff]
+min = 0.0
+max = 1.5e6
+nominal = 1.5e5
+[parameter.density]
+min = 1350.0
+max = 13600.0
+nominal = 13500.0
+[parameter.sound_speed]
+min = 500.0
+max = 4000.0
+nominal = 1450.0
+"""
+# Name, place along and across in lengths and widths, whether on top, direction.
+JET_GAUGES = (("B", 0.18, 0, True, "[1, 0, 0]"), ("C", 0.27, 0.15, True, "[0, 1, 0]"), ("E", 0.24, 0.30, True, "[1, 1, 0]"), ("F", 0.40, 0, True, "[1, 0, 0]"), ("G", 0.47, 0.25, True, "[0, 1, 0]"),
+              ("M", 0.60, 0.12, True, "[1, 0, 0]"), ("R", 0.16, 0.08, False, "[1, 0, 0]"), ("T", 0.22, 0.22, False, "[0, 1, 0]"), ("U", 0.33, 0, False, "[0, 1, 0]"), ("V", 0.36, 0.32, False, "[1, -1, 0]"),
+              ("Y", 0.51, 0.15, False, "[1, 0, 0]"), ("Z", 0.65, 0.28, False, "[1, 1, 0]"))
+
+
+def whole_wall(r, _):
+    return {"wall": f'"{r.choice(("top", "bottom", "front"))}"'}
+
+
+JET_EFFECTS = (
+    ("none", None),
+    ("beam_profile", lambda r, _: {"offset_z": either_way(r, 1e-3, 4e-3), "width_ratio_z": math.exp(either_way(r, 0.05, 0.12))}),
+    ("rear_reflection", lambda r, _: {"coefficient": either_way(r, 0.2, 0.6)}),
+    ("bubbly_liquid", lambda r, _: {"alpha0": log_uniform(r, 3e-5, 3e-4), "radius": log_uniform(r, 3e-5, 2e-4), "ambient_pressure": r.uniform(1e5, 3e5)}),
+    ("none", None),
+    ("structural_damping", lambda r, _: {"loss": r.uniform(0.03, 0.08), "frequency": log_uniform(r, 8e3, 4e4)}),
+    ("interface", lambda r, _: {"strength": r.uniform(0, 5e4), **whole_wall(r, _)}),
+    ("wall_thinning", lambda r, _: {"fraction": r.uniform(0.1, 0.3), **whole_wall(r, _)}),
+)
+TARGETS = {"slice": (slice_target, EFFECTS, 0.001, "1e-6"), "jet_flow": (jet_target, JET_EFFECTS, 0.010, "2e-6")}  # the case's element size, the records' interval
+
+
+def draw_case(draw, kind, element):
+    """The case, the truth file of make_recordings, its [parameter], and the mechanism with its numbers."""
+    make, effects, own_element, interval = TARGETS[kind]
+    r = random.Random(f"own form {draw}" if kind == "slice" else f"own form {kind} {draw}")
+    case, target, peak = make(r, draw)
     true = {"density": r.uniform(13250, 13590), "sound_speed": r.uniform(1405, 1490), "tensile_cutoff": log_uniform(r, 8e4, 4e5)}
     unlike = [f"material.steel.young={193e9 * (1 + 0.015 * max(-2, min(2, r.gauss(0, 1)))):.6g}", f"material.mercury.regularising_viscosity={log_uniform(r, 500, 4000):.6g}",
               "material.mercury.least_mesh_viscosity=0", f"load.peak_pressure={peak * (1 + 0.01 * r.gauss(0, 1)):.6g}", f"load.pulse_length={0.7e-6 * r.uniform(0.9, 1.1):.6g}"]
-    name, numbers = EFFECTS[draw % len(EFFECTS)]
+    name, numbers = effects[draw % len(effects)]
     numbers = numbers(r, target) if numbers else {}
     unlike += concealed(name, numbers)
     lines = ["[parameter]"] + [f"{n} = {v:.8g}" for n, v in true.items()]
-    lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / 0.001:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}", "sample_interval = 1e-6",
+    lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / own_element:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}", f"sample_interval = {interval}",
               "energy_sd = 0.015", f"noise_time = {log_uniform(r, 2e-6, 8e-6):.4g}", "resolution = 1e-8", "place_sd = 0.3e-3", "gain_sd = 0.01", "unlike = [" + ", ".join(f"'{u}'" for u in unlike) + "]"]
     noise = r.choice((2e-6, 3e-6, 4e-6))
-    lines += ["[pulses]"] + [f"{s} = {PULSES}" for s in gauges] + ["[noise]"] + [f"{s} = {noise * (3 if r.randrange(6) == 0 else 1)}" for s in gauges]
+    lines += ["[pulses]"] + [f"{s} = {PULSES}" for s in target["gauges"]] + ["[noise]"] + [f"{s} = {noise * (3 if r.randrange(6) == 0 else 1)}" for s in target["gauges"]]
     return case, "\n".join(lines) + "\n", true, name, numbers
 
 
@@ -112,7 +198,7 @@ def record(args):
         if os.path.exists(records):
             continue
         os.makedirs(place, exist_ok=True)
-        case, truth, true, name, numbers = draw_case(draw, args.element)
+        case, truth, true, name, numbers = draw_case(draw, args.target, args.element)
         for end, text in (("case.toml", case), ("truth.toml", truth)):
             with open(os.path.join(place, end), "w") as f:
                 f.write(text)
@@ -169,7 +255,7 @@ def table(args):
             continue
         with open(path) as f:
             d = json.load(f)
-        _, _, true, name, numbers = draw_case(draw, args.element)
+        _, _, true, name, numbers = draw_case(draw, args.target, args.element)
         after = d["base_parameters"]["after"]
         off = ", ".join(f"{(after[n]['mean'] - t) / after[n]['sd']:+.1f}" for n, t in true.items())
         ranked = [r for r in d["ranking"] if r["name"] not in ("none", "unknown")]
@@ -189,10 +275,12 @@ def main():
     p.add_argument("what", choices=("record", "diagnose", "table"))
     p.add_argument("places", nargs="+", metavar="BUILD_DIR WORK_DIR")
     p.add_argument("--draws", required=True, type=lambda s: [int(x) for part in s.split(",") for x in (range(int(part.split("-")[0]), int(part.split("-")[1]) + 1) if "-" in part else [part])])
-    p.add_argument("--element", type=float, default=0.5e-3)
+    p.add_argument("--target", choices=tuple(TARGETS), default="slice")
+    p.add_argument("--element", type=float, help="of the records [m]; default 0.5e-3, of a jet-flow target 5e-3")
     p.add_argument("--set", action="append", default=[])
     p.add_argument("--threads", type=int, default=1)
     args = p.parse_args()
+    args.element = args.element or (0.5e-3 if args.target == "slice" else 5e-3)
     args.work, args.build = os.path.abspath(args.places[-1]), os.path.abspath(args.places[0])
     os.makedirs(args.work, exist_ok=True)
     {"record": record, "diagnose": diagnose, "table": table}[args.what](args)
