@@ -57,7 +57,7 @@ struct Gates {
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
-  double misfit = 1;            ///< of the records with a name over that without it, where nothing was left out of the fit: it has to be below
+  double misfit = 1;            ///< of the records with a name over that without it: it has to be below
   double held_out = 0.4;        ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least. What imitates an effect does not predict them
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible

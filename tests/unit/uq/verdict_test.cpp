@@ -120,12 +120,8 @@ TEST(Verdict, SaysUnknownForEachReason) {
   mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
   EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
-  x = beam(), x.misfit = 0.2, x.held_out.reset();
+  x = beam(), x.misfit = 0.2;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("the records are not nearer: their misfit is 20 % and was 20 %"));
-  x.held_out = 0.19;  // where gauges are left out, these tell: the records' misfit does not know what of it the errors allow for
-  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named) << reason(poor(), {x});
-  x.misfit = 0.22, x.held_out = 0.2;
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("gain too little by it"));
   x = beam(), x.held_out = 0.17;  // the records lose 96 % of the square, what is left out 28 %
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("gauges that were left out of the fit gain too little"));
   x.of_a_gauge = true;  // which predicts nothing of the others
