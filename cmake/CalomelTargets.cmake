@@ -60,9 +60,10 @@ endmacro()
 # SETS_UP names a fixture that another test requires: that one runs after all of these. ALONE lists files whose helpers have names that others have, too: each is compiled by itself.
 function(calomel_test name)
   cmake_parse_arguments(ARG "" "SETS_UP" "SOURCES;ALONE;LINKS;LABELS" ${ARGN})
-  add_executable(test_${name} ${ARG_SOURCES} ${ARG_ALONE})
+  list(APPEND ARG_SOURCES ${ARG_ALONE})
+  add_executable(test_${name} ${ARG_SOURCES})
   target_compile_options(test_${name} PRIVATE ${CALOMEL_TEST_OPTIONS})
-  foreach(source ${ARG_SOURCES} ${ARG_ALONE})  # only where it is used: a path in the command makes a compiler cache useless for another copy of the tree
+  foreach(source ${ARG_SOURCES})  # only where it is used: a path in the command makes a compiler cache useless for another copy of the tree
     file(STRINGS ${source} uses REGEX CALOMEL_SOURCE_DIR)
     if(uses)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS CALOMEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -226,7 +226,7 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   const Json& d = summary_of(study);
   const std::string verdict = text_at(d, "verdict");
   std::string s = fmt::format("<p>Verdict: <strong>{}</strong>. {}</p>\n", escape_html(verdict), escape_html(meaning(verdict)));
-  if (text_at(d, "status", "done") != "done") s += "<p class=\"missing\"><strong>Not to be trusted:</strong> " + escape_html(unsettled_fit(d)) + ".</p>\n";
+  if (text_at(d, "status", "done") != "done") s += missing("<strong>Not to be trusted:</strong> " + escape_html(unsettled_fit(d)) + ".");
   if (const Json& ranking = list_at(d, "ranking"); verdict == "unknown" && !ranking.empty() && text_at(ranking[0], "name") != "unknown" && !text_at(ranking[0], "why").empty())
     s += fmt::format("<p>The most probable of what was tried, {}, is not named: {}</p>\n", escape_html(title_of(ranking[0])), escape_html(lower_first(text_at(ranking[0], "why"))));
 
@@ -251,8 +251,7 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
 
   s += heading("Every gauge\u2019s record");
   if (!study.diagnosis->histories)
-    s += "<p class=\"missing\">diagnosis.nc is missing or belongs to another diagnosis, so the histories are not drawn. Make it with <code>calomel diagnose " + escape_html(input.case_file.empty() ? "CASE.toml" : input.case_file) +
-         "</code>; runs that were made are taken from the journal.</p>\n";
+    s += missing("diagnosis.nc is missing or belongs to another diagnosis, so the histories are not drawn.", "Make it with " + command(input, "diagnose") + "; runs that were made are taken from the journal.");
   else
     s += "<p>\u201cFitted without this gauge\u201d is a prediction: this gauge and those on its face took no part in the fit. An explanation that is right brings it nearer to the record, too. Drag across a plot to zoom in time.</p>\n"
          "<div id=\"diagnosis-controls\" class=\"controls\"></div>\n<div id=\"diagnosis-plots\" class=\"plots\"></div>\n";

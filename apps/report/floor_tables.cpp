@@ -88,7 +88,7 @@ Table floor_window_table(const Study& study, const ReportInput& input) {
 }
 
 std::string floor_section(const Study& study, const ReportInput& input, const std::string& how_to_measure) {
-  if (study.floor.is_null()) return "<p class=\"missing\">No repeatability floor has been measured (campaign.json, floor.json). " + how_to_measure + "</p>\n";
+  if (study.floor.is_null()) return missing("No repeatability floor has been measured (campaign.json, floor.json).", how_to_measure);
   const Json& records = list_at(study.floor, "sensors");
   const auto worst = std::max_element(records.begin(), records.end(), [](const Json& a, const Json& b) { return number_at(a, "relative") < number_at(b, "relative"); });
   const double mean = number_at(study.floor, "mean").value_or(0), most = number_at(study.floor, "worst").value_or(0);
@@ -102,9 +102,7 @@ std::string floor_section(const Study& study, const ReportInput& input, const st
        "size: what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision is good enough while its row "
        "stays below the floor.</p>\n";
   s += floor_sensor_table(study).html();
-  if (const Table t = floor_window_table(study, input); !t.empty())
-    s += "<details><summary>The floor by stretch of the record</summary>" + t.html() + "</details>\n";
-  return s;
+  return s + folded("The floor by stretch of the record", floor_window_table(study, input));
 }
 
 }  // namespace calomel

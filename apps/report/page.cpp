@@ -143,11 +143,6 @@ std::string what_was_run(const Study& study) {
   return done.empty() ? "" : "<p>What was run: " + enumeration(done) + ".</p>\n";
 }
 
-std::string figure(const std::string& id, const std::string& caption, const std::string& label) {
-  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id,
-                     escape_html(label), caption);
-}
-
 std::string section(const std::string& id, const std::string& title, const std::string& body) {
   return fmt::format("<section id=\"{0}\" aria-labelledby=\"{0}-title\">\n<h2 id=\"{0}-title\">{1}</h2>\n{2}</section>\n", id, title, body);
 }
@@ -194,7 +189,7 @@ std::string optimizer_comparison_section(const Study& study) {
   const Json figures = decay_json(study);
   std::string s;
   for (std::size_t i = 0; i < figures.size(); ++i)
-    s += figure("decay-plot-" + std::to_string(i),
+    s += plot("decay-plot-" + std::to_string(i),
                 "Best value so far against evaluations on " + escape_html(figures[i]["title"].get<std::string>()) +
                     ": mean of the trials, shaded three standard deviations to either side, cut at the frame.",
                 "Decay of the optimisers");
@@ -211,7 +206,7 @@ std::string convergence_section(const Study& study, const ReportInput& input) {
   std::string s;
   const Table table = optimizer_table(study);
   if (!convergence_table(study).empty())
-    s += figure("convergence-plot", "Best objective so far by generation, in the best round of each optimiser.", "Convergence of each optimiser");
+    s += plot("convergence-plot", "Best objective so far by generation, in the best round of each optimiser.", "Convergence of each optimiser");
   else
     s += missing("enc.json holds no traces of the optimisers.", "");
   if (const Table optimizers = optimizer_agreement_table(study); !optimizers.empty())
@@ -234,14 +229,13 @@ std::string candidate_section(const Study& study, const ReportInput& input) {
     s += missing("The \u03c1\u2013c ridge is drawn from the rounds of enc.json, which is missing.",
                  "Make it with " + command(input, "calibrate", "--method enc") + ".");
   else
-    s += figure(
+    s += plot(
         "ridge-plot",
         "Every round\u2019s best density and sound speed, coloured by the objective on the surrogate. The line is \u03c1c = const through the calibrated "
         "point: rounds that lie along it are told apart poorly by these records.",
         "Scatter of density and sound speed with the line of constant impedance");
-  if (const Table rounds = round_table(study, input); !rounds.empty())
-    s += "<details><summary>All " + std::to_string(rounds.rows.size()) + " rounds</summary>" + rounds.html() + "</details>\n";
-  return s;
+  const Table rounds = round_table(study, input);
+  return s + folded("All " + std::to_string(rounds.rows.size()) + " rounds", rounds);
 }
 
 /// What SPE's own surrogates are worth; empty where it has not been run.
@@ -250,9 +244,8 @@ std::string polynomial_section(const Study& study, const ReportInput& input) {
   if (const Table t = polynomial_error_table(study); !t.empty()) s += t.html();
   if (const Table t = lambda_table(study); !t.empty()) s += t.html();
   if (const Table t = mode_table(study, input); !t.empty()) s += t.html();
-  if (const Table t = polynomial_table(study); !t.empty())
-    s += "<details><summary>All " + std::to_string(t.rows.size()) + " polynomial surrogates</summary>" + t.html() + "</details>\n";
-  return s;
+  const Table polynomials = polynomial_table(study);
+  return s + folded("All " + std::to_string(polynomials.rows.size()) + " polynomial surrogates", polynomials);
 }
 
 std::string surrogate_section(const Study& study, const ReportInput& input) {
@@ -261,7 +254,7 @@ std::string surrogate_section(const Study& study, const ReportInput& input) {
   const Table table = surrogate_table(study, input);
   std::string s = table.empty() ? missing("train.json lists no surrogates.", "") : table.html();
   if (!loss_table(study).empty())
-    s += figure(
+    s += plot(
         "loss-plot",
         "Training and test loss by epoch, logarithmic. Losses of different networks are of different quantities: compare their shapes, not their heights.",
         "Training loss");
@@ -282,7 +275,7 @@ std::string campaign_section(const Study& study, const ReportInput& input) {
     s += missing("campaign.json is missing.", "");
   }
   if (!study.runs) return s + missing("campaign.nc is missing, so the design is not drawn.", "Make it with " + command(input, "campaign") + ".");
-  s += figure("design-plot", "Design: the parameters of every run, each pair of them. Failed runs are crosses.", "Scatter of the campaign's design");
+  s += plot("design-plot", "Design: the parameters of every run, each pair of them. Failed runs are crosses.", "Scatter of the campaign's design");
   if (const Table t = failure_table(study, 50); !t.empty()) s += t.html();
   if (const Table t = scatter_table(study, input); !t.empty()) s += t.html();
   return s;

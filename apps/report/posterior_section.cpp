@@ -138,7 +138,7 @@ std::string posterior_section(const Study& study, const ReportInput& input) {
     s += plot("prior-plot",
               "Before the records, grey and dashed, and after them, blue. Each curve is scaled to its own greatest value, so that both can be seen.",
               "Prior and posterior density of every parameter");
-    s += "<details><summary>The same in numbers</summary>" + t.html() + "</details>\n";
+    s += folded("The same in numbers", t);
   }
   s += "<h3>Which values go together?</h3>\n" + cut(study) + corner(study, input) + published_paragraph(study, input) + predicted(study);
   s += "<h3>Have the chains converged?</h3>\n";

@@ -84,7 +84,7 @@ std::vector<Whole> whole_of(const Study& study) {
 /// Which parameter the records hang on, what parameters do together, which hardly matter.
 std::string what_came_out(const Study& study) {
   const auto list = whole_of(study);
-  if (list.empty()) return "<p class=\"missing\">sensitivity.json holds no index of all records, for nothing varies.</p>\n";
+  if (list.empty()) return missing("sensitivity.json holds no index of all records, for nothing varies.");
   double alone = 0;
   for (const auto& w : list) alone += w.alone;
   std::string s = "<p class=\"outcome\">Of all the variation of the records, <strong>" + escape_html(list[0].parameter) + "</strong> has a part in " +
@@ -286,8 +286,8 @@ Table morris_table(const Study& study, const ReportInput& input) {
 }
 
 std::string sensitivity_section(const Study& study, const ReportInput& input) {
-  const std::string command = "<code>calomel sensitivity " + escape_html(input.case_file.empty() ? "CASE.toml" : input.case_file) + "</code>";
-  if (!study.sensitivity) return "<p class=\"missing\">No sensitivity has been computed (sensitivity.json). Compute it with " + command + ".</p>\n";
+  const std::string again = command(input, "sensitivity");
+  if (!study.sensitivity) return missing("No sensitivity has been computed (sensitivity.json).", "Compute it with " + again + ".");
   std::string s = what_came_out(study) + bounds_sentence(study, input);
   if (has_curves(study)) {
     s += plot("sensitivity-map",
@@ -300,7 +300,7 @@ std::string sensitivity_section(const Study& study, const ReportInput& input) {
               "together. Below: standard deviation of the record as the parameters vary.",
               "Curves of the indices over time at one gauge");
   } else if (study.sensitivity->time.empty()) {
-    s += "<p class=\"missing\">sensitivity.nc is missing or belongs to another analysis, so nothing is drawn over time. Make it with " + command + ".</p>\n";
+    s += missing("sensitivity.nc is missing or belongs to another analysis, so nothing is drawn over time.", "Make it with " + again + ".");
   }
   if (const Table t = total_order_table(study, "record"); !t.empty()) s += t.html();
   s += folded("First-order indices beside them", sensitivity_table(study));

@@ -58,17 +58,18 @@ output_interval = 1e-6
 precision = "single"
 {sensors}[recordings]
 file = "records_{draw}.nc"
-[parameter.tensile_cutoff]
+"""
+PARAMETERS = """[parameter.tensile_cutoff]
 min = 0.0
 max = 1.5e6
 nominal = 1.5e5
 [parameter.density]
-min = 10000.0
-max = 16000.0
+min = {density[0]}
+max = {density[1]}
 nominal = 13500.0
 [parameter.sound_speed]
-min = 1000.0
-max = 2000.0
+min = {speed[0]}
+max = {speed[1]}
 nominal = 1450.0
 """
 SENSOR = '[[sensor]]\nname = "{name}"\nposition = [{x:.4f}, 0.0, {z:.4f}]\ndirection = {direction}\ngauge_length = 0.002\n'
@@ -91,7 +92,7 @@ def draw_slice(draw, element):
     sensors += SENSOR.format(name="W", x=0, z=height * r.uniform(0.45, 0.65), direction="[0, 0, 1]")
     peak = r.uniform(20e6, 30e6)
     case = CASE.format(draw=draw, length=length, height=height, front=front, top=top, bottom=bottom, peak=peak, middle=height * r.uniform(0.45, 0.55),
-                       width=height * r.uniform(0.28, 0.4), sensors=sensors)
+                       width=height * r.uniform(0.28, 0.4), sensors=sensors) + PARAMETERS.format(density=(10000.0, 16000.0), speed=(1000.0, 2000.0))
     truth = {"density": r.uniform(12500, 14000), "sound_speed": r.uniform(1380, 1520), "tensile_cutoff": math.exp(r.uniform(math.log(8e4), math.log(3e5)))}
     truth = {n: float(f"{v:.6g}") for n, v in truth.items()}
     young, viscosity = 193e9 * (1 + 0.015 * r.gauss(0, 1)), 2000 * math.exp(0.6 * r.gauss(0, 1))

@@ -105,7 +105,7 @@ std::string tables_of(const Alternative& a) {
 
 /// Both sentences of a verdict that names one thing.
 PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const Misfits& m) {
-  const std::string falls = fmt::format("the misfit of the records {} from {} to {}{}", m.after < 0.99 * m.before ? "falls" : "goes", percent(m.before), percent(m.after), held_out_part(a, m));
+  const std::string falls = fmt::format("the misfit of the records falls from {} to {}{}", percent(m.before), percent(m.after), held_out_part(a, m));
   std::vector<std::string> gauges{a.sensor};
   gauges.insert(gauges.end(), a.other_sensors.begin(), a.other_sensors.end());
   if (!a.sensor.empty())
@@ -350,7 +350,7 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
     case VerdictKind::ambiguous: {
       std::vector<std::string> all;
       for (const auto& name : names) all.push_back(with_key(*alternative(d, name), groups));
-      told = {fmt::format("The simulation leaves something out, but these records do not tell whether it is {}: with any one of them the misfit {}, from {} to {} with the first.", listed(all, "or"), m.after < 0.99 * m.before ? "falls" : "changes", percent(m.before),
+      told = {fmt::format("The simulation leaves something out, but these records do not tell whether it is {}: with any one of them the misfit falls, from {} to {} with the first.", listed(all, "or"), percent(m.before),
                           percent(m.after)),
               "To tell them apart: " + d.separating + '.'};
       break;
