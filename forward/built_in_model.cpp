@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "base/json.hpp"
+#include "forward/mechanism/correction.hpp"
 #include "forward/mechanism/left_states.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/sensor/channel.hpp"
@@ -189,7 +190,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   });
   for_active(at, [&](const EnabledMechanism& m) {
     if (!m.entry->liquid) return;
-    if (s.liquid_law) throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
+    if (s.liquid_law && m.entry != &correction()) throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
     s.liquid_law = m.entry->liquid(m.values, s);
   });
   return s;

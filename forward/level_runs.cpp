@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "forward/mechanism/correction.hpp"
 #include "forward/mechanism/mechanism.hpp"
 
 namespace calomel {
@@ -21,7 +22,7 @@ void enable(ForwardCase& c, const std::string& key) {
   if (!key.starts_with(prefix)) return;
   const std::string name = key.substr(prefix.size(), key.find('.', prefix.size()) - prefix.size());
   if (c.enables(name)) return;
-  const MechanismEntry& entry = mechanisms().get(name, key);
+  const MechanismEntry& entry = name.starts_with("correction_") ? correction() : mechanisms().get(name, key);
   c.mechanisms.push_back({name, &entry, MechanismValues(entry.keys)});
 }
 

@@ -13,6 +13,7 @@
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
+#include "forward/correction_groups.hpp"
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
@@ -41,6 +42,7 @@ ExitStatus diagnose_stage(StageCall& call) {
     };
     const DiagnosisInputs in{.base = *base,
                              .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward),
+                             .terms = quick ? std::vector<ParameterGroup>{} : correction_groups(study.forward),
                              .run = run,
                              .options = study.diagnosis,
                              .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },

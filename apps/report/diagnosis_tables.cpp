@@ -178,6 +178,14 @@ Table reason_table(const Study& study) {
   return t;
 }
 
+Table missing_table(const Study& study) {
+  Table t{.id = "diagnosis_missing", .caption = "Terms that would do what is missing, the one that says most first."};
+  t.columns = {{"what", "Change of", 4, true}, {"place", "Where", 4, true}, {"value", "By", 4, true}, {"log_bayes_factor", "Evidence beside those above", 3}};
+  for (const auto& m : list_at(part_at(summary_of(study), "missing"), "terms")) t.rows.push_back({text_at(m, "what"), text_at(m, "place"), text_at(m, "value"), number_at(m, "log_bayes_factor")});
+  t.note = "Estimates to first order about the base fit, with one standard deviation. A term stands for physics without a name: look for what could do the same there. Places are parts that were laid down beforehand; what is missing may be smaller, or reach beyond.";
+  return t;
+}
+
 Table effect_table(const Study& study) {
   Table t{.id = "diagnosis_effects", .caption = "The numbers that were found, of every explanation that was fitted."};
   t.columns = {{"explanation", "Explanation", 4, true}, {"number", "Number", 4, true}, {"value", "Found", 4, true}, {"off", "In the simulation as it is", 4, true}, {"deviations", "Apart [sd]", -1}, {"doc", "What it is", 4, true}};
@@ -247,6 +255,10 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   s += heading("What");
   s += plot("probability-bars", "Probability of each explanation among all that are listed. Dark: the verdict, which asks for more than to lead; the reasons are below.", "Bars of the probabilities");
   s += explanation_table(study).html() + reason_table(study).html();
+  if (const auto sentence = text_at(part_at(d, "missing"), "sentence"); !sentence.empty()) {
+    s += heading("What is missing acts like this") + paragraph(sentence);
+    if (const Table t = missing_table(study); !t.empty()) s += t.html();
+  }
   if (const Table t = effect_table(study); !t.empty()) s += t.rows.size() > 8 ? folded(fmt::format("All {} numbers that were found", t.rows.size()), t) : t.html();
 
   s += heading("Every gauge\u2019s record");

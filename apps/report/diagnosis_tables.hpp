@@ -18,6 +18,8 @@ Table band_table(const Study& study);
 Table explanation_table(const Study& study);
 /// Why each is named or is not, and what would change that.
 Table reason_table(const Study& study);
+/// The terms that would do what is missing, where the verdict is unknown.
+Table missing_table(const Study& study);
 /// Every number of the explanations that were fitted.
 Table effect_table(const Study& study);
 /// The case's own parameters by the handbook, before and after, with their distances from the handbook in its deviations.

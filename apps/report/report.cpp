@@ -112,7 +112,7 @@ std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path&
         score_table(study, input, "mae"), mesh_table(study, input), agreement_table(study), place_table(study), effort_table(study), nuisance_table(study), emulator_table(study), share_table(study), hypothesis_table(study), optimizer_agreement_table(study), formulation_table(study, input), trial_table(study), decay_table(study), optimizer_table(study), convergence_table(study), round_table(study, input), candidate_table(study, input),
         surrogate_table(study, input), polynomial_error_table(study), polynomial_table(study), lambda_table(study), mode_table(study, input), loss_table(study), design_table(study), failure_table(study, std::size_t(-1)), scatter_table(study, input), floor_table(study),
         floor_sensor_table(study), posterior_table(study, input), prior_table(study, input), floor_window_table(study, input), mismatch_table(study), mismatch_map_table(study), band_table(study), explanation_table(study),
-        reason_table(study), effect_table(study), handbook_table(study, input), sensitivity_table(study), morris_table(study, input)})
+        reason_table(study), missing_table(study), effect_table(study), handbook_table(study, input), sensitivity_table(study), morris_table(study, input)})
     write(t.id, t.empty() ? "" : t.csv());
   write("histories", histories_csv(study, input));
   write("diagnosis_histories", diagnosis_histories_csv(study, input));

@@ -101,6 +101,9 @@ struct RunSetup {
   /// Time constants of a pair that comes apart at the wetted_cutoff [s]: beyond that traction it pulls with K tau / l times the rate of its gap, tau being
   /// parting_time while the gap grows and meeting_time while it closes, l the thickness of mercury that moves with the wall (half an element). 0: at once.
   double parting_time = 0, meeting_time = 0;
+  /// What nodes carry and lose beside the materials, by mesh node: mass [kg], and drag of their motion [kg/s]; empty: none. Drag of the motion of mercury along steel, by row of
+  /// Mesh::slip [kg/s]; empty: none.
+  std::vector<double> node_mass, node_damping, slip_drag;
   std::vector<double> energies{1.0};                  ///< relative pulse energy of each run, 1 to 8
   double end = 0, output_interval = 0;                ///< [s]
 

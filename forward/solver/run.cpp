@@ -98,6 +98,33 @@ void Run<R>::damp_motion(std::size_t begin, std::size_t end) {
   }
 }
 
+template <class R>
+void Run<R>::drag_slip() {
+  const std::size_t stride = packed_.stride(), width = packed_.width();
+  dragged_ = 0;
+  for (std::size_t i = 0; i < mesh_.slip.size(); ++i) {
+    const SlipPair& pair = mesh_.slip[i];
+    if (setup_.slip_drag[i] == 0) continue;
+    const auto steel = std::size_t(packed_.layout.to_solver[std::size_t(pair.steel)]), mercury = std::size_t(packed_.layout.to_solver[std::size_t(pair.mercury)]);
+    const double together = mass_[steel] * mass_[mercury] / (mass_[steel] + mass_[mercury]), taken = -std::expm1(-dt_ * setup_.slip_drag[i] / together);
+    for (std::size_t l = 0; l < stride; ++l) {
+      R *of_steel = v_.data() + steel * width + l, *of_mercury = v_.data() + mercury * width + l;
+      Vec3 along;  // velocity of the mercury against the steel, without what it has along the normals
+      for (std::size_t c = 0; c < 3; ++c) along[c] = double(of_mercury[c * stride]) - double(of_steel[c * stride]);
+      for (int k = 0; k < pair.count; ++k) {
+        const Vec3& n = pair.normals[std::size_t(k)];
+        const double normal = along[0] * n[0] + along[1] * n[1] + along[2] * n[2];
+        for (std::size_t c = 0; c < 3; ++c) along[c] -= normal * n[c];
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double impulse = taken * together * along[c];
+        of_steel[c * stride] += R(impulse / mass_[steel]), of_mercury[c * stride] -= R(impulse / mass_[mercury]);
+        dragged_ += along[c] * impulse * (1 - 0.5 * taken);
+      }
+    }
+  }
+}
+
 /// Of nodes: dx/dt = v - x / time is solved exactly over a step, in which v is constant.
 template <class R>
 void Run<R>::relax(std::size_t begin, std::size_t end) {
@@ -128,6 +155,7 @@ EnergyTerms Run<R>::energies(std::int64_t n) const {
   for (std::size_t b = 0; b < blocks; ++b) sum.add(terms[b]);
   for (std::size_t c = 0; c < chunk_count(outer); ++c) sum.add(terms[blocks_.size() + c]);
   for (const double d : damped_) sum.damped_after += d;
+  sum.damped_after += dragged_;
   return sum;
 }
 

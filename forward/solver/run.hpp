@@ -50,8 +50,11 @@ class Run {
   [[nodiscard]] StepPair<R> step(std::int64_t n, R* scratch) const;
   void advance_block(std::size_t block, const StepPair<R>& step);
   void advance_chunk(std::size_t chunk, const StepPair<R>& step);
-  /// Mass-proportional damping of the steel and its relaxing branches, on one of `parts` equal parts of the nodes.
+  /// Damping of the nodes' motion and the steel's relaxing branches, on one of `parts` equal parts of the nodes.
   void damp_nodes(std::size_t part, std::size_t parts);
+  [[nodiscard]] bool drags_slip() const { return !setup_.slip_drag.empty(); }
+  /// Drag of the mercury along wetted faces, after damp_nodes.
+  void drag_slip();
   /// Energies of step n, the last one done, summed in a fixed order; of slow blocks at outer steps only.
   [[nodiscard]] EnergyTerms energies(std::int64_t n) const;
 
@@ -136,6 +139,7 @@ class Run {
   std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0, slow_chunks_ = 0;
   std::array<std::vector<EnergyTerms>, 2> energies_;  ///< by parity of the step: of blocks, then of chunks
   std::vector<double> damped_;  ///< energy taken by damp_motion, by stretch of the nodes [J]
+  double dragged_ = 0;          ///< by drag_slip [J]
   std::vector<AlignedArray<R>> branch_;  ///< x of each relaxing branch of the steel
   AlignedArray<R> relaxing_;             ///< sum of share times x
   std::vector<Branch<R>> branches_;

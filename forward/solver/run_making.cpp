@@ -32,6 +32,8 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
   expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
+  for (const auto* by_node : {&setup.node_mass, &setup.node_damping}) expect(by_node->empty() || by_node->size() == mesh.nodes.size(), "what nodes carry and lose is given for every node");
+  expect(setup.slip_drag.empty() || setup.slip_drag.size() == mesh.slip.size(), "a drag is given for every slip pair");
   expect(setup.slip_hold.empty() || setup.slip_hold.size() == setup.slip_strength.size(), "what is held apart is given for every slip pair, where strengths are");
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
@@ -67,17 +69,19 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
   const Layout& layout = packed_.layout;
   mass_.resize(std::size_t(layout.nodes)), parted_mass_.resize(mass_.size());
   inverse_mass_ = AlignedArray<R>(mass_.size());
-  const bool damped = setup_.steel_mass_damping != 0;
+  const auto by_node = [&](const std::vector<double>& values, std::size_t n) { return values.empty() ? 0 : values[n]; };
+  const bool damped = setup_.steel_mass_damping != 0 || !setup_.node_damping.empty();
   if (damped) motion_factor_.resize(mass_.size()), damped_.resize(node_chunks(mass_.size()));
-  std::vector<double> steel(mass_.size(), 0);
+  std::vector<double> drag(mass_.size(), 0);  // [kg/s]
   for (std::size_t n = 0; n < mesh_.nodes.size(); ++n) {
     const auto s = std::size_t(layout.to_solver[n]);
     const double of_steel = setup_.steel_density * volumes.steel[n];
-    steel[s] += of_steel, mass_[s] += of_steel + setup_.liquid_density * volumes.liquid[n];
+    drag[s] += setup_.steel_mass_damping * of_steel + by_node(setup_.node_damping, n);
+    mass_[s] += of_steel + setup_.liquid_density * volumes.liquid[n] + by_node(setup_.node_mass, n);
   }
   for (std::size_t s = 0; s < mass_.size(); ++s) {
     parted_mass_[s] = mass_[s], inverse_mass_[s] = R(1 / mass_[s]);
-    if (damped) motion_factor_[s] = std::exp(-setup_.steel_mass_damping * dt_ * steel[s] / mass_[s]);
+    if (damped) motion_factor_[s] = std::exp(-dt_ * drag[s] / mass_[s]);
   }
 }
 

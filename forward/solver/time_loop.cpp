@@ -139,6 +139,10 @@ class TimeLoop {
         run_.damp_nodes(me, all);
         wait();
       }
+      if (run_.drags_slip()) {
+        if (t == 0) run_.drag_slip();
+        wait();
+      }
       if (options_.energy_balance && t == 0) balance_.add(run_.energies(n), s.outer, n <= run_.subcycles(), has_initial_state_);
     }
   }

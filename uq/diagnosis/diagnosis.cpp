@@ -25,6 +25,7 @@ constexpr double worth_fitting = 3;            ///< log Bayes factor to first or
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
 constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
+constexpr int of_runs = 10;                    ///< one part in so many of diagnosis.max_runs is kept for what is missing
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
 /// A history as it is kept, and as it is reckoned with.
@@ -54,7 +55,8 @@ struct Fitted {
 
 class Engine {
  public:
-  explicit Engine(const DiagnosisInputs& in) : in_(in), own_(in.base.problem.shape.parameters.size()), groups_(in.groups) {}
+  explicit Engine(const DiagnosisInputs& in)
+      : in_(in), own_(in.base.problem.shape.parameters.size()), runs_for_fits_(in.terms.empty() ? in.options.max_runs : in.options.max_runs - in.options.max_runs / of_runs), groups_(in.groups) {}
 
   Diagnosis run() {
     say("base fit");
@@ -72,6 +74,7 @@ class Engine {
     if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
     hold_out_verdict();
     locate_all();
+    describe_missing();
     out_.separating = separating_measurement(out_, in_.base.problem);
     out_.runs = runs_;
     return std::move(out_);
@@ -144,7 +147,7 @@ class Engine {
   /// Whether an explanation of this log Bayes factor could lead what was fitted so far.
   [[nodiscard]] bool may_lead(double worth) const { return worth > worth_fitting && worth > best_so_far() - hopeless; }
   void describe_base();
-  [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added);
+  [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups);
   void ask_all();
   void fit_linear();
   void fit_linear(const Question& q, const Alternative* on_top_of = nullptr);
@@ -161,9 +164,11 @@ class Engine {
   void hold_out(Alternative& c);
   void hold_out_verdict();
   void locate_all();
+  void describe_missing();
 
   const DiagnosisInputs& in_;
   const std::size_t own_;  ///< the case's own parameters
+  const int runs_for_fits_;
   std::vector<ParameterGroup> groups_;  ///< those that are offered, and behind them the parts of single gauges that are fitted
   Diagnosis out_;
   Eigen::MatrixXd places_;
@@ -188,10 +193,10 @@ void Engine::describe_base() {
 }
 
 /// Questions about a fit with these numbers added.
-QuestionInputs Engine::about(const PosteriorFit& fit, std::vector<AddedParameter> added) {
+QuestionInputs Engine::about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups) {
   return {.fit = fit,
           .problem = in_.base.problem,
-          .groups = in_.groups,
+          .groups = groups,
           .level = in_.base.levels > 1 ? 1 : 0,
           .run = [this, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> further) {
             std::vector<AddedParameter> all = added;
@@ -202,7 +207,7 @@ QuestionInputs Engine::about(const PosteriorFit& fit, std::vector<AddedParameter
 
 void Engine::ask_all() {
   say("what each mechanism would be worth, to first order");
-  Answers answers = ask(about(out_.base, {}));
+  Answers answers = ask(about(out_.base, {}, in_.groups));
   asked_ = std::move(answers.questions);
   out_.skipped.insert(out_.skipped.end(), answers.skipped.begin(), answers.skipped.end());
   for (const auto& q : asked_)
@@ -226,7 +231,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   const int before = runs_, more = int(q.numbers.size()) + 2;
   for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
     c->settled = c->settled && about.stays;
-    if (about.stays || round == most_linearised || runs_ + more > in_.options.max_runs || !linearise(about, on_top_of)) break;
+    if (about.stays || round == most_linearised || runs_ + more > runs_for_fits_ || !linearise(about, on_top_of)) break;
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
@@ -273,9 +278,12 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
   c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
-  // The numbers themselves: what is left of the residual at this mode in their directions.
+  // The numbers themselves: what is left of the residual at this mode in their directions, with the parameters where they are, for the mode already has its freedom.
   const LogPosterior unmoved = below.under(plain);
-  const FirstOrder worth = FirstOrderModel(unmoved, m).worth(q.directions);
+  FirstOrder worth = FirstOrderModel(unmoved, m).worth(q.directions);
+  const std::size_t likeliest = with.likeliest(m.at);
+  const Eigen::MatrixXd whitened = unmoved.whiten(d, m.at, likeliest), normal = Eigen::MatrixXd::Identity(d.cols(), d.cols()) + whitened.transpose() * whitened;
+  worth.value = q.directions.prior_sd.cwiseProduct(Cholesky(normal).solve(Eigen::VectorXd(whitened.transpose() * unmoved.whitened_residual(m.at, likeliest))));
   if (on_top_of) c.explanation.farthest = on_top_of->explanation.farthest;
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
@@ -394,8 +402,8 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   }
   CandidatePlan plan = plan_candidate(*inputs, *below, groups_, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
-  if (runs_ + first_runs(plan) > in_.options.max_runs) {
-    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
+  if (runs_ + first_runs(plan) > runs_for_fits_) {
+    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of the {} that diagnosis.max_runs has for fits", c.explanation.name, first_runs(plan), runs_, runs_for_fits_));
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
@@ -407,7 +415,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
+    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < runs_for_fits_; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;
@@ -430,7 +438,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
-    out_.spent = out_.spent || (!c.settled && runs_ >= in_.options.max_runs);
+    out_.spent = out_.spent || (!c.settled && runs_ >= runs_for_fits_);
     c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
@@ -477,7 +485,7 @@ void Engine::fit_pair() {
   const Alternative below = *first;
   const Fitted& f = fits_.at(below.explanation.name);
   say(fmt::format("what each mechanism would be worth on top of {}, to first order", below.explanation.name));
-  QuestionInputs in = about(f.fit, f.added);
+  QuestionInputs in = about(f.fit, f.added, in_.groups);
   in.except = below.groups[0];
   auto questions = ask(in).questions;
   // Where runs cost little several are fitted, gauges last: on top of what already explains much, first order says little.
@@ -519,7 +527,7 @@ void Engine::hold_out_verdict() {
       if (c.held_out_worth[i] > best[i]) best[i] = c.held_out_worth[i], after[i] = c.held_out[2 * i + 1];
   const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
   if (named) out_.held_out_after = held_out_->mean(after);
-  const auto fit = named ? fits_.find(out_.candidates[0].explanation.name) : fits_.end();
+  const auto fit = named ? fits_.find(out_.verdict.mechanisms[0]) : fits_.end();
   out_.held_out_conditions = held_out_->by_condition(fit == fits_.end() ? nullptr : &fit->second.fit);
 }
 
@@ -530,6 +538,18 @@ void Engine::locate_all() {
   const Eigen::VectorXd r = out_.base.errors->data() - out_.base.prediction(m.at);
   const Eigen::MatrixXd j = posterior.jacobian(m.at);
   out_.location = locate(in_.base.problem, grid(), r, out_.base.errors->covariance() + density.variance * out_.base.noise + j * m.covariance * j.transpose(), 1);
+}
+
+/// Where nothing explains the records: which terms would.
+void Engine::describe_missing() {
+  if (out_.verdict.kind != VerdictKind::unknown || in_.terms.empty()) return;
+  if (const int runs = missing_terms_runs(in_.terms); runs_ + runs > in_.options.max_runs) {
+    out_.skipped.push_back(fmt::format("what is missing: it takes {} runs, and {} are spent of diagnosis.max_runs = {}", runs, runs_, in_.options.max_runs));
+    return;
+  }
+  say("which terms would do what is missing");
+  out_.missing = missing_terms(about(out_.base, {}, in_.terms));
+  for (auto& s : out_.missing->skipped) out_.skipped.push_back("what is missing: " + s);
 }
 
 }  // namespace

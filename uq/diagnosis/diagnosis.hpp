@@ -13,6 +13,7 @@
 #include "inverse/posterior/posterior_fit.hpp"
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/locate.hpp"
+#include "uq/diagnosis/missing_terms.hpp"
 #include "uq/diagnosis/question.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
@@ -22,13 +23,13 @@ struct Provenance;  // base/provenance.hpp
 
 /// `[diagnosis]` of a case file.
 struct DiagnosisOptions {
-  int max_runs = 2000;
+  int max_runs = 2200;
   int leaders = 4;
   bool pairs = true;
 
   template <class V>
   void visit(V& v) {
-    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
+    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most, of a target a tenth of them for what is missing where the verdict is unknown; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
     v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
   }
@@ -37,6 +38,7 @@ struct DiagnosisOptions {
 struct DiagnosisInputs {
   const PosteriorInputs& base;          ///< of the physical product; its box stands
   std::vector<ParameterGroup> groups;   ///< offered
+  std::vector<ParameterGroup> terms = {};  ///< by which what is missing is described where no group explains the records; may be empty
   RunAdded run;
   DiagnosisOptions options;
   std::function<void(const std::string&)> say;  ///< what is being done; may be empty
@@ -87,6 +89,7 @@ struct Diagnosis {
   int runs = 0;
   bool spent = false;                        ///< diagnosis.max_runs ended a fit before it had settled
   std::vector<std::string> skipped;          ///< what was not done, and why
+  std::optional<MissingTerms> missing;       ///< where the verdict is unknown and terms are offered
   std::string separating;                    ///< the measurement that would tell the first two apart
 
   /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's. Such a verdict is not to be acted on. A name does not

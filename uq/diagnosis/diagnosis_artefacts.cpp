@@ -126,6 +126,15 @@ Json by_scale_json(const EvidenceByScale& all) {
   return out;
 }
 
+/// null where it was not asked.
+Json missing_json(const std::optional<MissingTerms>& m) {
+  if (!m) return {};
+  Json terms = Json::array();
+  for (const auto& t : m->terms)
+    terms.push_back({{"what", t.what}, {"place", t.place}, {"unit", t.unit}, {"mean", number(t.value)}, {"sd", number(t.sd)}, {"value", plain_term(t)}, {"log_bayes_factor", number(t.log_bayes_factor)}});
+  return {{"terms", terms}, {"asked", m->asked}, {"misfit_before", number(m->misfit_before)}, {"misfit_after", number(m->misfit_after)}, {"sentence", plain_missing(*m)}};
+}
+
 }  // namespace
 
 Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provenance& provenance) {
@@ -182,6 +191,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"base_parameters", {{"before", by_name(d.base_parameters)}, {"after", by_name(named ? named->base_parameters : d.base_parameters)},
                                {"handbook", handbook_json(d, in.base.parameters)}}},
           {"absorbed", absorbed},
+          {"missing", missing_json(d.missing)},
           {"separating_measurement", d.separating},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
                         {"by_discrepancy", by_scale_json(d.evidence.by_scale)}}},

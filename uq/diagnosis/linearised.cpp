@@ -36,7 +36,6 @@ Eigen::MatrixXd Linearised::points(const ParameterGroup& group) const {
 void Linearised::learn(const Eigen::MatrixXd& thetas, const std::vector<RunRecord>& records, const Decimation& grid) {
   const auto n = Eigen::Index(q.numbers.size()), first = Eigen::Index(theta.size());
   const Eigen::VectorXd unmoved = records[0].history();
-  if (run_.size() > std::size_t(n) + 1) run_.erase(run_.begin(), run_.end() - (n + 1)), changes_.erase(changes_.begin(), changes_.end() - (n + 1));
   for (Eigen::Index i = 1; i < thetas.cols(); ++i) {
     Eigen::VectorXd& point = run_.emplace_back(n);
     for (Eigen::Index k = 0; k < n; ++k) {

@@ -15,7 +15,7 @@ constexpr double hardly = 3;  ///< log Bayes factor up to which nothing speaks f
 std::vector<Explanation> by_evidence(const Diagnosis& d) {
   std::vector<Explanation> all;
   for (const auto& c : d.candidates) all.push_back(c.explanation);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
+  sort_by_evidence(d.evidence, all);
   return all;
 }
 
@@ -62,6 +62,8 @@ ShownUnit shown_unit(const std::string& unit, double greatest) {
   if (unit == "Pa" && greatest >= 1e5) return {1e-6, "MPa"};
   if (unit == "Pa" && greatest >= 1e3) return {1e-3, "kPa"};
   if (unit == "Hz" && greatest >= 1e3) return {1e-3, "kHz"};
+  if (unit == "kg/m^2") return {1, "kg/m²"};
+  if (unit == "Pa s^2") return {1, "Pa s²"};
   return {1, unit};
 }
 
@@ -140,8 +142,9 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
     case Gate::explained:
       return {begin + fmt::format(" comes nearest, but accounts for only {:.0f} % of the mismatch.", 100 * share_explained(d.evidence, all[0], gates).value_or(0)), look};
     case Gate::remainder:
-    case Gate::probability:
       return {begin + " comes nearest, but with it the records are still not explained.", look};
+    case Gate::probability:
+      return {begin + fmt::format(" comes nearest, with a probability of {:.0f} %, which is not enough for a name.", 100 * probability_told(d.evidence, all, 0, gates)), look};
     case Gate::misfit:
       return {begin + " has the evidence, but with it the records are not nearer.", look};
     case Gate::held_out:
@@ -286,7 +289,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
   if (std::find(told.begin(), told.end(), name) != told.end()) {
     if (d.verdict.kind == VerdictKind::named) {
       const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !same_class(e, x); });
-      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*alternative(d, next->name), groups), b - next->log_bayes_factor);
+      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*alternative(d, next->name), groups), evidence_of_name(d.evidence, e, g) - evidence_of_name(d.evidence, *next, g));
       return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with evidence {:.3g}, and {}.", share, b, behind),
               fmt::format("Another explanation whose evidence comes within {:.0f} of it, or a record that it does not fit.", g.lead)};
     }
@@ -309,7 +312,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::numerical:
       return {"It is no physics: a number of the simulation's discretisation explains the records.", "Finer meshes (emulator.element_sizes)."};
     case Gate::rival:
-      return {fmt::format("{} explains the records better (evidence {:.3g} against {:.3g}).", capital(plain_name(best, groups)), all[0].log_bayes_factor, b),
+      return {fmt::format("{} explains the records better (evidence {:.3g} against {:.3g}).", capital(plain_name(best, groups)), evidence_of_name(d.evidence, all[0], g), evidence_of_name(d.evidence, e, g)),
               fmt::format("Records that speak for it and against {}.", plain_name(best, groups))};
     case Gate::numerical_rival:
       return {"A number of the simulation's discretisation explains the records nearly as well.", "Finer meshes (emulator.element_sizes)."};
@@ -329,11 +332,29 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::handbook:
       return {"With it the base parameters lie farther from the handbook than without it.", "Handbook values that are known to be other than the priors say."};
     case Gate::probability:
-      return {"With it the records are explained only beside a discrepancy so large that something else is more probable.", "A second effect beside it that accounts for the rest."};
+      return {fmt::format("It has a probability of {:.0f} %, where more than {:.0f} % is asked: something else, or with it something more, may be it as well.", 100 * probability_told(d.evidence, all, at, g), 100 * g.believed),
+              "Records that speak for it and against the others, or a second effect beside it that accounts for the rest."};
     case Gate::passed:
       return {d.verdict.reason.empty() ? std::string("It is not what the verdict names.") : sentence(d.verdict.reason), "A record or a measurement that speaks for it alone."};
   }
   return {};
+}
+
+std::string plain_term(const MissingTerm& t) {
+  const std::string sign = t.value < 0 ? "" : "+";
+  if (t.unit.empty()) return sign + with_sd(100 * t.value, 100 * t.sd, "%");
+  const auto unit = shown_unit(t.unit, std::max(std::abs(t.value), t.sd));
+  return sign + with_sd(unit.factor * t.value, unit.factor * t.sd, unit.name);
+}
+
+std::string plain_missing(const MissingTerms& m) {
+  if (m.terms.empty()) return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would do what is missing.", m.asked);
+  std::vector<std::string> all;
+  for (const auto& t : m.terms) all.push_back(fmt::format("of {} by {} {}", t.what, plain_term(t), t.place));
+  std::string told = fmt::format("What is missing acts like a change {}.", listed(all));
+  if (m.misfit_before > 0)
+    told += fmt::format(" With {} a run leaves a misfit of {}, where the base model leaves {}.", all.size() == 1 ? "it" : "them", percent(m.misfit_after), percent(m.misfit_before));
+  return told + " This describes an effect and its place; it is not a name.";
 }
 
 PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {

@@ -44,6 +44,11 @@ struct Why {
 };
 [[nodiscard]] Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& gates = {});
 
+/// "+12 ± 2 kg/m^2" of a term, as a change; a share in percent.
+[[nodiscard]] std::string plain_term(const MissingTerm& term);
+/// What is missing, in one sentence or two; says so where no term says anything.
+[[nodiscard]] std::string plain_missing(const MissingTerms& missing);
+
 /// A verdict in two sentences.
 struct PlainSummary {
   std::string finding, next_step;

@@ -46,7 +46,7 @@ std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanati
   std::vector<double> unknown{log_beyond(base.by_scale, 0)}, weights{of_base}, logs, priors;
   for (std::size_t i = 0; i < all.size(); ++i) unknown.push_back(log_beyond(all[i].by_scale, left)), weights.push_back((1 - of_base) * of_name[i]);
   std::vector<Ranked> out{{"none", g.prior_none, log_within(base.by_scale, 0)}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
-  for (std::size_t i = 0; i < all.size(); ++i) out.push_back({all[i].name, of_names * of_name[i], log_within(all[i].by_scale, left)});
+  for (std::size_t i = 0; i < all.size(); ++i) out.push_back({all[i].name, of_names * of_name[i], evidence_of_name(base, all[i], g)});
   for (const auto& r : out) logs.push_back(r.log_evidence / g.temperature), priors.push_back(r.probability);
   for (auto& x : unknown) x /= g.temperature;
   logs[1] = log_sum(unknown, weights);
@@ -73,6 +73,12 @@ double mean_scale(const EvidenceByScale& e) {
   double mean = 0;
   for (std::size_t i = 0; i < e.size(); ++i) mean += share[i] * e[i].scale;
   return mean;
+}
+
+double evidence_of_name(const BaseEvidence& base, const Explanation& e, const Gates& gates) { return log_within(e.by_scale, greatest_remainder(base, gates)); }
+
+void sort_by_evidence(const BaseEvidence& base, std::vector<Explanation>& all, const Gates& gates) {
+  std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return evidence_of_name(base, a, gates) > evidence_of_name(base, b, gates); });
 }
 
 double least_explained(const Gates& gates) { return 1 - gates.remainder * gates.remainder; }
@@ -106,13 +112,31 @@ std::optional<double> share_explained(const BaseEvidence& base, const Explanatio
   return std::clamp((before - e.chi2) / excess, 0.0, 1.0);
 }
 
+namespace {
+
+/// Whether the records do not tell two physical explanations apart, by what they predict or by their evidence.
+bool not_told_apart(const BaseEvidence& base, const Explanation& a, const Explanation& b, const Gates& g) {
+  return same_class(a, b) || (!a.numerical && !b.numerical && std::abs(evidence_of_name(base, a, g) - evidence_of_name(base, b, g)) < g.lead);
+}
+
+}  // namespace
+
+double probability_told(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
+  double sum = 0;
+  for (const auto& r : ranked(base, all, g))
+    for (const auto& e : all)
+      if (e.name == r.name && (&e == &all[i] || not_told_apart(base, all[i], e, g))) sum += r.probability;
+  return sum;
+}
+
 Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
   const Explanation& e = all[i];
   if (e.log_bayes_factor < g.log_bayes_factor) return e.fitted ? Gate::evidence : Gate::fitted;
   if (e.numerical) return Gate::numerical;
-  if (i > 0 && !same_class(all[0], e) && all[0].log_bayes_factor - e.log_bayes_factor >= g.lead) return Gate::rival;
-  const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return &x != &e && x.log_bayes_factor <= e.log_bayes_factor && !same_class(e, x); });
-  if (next != all.end() && next->numerical && e.log_bayes_factor - std::max(0.0, next->log_bayes_factor) < g.lead) return Gate::numerical_rival;
+  const double own = evidence_of_name(base, e, g);
+  if (i > 0 && !same_class(all[0], e) && evidence_of_name(base, all[0], g) - own >= g.lead) return Gate::rival;
+  const auto next = std::find_if(all.begin() + std::ptrdiff_t(i) + 1, all.end(), [&](const auto& x) { return !same_class(e, x); });
+  if (next != all.end() && next->numerical && own - evidence_of_name(base, *next, g) < g.lead) return Gate::numerical_rival;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
   if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
@@ -121,12 +145,12 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * share_gone(e.misfit, base.misfit)))) return Gate::held_out;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
-  if (ranked(base, all, g)[0].name == "unknown") return Gate::probability;
+  if (probability_told(base, all, i, g) <= g.believed) return Gate::probability;
   return Gate::passed;
 }
 
 Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gates& g) {
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.log_bayes_factor > b.log_bayes_factor; });
+  sort_by_evidence(base, all, g);
   Verdict v;
   v.ranking = ranked(base, all, g);
   const bool base_adequate = base.chi2 <= greatest_plausible(base, g);
@@ -143,7 +167,7 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
   if (all.empty()) return otherwise("nothing was offered that could");
   const Explanation& best = all[0];
   const auto next = std::find_if(all.begin() + 1, all.end(), [&](const auto& e) { return !same_class(best, e); });
-  const double lead = next == all.end() ? best.log_bayes_factor : best.log_bayes_factor - std::max(0.0, next->log_bayes_factor), explained = share_explained(base, best, g).value_or(0);
+  const double own = evidence_of_name(base, best, g), lead = next == all.end() ? own : own - evidence_of_name(base, *next, g), explained = share_explained(base, best, g).value_or(0);
   switch (gate_not_passed(base, all, 0, g)) {
     case Gate::fitted:
     case Gate::evidence:
@@ -169,13 +193,13 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::handbook:
       return unknown(fmt::format("{} would explain the records only with base parameters farther from the handbook than without it", best.name));
     case Gate::probability:
-      return unknown(fmt::format("{} comes nearest, but only with a discrepancy so large that something else is more probable", best.name));
+      return unknown(fmt::format("{} comes nearest, but has a probability of {:.0f} % only", best.name, 100 * probability_told(base, all, 0, g)));
     case Gate::rival:
     case Gate::passed:
       break;
   }
   for (const auto& e : all)
-    if (&e != &best && (same_class(best, e) || (lead < g.lead && best.log_bayes_factor - e.log_bayes_factor < g.lead && !e.numerical))) v.mechanisms.push_back(e.name);
+    if (&e != &best && not_told_apart(base, best, e, g)) v.mechanisms.push_back(e.name);
   v.mechanisms.insert(v.mechanisms.begin(), best.name);
   v.kind = v.mechanisms.size() == 1 ? VerdictKind::named : VerdictKind::ambiguous;
   v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * explained, best.log_bayes_factor, lead);

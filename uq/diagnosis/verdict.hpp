@@ -52,7 +52,7 @@ struct BaseEvidence {
 /// Numbers of the rule, frozen before cases are judged.
 struct Gates {
   double log_bayes_factor = 7;
-  double lead = 5;              ///< over the next explanation that is not of the same class
+  double lead = 5;              ///< of evidence_of_name over that of the next explanation that is not of the same class
   double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
@@ -64,7 +64,8 @@ struct Gates {
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
-  int revision = 2;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  double believed = 0.5;        ///< probability of what is named or not told apart, more than
+  int revision = 3;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
@@ -83,14 +84,24 @@ struct Verdict {
   std::string reason;                   ///< one sentence
 };
 
+/// Log evidence of an explanation with no more of a discrepancy than a name may leave, over that of the base model's whole: by this explanations are held against one another.
+/// With any discrepancy one that explains half of what another explains may be worth as much.
+[[nodiscard]] double evidence_of_name(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
+
+/// The greatest evidence_of_name first.
+void sort_by_evidence(const BaseEvidence& base, std::vector<Explanation>& all, const Gates& gates = {});
+
 /// Which of the rule's gates an explanation meets first that it does not pass.
 enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, misfit, held_out, plausible, handbook, probability };
 
-/// Of the i-th of all explanations, which stand in the order of their evidence, the best first. `rival`: the best is not of its class and leads it too far.
+/// Of the i-th of all explanations, which stand as sort_by_evidence leaves them. `rival`: the best is not of its class and leads it too far.
 [[nodiscard]] Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
 
 /// Share of what chi-squared has above that of nothing missing which an explanation takes away, 0 to 1; nothing where there is no such excess.
 [[nodiscard]] std::optional<double> share_explained(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
+
+/// Probability of the i-th explanation together with those that are not told apart from it.
+[[nodiscard]] double probability_told(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& gates = {});
 
 /// Whether no record of these gauges tells the two apart.
 [[nodiscard]] bool same_class(const Explanation& a, const Explanation& b);

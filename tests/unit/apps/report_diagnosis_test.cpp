@@ -57,6 +57,18 @@ TEST(ReportDiagnosis, ItsSentencesComeFirstAndItsSectionBeforeAllOthers) {
   }
 }
 
+TEST(ReportDiagnosis, WhatIsMissingIsDescribedWhereItIsNotKnown) {
+  for (const char* verdict : {"named", "none", "ambiguous", "unknown"}) {
+    const auto dir = scratch("missing");
+    const Study study = diagnosed(dir, verdict);
+    const bool unknown = verdict == std::string("unknown");
+    EXPECT_EQ(missing_table(study).rows.size(), unknown ? 1u : 0u) << verdict;
+    const std::string text = diagnosis_section(study, input());
+    EXPECT_EQ(text.find("What is missing acts like a change &lt;b&gt;.") != std::string::npos, unknown) << verdict;
+    EXPECT_EQ(text.find("<h3>What is missing") != std::string::npos, unknown) << verdict;
+  }
+}
+
 TEST(ReportDiagnosis, IsNotSpokenOfWhereThereIsNone) {
   const auto dir = scratch("no_diagnosis");
   const auto in = input();

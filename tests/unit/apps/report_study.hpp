@@ -303,7 +303,9 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
   for (const char* name : {"unknown", "none"})
     ranking.push_back({{"name", name}, {"probability", 0.01875}, {"log_evidence", -1.5}, {"parameters", Json::array()}, {"heldout_gain", 0.0}, {"why", "<i>because</i>"}, {"would_change", ""}});
   const Json before{{"density", {{"mean", 13905.0}, {"sd", 60.0}}}, {"sound_speed", {{"mean", 1455.0}, {"sd", 8.0}}}}, after{{"density", {{"mean", 13520.0}, {"sd", 70.0}}}, {"sound_speed", {{"mean", 1450.0}, {"sd", 9.0}}}};
+  const Json missing{{"sentence", "What is missing acts like a change <b>."}, {"terms", {{{"what", "mass"}, {"place", "on the top wall"}, {"value", "+4.67 \u00b1 0.69 kg/m\u00b2"}, {"log_bayes_factor", 8.1}}}}};
   const Json all{{"verdict", verdict},
+                 {"missing", verdict == "unknown" ? missing : Json()},
                  {"mechanisms", mechanisms},
                  {"reason", "beam_profile explains 92 %"},
                  {"summary", "The finding of " + verdict + ". The next step <now>."},

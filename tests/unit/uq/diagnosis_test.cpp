@@ -27,6 +27,7 @@ TEST(Diagnosis, NothingMissingIsNone) {
     EXPECT_EQ(d.verdict.kind, VerdictKind::none) << d.verdict.reason;
     EXPECT_DOUBLE_EQ(d.held_out_after, d.held_out_before);
     EXPECT_EQ(shown_explanation(d), nullptr);
+    EXPECT_FALSE(d.missing);
     // What is told of numbers is under the likelihood to the power that the evidences are taken to.
     const LogPosterior& posterior = *d.base.posterior;
     const Moments sharp = sampled_moments(posterior, d.base.modes[0], 1), weak = sampled_moments(posterior.to_the_power(0.5), d.base.modes[0], 1);
@@ -59,6 +60,7 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const Diagnosis d = experiment.diagnosed(folder);
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo"));
+  EXPECT_FALSE(d.missing);
   const Alternative& c = d.candidates[0];
   ASSERT_EQ(c.numbers.size(), 1u);
   EXPECT_NEAR(c.numbers[0].mean, 0.3, 3 * c.numbers[0].sd + 0.003);
@@ -296,6 +298,36 @@ TEST(Diagnosis, WhatNobodyOffersIsUnknown) {
   EXPECT_EQ(d.verdict.kind, VerdictKind::unknown) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, IsEmpty());
   EXPECT_EQ(d.base_history.size(), d.held_out_history.size());
+}
+
+// What is missing is described by the terms that would do it, and not where something is named or nothing is missing.
+TEST(Diagnosis, WhatIsMissingIsDescribedByTheTermsThatWouldDoIt) {
+  const auto folder = scratch("diagnosis_missing");
+  const Diagnosis d = Experiment(0.2, 0, 0.3, 1, 1).diagnosed(folder, {Experiment::groups()[0]});
+  ASSERT_EQ(d.verdict.kind, VerdictKind::unknown) << d.verdict.reason;
+  ASSERT_TRUE(d.missing);
+  ASSERT_EQ(d.missing->terms.size(), 2u);
+  for (const auto& t : d.missing->terms) {
+    EXPECT_NEAR(t.value, t.what == "foreignness" ? 0.3 : 0.2, 4 * t.sd + 0.01) << t.what;
+    EXPECT_GT(t.log_bayes_factor, 3);
+  }
+  EXPECT_LT(d.missing->misfit_after, 0.3 * d.missing->misfit_before);
+  EXPECT_EQ(d.missing->asked, 2u);
+  const Json json = read_json(folder / "diagnosis.json");
+  EXPECT_EQ(json["missing"]["terms"].size(), 2u);
+  EXPECT_THAT(json["missing"]["sentence"].get<std::string>(), ::testing::AllOf(::testing::HasSubstr("acts like a change of"), ::testing::HasSubstr("at the end"), ::testing::HasSubstr("not a name")));
+
+  const Diagnosis spent = Experiment(0, 0, 0.3, 1, 1).diagnosed({}, Experiment::groups(), {.max_runs = 10, .leaders = 2});
+  EXPECT_FALSE(spent.missing);
+  EXPECT_THAT(spent.skipped, ::testing::Contains(::testing::HasSubstr("what is missing: it takes 5 runs")));
+}
+
+TEST(Diagnosis, SaysSoWhereNoTermDoesWhatIsMissing) {
+  MissingTerms none{.asked = 135};
+  EXPECT_EQ(plain_missing(none), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would do what is missing.");
+  const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7}, share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
+  EXPECT_EQ(plain_term(mass), "-4.50 ± 0.70 kg/m²");
+  EXPECT_EQ(plain_term(share), "+3.10 ± 0.40 %");
 }
 
 TEST(Diagnosis, TwoConcealedEffectsAreNamedTogether) {

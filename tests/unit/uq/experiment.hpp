@@ -57,7 +57,7 @@ struct Experiment {
 
   /// The model with what is added, numbers of one name together, and a numerical noise that the same numbers always repeat.
   static RunRecord run(const Eigen::VectorXd& theta, int level, std::span<const AddedParameter> added, double noise) {
-    double echo = 0, drift = 0;
+    double echo = 0, drift = 0, foreign = 0;
     std::array<double, sensors> gain;
     gain.fill(1);
     for (std::size_t k = 0; k < added.size(); ++k) {
@@ -65,6 +65,8 @@ struct Experiment {
       const double value = theta[Eigen::Index(2 + k)];
       if (name == "echo.strength") echo += value;
       if (name == "drift.rate") drift += value;
+      if (name == "correction_1.foreign" || name == "correction_2.foreign") foreign += value;
+      if (name == "correction_1.late" || name == "correction_2.late") echo += value;
       for (std::size_t s = 0; s < sensors; ++s)
         if (name == "sensor_response.gain" && (key == "mechanism." + name || key == "mechanism.sensor_response.S" + std::to_string(s) + ".gain")) gain[s] += value;
     }
@@ -75,7 +77,7 @@ struct Experiment {
     for (std::size_t s = 0; s < sensors; ++s) {
       const auto error = ou_noise(times, 1e-6, 5e-6, random);
       for (std::size_t t = 0; t < times; ++t)
-        r.mean.push_back(float(gain[s] * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, 0) * (1 + 0.01 * level) + noise * error[t]));
+        r.mean.push_back(float(gain[s] * strain(s, 1e-6 * double(t), theta[0], theta[1], echo, drift, foreign) * (1 + 0.01 * level) + noise * error[t]));
     }
     return r;
   }
@@ -100,10 +102,14 @@ struct Experiment {
             {.name = "echo", .added = {added("echo", "strength", -1, 1, {0.25, -0.25})}},
             {.name = "sensor_response", .added = {added("sensor_response", "gain", -0.15, 0.15, {0.05})}, .by_sensor = true}};
   }
+  /// Terms that stand for what no group is.
+  static std::vector<ParameterGroup> terms() {
+    return {{.name = "lateness", .place = "at the end", .added = {added("correction_1", "late", -1, 1, {0.1})}}, {.name = "foreignness", .place = "everywhere", .added = {added("correction_1", "foreign", -1, 1, {0.1})}}};
+  }
   /// Writes its artefacts to `folder`, where there is one.
-  [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}) const {
+  [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}, std::vector<ParameterGroup> offered = groups(), DiagnosisOptions options = {.leaders = 2}) const {
     const PosteriorInputs fitted = base();
-    const DiagnosisInputs in{.base = fitted, .groups = groups(), .run = runs(), .options = {.leaders = 2}, .say = {}, .round = {}};
+    const DiagnosisInputs in{.base = fitted, .groups = std::move(offered), .terms = terms(), .run = runs(), .options = options, .say = {}, .round = {}};
     Diagnosis d = diagnose(in);
     if (folder.empty()) return d;
     const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};

@@ -19,6 +19,13 @@ BaseEvidence good() { return {.values = 100, .chi2 = 66, .misfit = 0.05, .held_o
 Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .by_scale = with_and_without(102, 97), .chi2 = 70, .misfit = 0.04, .held_out = 0.04, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
 Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .misfit = 0.18, .base_pull = 1, .fitted = true}; }
 
+/// The same with all of its evidence less by so much.
+Explanation weaker(Explanation e, double by) {
+  e.log_bayes_factor -= by;
+  for (auto& s : e.by_scale) s.log_evidence -= by;
+  return e;
+}
+
 TEST(Verdict, NamesWhatExplainsAndLeads) {
   const Verdict v = judge(poor(), {rear(), beam()});
   EXPECT_EQ(v.kind, VerdictKind::named);
@@ -117,7 +124,7 @@ TEST(Verdict, SaysUnknownForEachReason) {
   x = beam(), x.numerical = true, x.name = "numerics";
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("numerics"));
   Explanation mesh = beam();
-  mesh.name = "numerics", mesh.numerical = true, mesh.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
+  mesh = weaker(mesh, 0.9 * Gates{}.lead), mesh.name = "numerics", mesh.numerical = true;
   EXPECT_THAT(reason(poor(), {beam(), mesh}), HasSubstr("numerics explains as much"));
   EXPECT_THAT(reason(poor(), {}), HasSubstr("nothing was offered"));
   x = beam(), x.misfit = 0.2;
@@ -133,7 +140,7 @@ TEST(Verdict, SaysUnknownForEachReason) {
   x.beginning_before = 0.16;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("the first quarter of the records, left out of the fit, does not gain"));
   x = beam(), x.by_scale = with_and_without(-30, 100);
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("something else is more probable"));
+  EXPECT_THAT(reason(poor(), {x}), HasSubstr("has a probability of 0 % only"));
 }
 
 // No law is the target's to the last digit: what is left may be more than the errors, if it is small beside what the name accounts for.
@@ -198,12 +205,34 @@ TEST(Verdict, PartsOfTheEvidenceAreTheirOwnMeans) {
 }
 
 TEST(Verdict, NamesAClassAsAClass) {
-  Explanation near = beam(), twin = beam();
-  near.name = "interface", near.log_bayes_factor = beam().log_bayes_factor - 0.9 * Gates{}.lead;
+  Explanation near = weaker(beam(), 0.9 * Gates{}.lead), twin = weaker(beam(), 60);
+  near.name = "interface";
   EXPECT_EQ(judge(poor(), {beam(), near}).kind, VerdictKind::ambiguous);
   EXPECT_THAT(judge(poor(), {near, beam()}).mechanisms, ElementsAre("beam_profile", "interface"));
-  twin.name = "static_pressure", twin.log_bayes_factor = 40, twin.same_as = {"beam_profile"};
+  twin.name = "static_pressure", twin.same_as = {"beam_profile"};
   EXPECT_THAT(judge(poor(), {beam(), twin, rear()}).mechanisms, ElementsAre("beam_profile", "static_pressure"));
+}
+
+// With any discrepancy beside it what explains half may be worth nearly as much: they are held against each other with what a name may leave.
+TEST(Verdict, LeadsByWhatANameMayLeave) {
+  Explanation half = weaker(beam(), 0.5 * Gates{}.lead);
+  half.name = "rear_reflection", half.by_scale = with_and_without(60, 98), half.chi2 = 200;
+  const Verdict v = judge(poor(), {half, beam()});
+  EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
+  EXPECT_THAT(v.mechanisms, ElementsAre("beam_profile"));
+  half.log_bayes_factor = beam().log_bayes_factor + 3;  // more, with a discrepancy
+  EXPECT_THAT(judge(poor(), {half, beam()}).mechanisms, ElementsAre("beam_profile"));
+}
+
+// What the tool does not believe itself is no name.
+TEST(Verdict, ANameIsMoreProbableThanAllElseTogether) {
+  Explanation x = beam();
+  x.by_scale = with_and_without(100, 100.5);  // hardly likelier beside a discrepancy
+  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named) << judge(poor(), {x}).reason;
+  x.by_scale = with_and_without(100, 103);
+  const Verdict v = judge(poor(), {x});
+  EXPECT_EQ(v.kind, VerdictKind::unknown);
+  EXPECT_THAT(v.reason, HasSubstr("comes nearest, but has a probability of"));
 }
 
 }  // namespace
