@@ -255,11 +255,11 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   s += heading("What");
   s += plot("probability-bars", "Probability of each explanation among all that are listed. Dark: the verdict, which asks for more than to lead; the reasons are below.", "Bars of the probabilities");
   s += explanation_table(study).html() + reason_table(study).html();
+  if (const Table t = effect_table(study); !t.empty()) s += t.rows.size() > 8 ? folded(fmt::format("All {} numbers that were found", t.rows.size()), t) : t.html();
   if (const auto sentence = text_at(part_at(d, "missing"), "sentence"); !sentence.empty()) {
     s += heading("What is missing acts like this") + paragraph(sentence);
     if (const Table t = missing_table(study); !t.empty()) s += t.html();
   }
-  if (const Table t = effect_table(study); !t.empty()) s += t.rows.size() > 8 ? folded(fmt::format("All {} numbers that were found", t.rows.size()), t) : t.html();
 
   s += heading("Every gauge\u2019s record");
   if (!study.diagnosis->histories)

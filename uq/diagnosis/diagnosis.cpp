@@ -241,7 +241,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
     c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
   }
   c->runs = runs_ - before;
-  if (!c->settled && c->runs > 0) c->message = fmt::format("its numbers still moved after {} runs", c->runs);
+  if (!c->settled && c->runs > 0) c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);
   if (c->runs > 0 || on_top_of)
     say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name, c->explanation.log_bayes_factor, c->explanation.chi2,
                     out_.evidence.values, out_.evidence.chi2, c->runs));

@@ -6,13 +6,14 @@
 
 #include "forward/correction_groups.hpp"
 #include "uq/diagnosis/held_out.hpp"
+#include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr std::size_t most_terms = 3;
-constexpr double worth_telling = 3;    ///< log Bayes factor
+constexpr double worth_telling = Gates{}.lead;  ///< log Bayes factor: what a name has to lead by
 
 AddedDirections joined(const std::vector<const Question*>& questions) {
   AddedDirections all;
@@ -46,8 +47,10 @@ class Telling {
       if (std::find(taken_.begin(), taken_.end(), &q) != taken_.end()) continue;
       std::vector<const Question*> with = taken_;
       with.push_back(&q);
-      const double gain = first_order_.worth(joined(with)).log_bayes_factor - before - std::log(double(questions_.size()));
-      if (gain > most) most = gain, best = &q;
+      const FirstOrder worth = first_order_.worth(joined(with));
+      const Parameter& number = in_.groups[q.group].added[0].parameter;
+      const double gain = worth.log_bayes_factor - before - std::log(double(questions_.size())), value = *number.nominal + worth.value[worth.value.size() - 1];
+      if (gain > most && value >= number.min && value <= number.max) most = gain, best = &q;  // what no law allows is no description
     }
     if (!best) return false;
     taken_.push_back(best);

@@ -23,7 +23,7 @@ struct MissingTerms {
 };
 
 /// Terms are taken one by one, each the one that says most beside those before it, to first order about the fit, while its log Bayes factor over them less the logarithm of how many
-/// were asked about is above 3; three at most. The model is then run with them, where the first order puts them and the parameters. `in.groups`: one number each. Errors: those of `ask`.
+/// were asked about is above 5, what a name has to lead by, and its number within what its law allows; three at most. The model is then run with them, where the first order puts them and the parameters. `in.groups`: one number each. Errors: those of `ask`.
 [[nodiscard]] MissingTerms missing_terms(const QuestionInputs& in);
 
 /// Runs that this takes.
