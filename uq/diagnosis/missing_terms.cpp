@@ -1,7 +1,10 @@
 #include "uq/diagnosis/missing_terms.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "forward/correction_groups.hpp"
@@ -31,7 +34,10 @@ class Telling {
 
   MissingTerms told() {
     Answers answers = ask(in_);
-    questions_ = std::move(answers.questions), out_.skipped = std::move(answers.skipped), out_.asked = questions_.size();
+    questions_ = std::move(answers.questions), out_.asked = questions_.size();
+    std::map<std::string, std::size_t> reasons;  // behind the term's label
+    for (const auto& s : answers.skipped) ++reasons[s.substr(s.find(": ") + 2)];
+    for (const auto& [reason, count] : reasons) out_.skipped.push_back(fmt::format("{} of {} terms: {}", count, in_.groups.size(), reason));
     while (taken_.size() < most_terms && take_next()) continue;
     if (!taken_.empty()) describe();
     return std::move(out_);
