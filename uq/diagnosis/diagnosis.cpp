@@ -25,7 +25,6 @@ constexpr double worth_fitting = 3;            ///< log Bayes factor to first or
 constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 constexpr std::size_t gauges_tried = 2;        ///< beside the one that says most to first order
 constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
-constexpr int of_runs = 10;                    ///< one part in so many of diagnosis.max_runs is kept for what is missing
 constexpr double alike = 4;                    ///< distance in standard deviations below which two explanations are one class
 
 /// A history as it is kept, and as it is reckoned with.
@@ -55,8 +54,7 @@ struct Fitted {
 
 class Engine {
  public:
-  explicit Engine(const DiagnosisInputs& in)
-      : in_(in), own_(in.base.problem.shape.parameters.size()), runs_for_fits_(in.terms.empty() ? in.options.max_runs : in.options.max_runs - in.options.max_runs / of_runs), groups_(in.groups) {}
+  explicit Engine(const DiagnosisInputs& in) : in_(in), own_(in.base.problem.shape.parameters.size()), groups_(in.groups) {}
 
   Diagnosis run() {
     say("base fit");
@@ -168,7 +166,6 @@ class Engine {
 
   const DiagnosisInputs& in_;
   const std::size_t own_;  ///< the case's own parameters
-  const int runs_for_fits_;
   std::vector<ParameterGroup> groups_;  ///< those that are offered, and behind them the parts of single gauges that are fitted
   Diagnosis out_;
   Eigen::MatrixXd places_;
@@ -231,7 +228,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   const int before = runs_, more = int(q.numbers.size()) + 2;
   for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
     c->settled = c->settled && about.stays;
-    if (about.stays || round == most_linearised || runs_ + more > runs_for_fits_ || !linearise(about, on_top_of)) break;
+    if (about.stays || round == most_linearised || runs_ + more > in_.options.max_runs || !linearise(about, on_top_of)) break;
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
@@ -402,8 +399,8 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   }
   CandidatePlan plan = plan_candidate(*inputs, *below, groups_, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
-  if (runs_ + first_runs(plan) > runs_for_fits_) {
-    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of the {} that diagnosis.max_runs has for fits", c.explanation.name, first_runs(plan), runs_, runs_for_fits_));
+  if (runs_ + first_runs(plan) > in_.options.max_runs) {
+    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
@@ -415,7 +412,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < runs_for_fits_; });
+    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;
@@ -438,7 +435,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
-    out_.spent = out_.spent || (!c.settled && runs_ >= runs_for_fits_);
+    out_.spent = out_.spent || (!c.settled && runs_ >= in_.options.max_runs);
     c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
@@ -542,9 +539,9 @@ void Engine::locate_all() {
 
 /// Where nothing explains the records: which terms would.
 void Engine::describe_missing() {
-  if (out_.verdict.kind != VerdictKind::unknown || in_.terms.empty()) return;
-  if (const int runs = missing_terms_runs(in_.terms); runs_ + runs > in_.options.max_runs) {
-    out_.skipped.push_back(fmt::format("what is missing: it takes {} runs, and {} are spent of diagnosis.max_runs = {}", runs, runs_, in_.options.max_runs));
+  if (out_.verdict.kind != VerdictKind::unknown || in_.terms.empty() || in_.options.term_runs == 0) return;
+  if (const int runs = missing_terms_runs(in_.terms); runs > in_.options.term_runs) {
+    out_.skipped.push_back(fmt::format("what is missing: its terms take {} runs, and diagnosis.term_runs is {}", runs, in_.options.term_runs));
     return;
   }
   say("which terms would do what is missing");

@@ -23,15 +23,17 @@ struct Provenance;  // base/provenance.hpp
 
 /// `[diagnosis]` of a case file.
 struct DiagnosisOptions {
-  int max_runs = 2200;
+  int max_runs = 2000;
   int leaders = 4;
   bool pairs = true;
+  int term_runs = 200;
 
   template <class V>
   void visit(V& v) {
-    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most, of a target a tenth of them for what is missing where the verdict is unknown; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
+    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
     v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records"});
+    v("term_runs", term_runs, {.range = between(0, 1000000), .doc = "runs of the coarser mesh at most, beyond max_runs, for the terms that describe what is missing where the verdict on a target is unknown; 0 = none"});
   }
 };
 

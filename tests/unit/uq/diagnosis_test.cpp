@@ -337,9 +337,9 @@ TEST(Diagnosis, WhatIsMissingIsDescribedByTheTermsThatWouldDoIt) {
   EXPECT_EQ(json["missing"]["terms"].size(), 2u);
   EXPECT_THAT(json["missing"]["sentence"].get<std::string>(), ::testing::AllOf(::testing::HasSubstr("acts like a change of"), ::testing::HasSubstr("at the end"), ::testing::HasSubstr("not a name")));
 
-  const Diagnosis spent = Experiment(0, 0, 0.3, 1, 1).diagnosed({}, Experiment::groups(), {.max_runs = 10, .leaders = 2});
+  const Diagnosis spent = Experiment(0, 0, 0.3, 1, 1).diagnosed({}, Experiment::groups(), {.leaders = 2, .term_runs = 4});
   EXPECT_FALSE(spent.missing);
-  EXPECT_THAT(spent.skipped, ::testing::Contains(::testing::HasSubstr("what is missing: it takes 5 runs")));
+  EXPECT_THAT(spent.skipped, ::testing::Contains(::testing::HasSubstr("what is missing: its terms take 5 runs")));
 }
 
 TEST(Diagnosis, SaysSoWhereNoTermDoesWhatIsMissing) {
