@@ -352,9 +352,11 @@ std::string plain_missing(const MissingTerms& m) {
   std::vector<std::string> all;
   for (const auto& t : m.terms) all.push_back(fmt::format("of {} by {} {}", t.what, plain_term(t), t.place));
   std::string told = fmt::format("What is missing acts like a change {}.", listed(all));
-  if (m.misfit_before > 0)
-    told += fmt::format(" With {} a run leaves a misfit of {}, where the base model leaves {}.", all.size() == 1 ? "it" : "them", percent(m.misfit_after), percent(m.misfit_before));
-  return told + " This describes an effect and its place; it is not a name.";
+  const std::string with = all.size() == 1 ? "it" : "them";
+  if (!(m.misfit_before > 0)) return told + " It holds where the effect is small alone: no run with " + with + " came through. This is a hint, not a name.";
+  const std::string compared = fmt::format("a misfit of {}, where the base model leaves {}", percent(m.misfit_after), percent(m.misfit_before));
+  if (m.misfit_after < m.misfit_before) return told + " With " + with + " a run leaves " + compared + ". This describes an effect and its place; it is not a name.";
+  return told + " It holds where the effect is small alone: a run with " + with + " does not come nearer to the records (" + compared + "). This is a hint of the place at most, not a name.";
 }
 
 PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {

@@ -348,6 +348,13 @@ TEST(Diagnosis, SaysSoWhereNoTermDoesWhatIsMissing) {
   const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7}, share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
   EXPECT_EQ(plain_term(mass), "-4.50 ± 0.70 kg/m²");
   EXPECT_EQ(plain_term(share), "+3.10 ± 0.40 %");
+  MissingTerms told{.terms = {mass}, .asked = 135, .misfit_before = 0.05, .misfit_after = 0.04};
+  EXPECT_EQ(plain_missing(told),
+            "What is missing acts like a change of mass by -4.50 ± 0.70 kg/m² on the top wall. With it a run leaves a misfit of 4.0 %, where the base model leaves 5.0 %. This describes an effect and its place; it is not a name.");
+  told.misfit_after = 0.06;
+  EXPECT_THAT(plain_missing(told), ::testing::HasSubstr("a run with it does not come nearer to the records (a misfit of 6.0 %, where the base model leaves 5.0 %)"));
+  told.misfit_before = told.misfit_after = 0;  // it failed
+  EXPECT_THAT(plain_missing(told), ::testing::HasSubstr("no run with it came through"));
 }
 
 TEST(Diagnosis, TwoConcealedEffectsAreNamedTogether) {
