@@ -27,15 +27,14 @@ constexpr Term terms[] = {{"stiffness", "bulk modulus", false},
                           {"damping", "drag on its motion", true},
                           {"slip", "drag of the mercury along it", true}};
 
-/// A place with the keys that name it.
+/// A place with the keys of a correction that name it.
 struct Place {
   std::string word;
   std::vector<std::pair<std::string, double>> keys;
 };
 
 Place zone(std::string word, double x0, double x1, double z0, double z1) {
-  const std::string p = "mechanism.correction_1.";
-  return {std::move(word), {{p + "x_begin", x0}, {p + "x_end", x1}, {p + "z_begin", z0}, {p + "z_end", z1}}};
+  return {std::move(word), {{"x_begin", x0}, {"x_end", x1}, {"z_begin", z0}, {"z_end", z1}}};
 }
 
 std::string millimetres(double begin, double end) { return fmt::format("{:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end); }
@@ -65,16 +64,15 @@ std::vector<Place> places_in_mercury(const GeometryOptions& g) {
 
 std::vector<Place> places_on_walls(const GeometryOptions& g) {
   std::vector<Place> all;
-  const std::string p = "mechanism.correction_1.";
   for (std::size_t w = 0; w < wall_names().size(); ++w) {
     const std::string& wall = wall_names()[w];
     if (!g.has_wall(wall)) continue;
-    all.push_back({fmt::format("on the {} wall", wall), {{p + "wall", double(w)}, {p + "begin", -anywhere}, {p + "end", anywhere}}});
+    all.push_back({fmt::format("on the {} wall", wall), {{"wall", double(w)}, {"begin", -anywhere}, {"end", anywhere}}});
     const bool upright = wall == "front" || wall == "rear";
     const auto length = upright ? g.height : g.length;
     for (int i = 0; g.kind == "box" && wall != "side" && length && i < parts_of_wall; ++i) {
       const double begin = *length * i / parts_of_wall, end = *length * (i + 1) / parts_of_wall;
-      all.push_back({fmt::format("on the {} wall, {} = {}", wall, upright ? 'z' : 'x', millimetres(begin, end)), {{p + "wall", double(w)}, {p + "begin", begin}, {p + "end", end}}});
+      all.push_back({fmt::format("on the {} wall, {} = {}", wall, upright ? 'z' : 'x', millimetres(begin, end)), {{"wall", double(w)}, {"begin", begin}, {"end", end}}});
     }
   }
   return all;
@@ -89,9 +87,10 @@ std::vector<ParameterGroup> correction_groups(const ForwardCase& c) {
     const auto& keys = correction().keys;
     const MechanismKey& key = *std::find_if(keys.begin(), keys.end(), [&](const auto& k) { return k.name == t.key; });
     for (const auto& place : t.of_a_wall ? on_walls : in_mercury) {
-      AddedParameter number = added_number("correction_1", key, key.off);
+      const std::string name = fmt::format("correction_{}", groups.size() + 1);
+      AddedParameter number = added_number(name, key, key.off);
       number.strengths.resize(1);  // one way: about off it is taken for linear
-      number.with = place.keys;
+      for (const auto& [place_key, value] : place.keys) number.with.emplace_back("mechanism." + name + '.' + place_key, value);
       groups.push_back({.name = t.word, .place = place.word, .added = {std::move(number)}, .plain = t.word});
     }
   }

@@ -65,14 +65,19 @@ std::shared_ptr<const LiquidLaw> corrected_liquid(const MechanismValues& v, cons
 void act_on_wall(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunSetup& s) {
   const double mass = v["mass"], damping = v["damping"], slip = v["slip"];
   if (mass == 0 && damping == 0 && slip == 0) return;
+  const auto add = [](std::vector<double>& values, std::size_t size, std::size_t at, double value) {
+    if (value == 0) return;  // a run without any has no such phase
+    values.resize(size, 0);
+    values[at] += value;
+  };
   std::map<NodeId, Vec3> areas;
   for (const BoundaryNode& n : boundary_nodes(mesh, mesh.wetted)) areas[n.node] = n.area;
-  s.node_mass.resize(mesh.nodes.size(), 0), s.node_damping.resize(mesh.nodes.size(), 0), s.slip_drag.resize(mesh.slip.size(), 0);
   for (const PairAtWall& p : pairs_at_wall(mesh, wall_stretch(v, wall_names()))) {
     const SlipPair& pair = mesh.slip[p.pair];
     const Vec3 &a = areas[pair.mercury], &n = pair.normals[0];
     const double area = p.share * std::abs(a[0] * n[0] + a[1] * n[1] + a[2] * n[2]);
-    s.node_mass[std::size_t(pair.steel)] += mass * area, s.node_damping[std::size_t(pair.steel)] += damping * area, s.slip_drag[p.pair] += slip * area;
+    add(s.node_mass, mesh.nodes.size(), std::size_t(pair.steel), mass * area), add(s.node_damping, mesh.nodes.size(), std::size_t(pair.steel), damping * area);
+    add(s.slip_drag, mesh.slip.size(), p.pair, slip * area);
   }
 }
 

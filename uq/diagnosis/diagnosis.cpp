@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -96,11 +95,7 @@ class Engine {
     return plain.solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(m.at))).squaredNorm();
   }
   /// |history - record| / |record|, mean over the gauges, in the band that is compared.
-  [[nodiscard]] double misfit(const Eigen::VectorXd& history) const {
-    std::vector<std::size_t> all(in_.base.problem.observations.size());
-    std::iota(all.begin(), all.end(), 0);
-    return misfit_of(fold_of(grid(), all), grid(), grid().apply(history), out_.base.errors->data());
-  }
+  [[nodiscard]] double misfit(const Eigen::VectorXd& history) const { return misfit_of_all(grid(), grid().apply(history), out_.base.errors->data()); }
   /// Distances of the case's own parameters from the middle of their priors, in standard deviations; 0 of one that has no handbook's.
   [[nodiscard]] std::vector<double> pulls(std::span<const double> theta) const {
     std::vector<double> all;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <map>
 
 namespace calomel {
@@ -117,6 +118,12 @@ double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd
     sum += (prediction - data)(rows).norm() / (data.segment(at, n).norm() * std::sqrt(double(rows.size()) / double(n))), ++records;
   }
   return sum / records;
+}
+
+double misfit_of_all(const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data) {
+  std::vector<std::size_t> all(grid.observations());
+  std::iota(all.begin(), all.end(), 0);
+  return misfit_of(fold_of(grid, all), grid, prediction, data);
 }
 
 void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into) {

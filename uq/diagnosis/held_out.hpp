@@ -42,6 +42,9 @@ struct PartFit {
 /// Mean over the fold's observations of |prediction - record| / |record| on the grid; of a part of a record, over its share of the whole record's mean square.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
 
+/// The same of all values.
+[[nodiscard]] double misfit_of_all(const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
+
 /// Puts what the fold holds of a history, (values of the model), in its place of another; one that is empty becomes NaN for all others first.
 void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& problem, const Eigen::VectorXd& history, std::vector<double>& into);
 

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
-#include "forward/correction_groups.hpp"
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
@@ -39,41 +37,36 @@ class Telling {
     for (const auto& s : answers.skipped) ++reasons[s.substr(s.find(": ") + 2)];
     for (const auto& [reason, count] : reasons) out_.skipped.push_back(fmt::format("{} of {} terms: {}", count, in_.groups.size(), reason));
     while (taken_.size() < most_terms && take_next()) continue;
-    if (!taken_.empty()) describe();
+    for (std::size_t i = 0; i < taken_.size(); ++i) out_.terms[i].value = worth_.value[Eigen::Index(i)], out_.terms[i].sd = worth_.sd[Eigen::Index(i)];
+    if (!taken_.empty()) run_with_them();
     return std::move(out_);
   }
 
  private:
   /// The one that says most beside those that are taken, where it says enough.
   bool take_next() {
-    const double before = taken_.empty() ? 0 : first_order_.worth(joined(taken_)).log_bayes_factor;
     const Question* best = nullptr;
+    FirstOrder with_best;
     double most = worth_telling;
     for (const auto& q : questions_) {
       if (std::find(taken_.begin(), taken_.end(), &q) != taken_.end()) continue;
       std::vector<const Question*> with = taken_;
       with.push_back(&q);
-      const FirstOrder worth = first_order_.worth(joined(with));
+      FirstOrder worth = first_order_.worth(joined(with));
       const Parameter& number = in_.groups[q.group].added[0].parameter;
-      const double gain = worth.log_bayes_factor - before - std::log(double(questions_.size())), value = *number.nominal + worth.value[worth.value.size() - 1];
-      if (gain > most && value >= number.min && value <= number.max) most = gain, best = &q;  // what no law allows is no description
+      const double gain = worth.log_bayes_factor - worth_.log_bayes_factor - std::log(double(questions_.size())), value = *number.nominal + worth.value[worth.value.size() - 1];
+      if (gain > most && value >= number.min && value <= number.max) most = gain, best = &q, with_best = std::move(worth);  // what no law allows is no description
     }
     if (!best) return false;
-    taken_.push_back(best);
+    taken_.push_back(best), worth_ = std::move(with_best);
     const ParameterGroup& group = in_.groups[best->group];
     out_.terms.push_back({.what = group.name, .place = group.place, .unit = group.added[0].unit, .log_bayes_factor = most});
     return true;
   }
 
-  void describe() {
-    const FirstOrder worth = first_order_.worth(joined(taken_));
-    for (std::size_t i = 0; i < taken_.size(); ++i) out_.terms[i].value = worth.value[Eigen::Index(i)], out_.terms[i].sd = worth.sd[Eigen::Index(i)];
-    run_with(worth);
-  }
-
-  void run_with(const FirstOrder& worth) {
+  void run_with_them() {
     LogPosterior::Point at = mode_.at;
-    for (Eigen::Index k = 0; k < worth.shift.size(); ++k) at = in_.fit.posterior->moved(at, k, worth.shift[k]);
+    for (Eigen::Index k = 0; k < worth_.shift.size(); ++k) at = in_.fit.posterior->moved(at, k, worth_.shift[k]);
     const auto own = Eigen::Index(at.theta.size()), n = Eigen::Index(taken_.size());
     std::vector<AddedParameter> added;
     Eigen::MatrixXd thetas(own + n, 2);
@@ -83,8 +76,8 @@ class Telling {
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       const AddedParameter& a = in_.groups[taken_[std::size_t(i)]->group].added[0];
-      added.push_back(as_correction(a, std::size_t(i) + 1));
-      thetas(own + i, 0) = *a.parameter.nominal, thetas(own + i, 1) = std::clamp(*a.parameter.nominal + worth.value[i], a.parameter.min, a.parameter.max);
+      added.push_back(a);
+      thetas(own + i, 0) = *a.parameter.nominal, thetas(own + i, 1) = std::clamp(*a.parameter.nominal + worth_.value[i], a.parameter.min, a.parameter.max);
     }
     const auto records = in_.run(thetas, {in_.level, in_.level}, added);
     for (const auto& r : records)
@@ -94,11 +87,9 @@ class Telling {
       }
     const Decimation& grid = in_.fit.errors->grid();
     const Eigen::VectorXd& data = in_.fit.errors->data();
-    std::vector<std::size_t> all(in_.problem.observations.size());
-    std::iota(all.begin(), all.end(), 0);
     const Eigen::VectorXd base = grid.apply(in_.fit.history_at_mode()), change = grid.apply(Eigen::VectorXd(records[1].history() - records[0].history()));
-    out_.misfit_before = misfit_of(fold_of(grid, all), grid, base, data);
-    out_.misfit_after = misfit_of(fold_of(grid, all), grid, base + change, data);
+    out_.misfit_before = misfit_of_all(grid, base, data);
+    out_.misfit_after = misfit_of_all(grid, base + change, data);
   }
 
   const QuestionInputs& in_;
@@ -106,6 +97,7 @@ class Telling {
   const FirstOrderModel first_order_;
   std::vector<Question> questions_;
   std::vector<const Question*> taken_;
+  FirstOrder worth_;  ///< of those that are taken
   MissingTerms out_;
 };
 

@@ -90,12 +90,6 @@ RunSetup setup_of(const ForwardCase& c) {
   return model.setup(model.forward_case(), model.mesh(), 0, {1.0});
 }
 
-double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double difference = 0, scale = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i])), scale = std::max(scale, std::abs(b[i]));
-  return difference / scale;
-}
-
 double frequency(const ForwardCase& c) {
   const BuiltInModel model(c, {.pulses = 1});
   const auto p = model.evaluate({});

@@ -1,5 +1,8 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "forward/forward_case.hpp"
 
@@ -36,6 +39,13 @@ name = "F"
 position = [0.0, 0.0, 0.015]
 direction = [0, 0, 1]
 )" + more;
+}
+
+/// The greatest difference of two histories over the greatest value of the second.
+inline double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0, scale = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i])), scale = std::max(scale, std::abs(b[i]));
+  return difference / scale;
 }
 
 inline ForwardCase small_case(const std::string& more = "", const std::string& load = "peak_pressure = 25e6") {

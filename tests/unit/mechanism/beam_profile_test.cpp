@@ -8,8 +8,10 @@
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
+#include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
+using calomel::testing::greatest_difference;
 using ::testing::HasSubstr;
 
 namespace {
@@ -105,16 +107,6 @@ TEST(BeamProfile, ThePulseTakesItsLength) {
   const BuiltInModel off(box(false, "energy_ratio = 1.01\n", "peak_pressure = 25e6\npulse_length = 0.3e-6"), {.pulses = 1});
   EXPECT_EQ(off.setup(off.forward_case(), off.mesh(), 0, {1.0}).pulse_length, 0.3e-6);
 }
-
-namespace {
-
-double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double difference = 0, scale = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference = std::max(difference, std::abs(a[i] - b[i])), scale = std::max(scale, std::abs(b[i]));
-  return difference / scale;
-}
-
-}  // namespace
 
 // The off value is the pulse of the case, whatever that is: the base model's bytes there, and no jump beside it.
 TEST(BeamProfile, ThePulseIsOffAtTheLengthOfTheLoadAndContinuousThere) {

@@ -65,8 +65,8 @@ struct Experiment {
       const double value = theta[Eigen::Index(2 + k)];
       if (name == "echo.strength") echo += value;
       if (name == "drift.rate") drift += value;
-      if (name == "correction_1.foreign" || name == "correction_2.foreign") foreign += value;
-      if (name == "correction_1.late" || name == "correction_2.late") echo += value;
+      if (name == "correction.foreign") foreign += value;
+      if (name == "correction.late") echo += value;
       for (std::size_t s = 0; s < sensors; ++s)
         if (name == "sensor_response.gain" && (key == "mechanism." + name || key == "mechanism.sensor_response.S" + std::to_string(s) + ".gain")) gain[s] += value;
     }
@@ -104,7 +104,7 @@ struct Experiment {
   }
   /// Terms that stand for what no group is.
   static std::vector<ParameterGroup> terms() {
-    return {{.name = "lateness", .place = "at the end", .added = {added("correction_1", "late", -1, 1, {0.1})}}, {.name = "foreignness", .place = "everywhere", .added = {added("correction_1", "foreign", -1, 1, {0.1})}}};
+    return {{.name = "lateness", .place = "at the end", .added = {added("correction", "late", -1, 1, {0.1})}}, {.name = "foreignness", .place = "everywhere", .added = {added("correction", "foreign", -1, 1, {0.1})}}};
   }
   /// Writes its artefacts to `folder`, where there is one.
   [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}, std::vector<ParameterGroup> offered = groups(), DiagnosisOptions options = {.leaders = 2}) const {
