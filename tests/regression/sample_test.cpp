@@ -132,6 +132,40 @@ TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
 }
 
+// Few rounds and a check of many runs: the true model does not lie where the emulator says, which is then taught anew. Killed once and again while that goes on.
+TEST(SampleVerb, KilledInARefinementItGoesOnToTheSameDraws) {
+  const auto dir = folder("sample_killed_refining");
+  const std::vector<std::string> options{"--set", "emulator.rounds=1", "--set", "emulator.check_coarse=16", "--set", "emulator.check_fine=16", "--set", "recordings.noise=4e-5"};
+  std::string line;
+  for (const auto& o : options) line += ' ' + o;
+  const auto whole = run(dir, "sample case.toml --out whole" + line);
+  ASSERT_EQ(whole.status, 0) << whole.said;
+  const Json refinement = read_json(dir / "whole" / "posterior.json")["refinement"];
+  ASSERT_GE(refinement["made"].get<int>(), 1);
+  int further = 0;
+  for (const auto& c : refinement["checks"]) further += c["runs"].get<int>();
+  const int all = read_json(dir / "whole" / "posterior.json")["runs"]["made"];
+  const double before = 1 - double(further) / all;  // the share of its runs that it makes ere it refines
+  const fs::path journal = dir / "killed" / "runs.journal";
+  const auto size = double(fs::file_size(dir / "whole" / "runs.journal"));
+  std::vector<std::string> words{"sample", "case.toml", "--out", "killed", "--quiet", "--threads", "1"};
+  words.insert(words.end(), options.begin(), options.end());
+  for (const double share : {before + 0.2 * (1 - before), before + 0.8 * (1 - before)}) {
+    const int status = stop_program(start_program(dir, words), SIGKILL, 1, [&] {
+      std::error_code none;
+      const auto now = fs::file_size(journal, none);
+      return !none && double(now) > share * size;
+    });
+    ASSERT_TRUE(status != -1 && WIFSIGNALED(status)) << "it ended before it could be killed";
+  }
+  EXPECT_FALSE(fs::exists(dir / "killed" / "posterior.json"));
+  const auto last = run(dir, "sample case.toml --out killed --threads 2" + line);
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
+  Json resumed = read_json(dir / "killed" / "posterior.json")["refinement"];
+  EXPECT_EQ(resumed, refinement);
+}
+
 TEST(SampleVerb, TakesTheEstimateOfTheNoiseAloneWhereItIsAskedToAndComparesOtherErrors) {
   const auto dir = folder("sample_compared");
   const auto out = run(dir, "sample case.toml --out a --set posterior.hyperparameter_draws=0 --set 'posterior.compare=[\"no_mesh_errors\",\"independent\"]'");

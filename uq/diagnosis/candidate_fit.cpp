@@ -21,7 +21,7 @@ constexpr double farthest_shift = 0.7;               ///< of the base parameters
 constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
 constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
-constexpr double rough = 2;                          ///< noise of an emulator over the base model's, as variances, beyond which it says little
+constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
 constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
 // Of the search for a cheap model's fit.
 constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2;
@@ -202,7 +202,7 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   PosteriorInputs& in = plan.inputs;
   if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_several(in, base);
   const std::size_t own = in.known_dimension;
-  const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > rough * base.noise.trace(); };
+  const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace()); };
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
   double last = log_bayes_factor(fit, base);
