@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <optional>
+#include <span>
 
 #include "apps/challenge/child.hpp"
 #include "apps/challenge/make.hpp"
@@ -20,6 +21,14 @@
 namespace calomel {
 
 namespace {
+
+constexpr std::size_t told_by_name = 10;
+
+/// The first of them, and how many more there are.
+std::string few_of(const std::vector<std::string>& names) {
+  if (names.size() <= told_by_name) return join(names);
+  return join(std::span(names).first(told_by_name)) + fmt::format(" and {} more", names.size() - told_by_name);
+}
 
 using namespace challenge;
 
@@ -49,7 +58,7 @@ ExitStatus make(const CommandLine& command, const Notes& notes) {
                                   ? fmt::format("{} SPEC files in {}", summary.cases, (words.directory / "truth").string())
                                   : fmt::format("{} cases in {}, {} made now", summary.cases - summary.failed.size(), words.directory.string(), summary.made)));
   if (summary.failed.empty()) return ExitStatus::done;
-  notes.warn(fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), join(summary.failed)));
+  notes.warn(fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }
 
@@ -81,7 +90,7 @@ ExitStatus run(const CommandLine& command, const Notes& notes) {
       stage_line(stage, fmt::format("{} of {} cases have a diagnosis, {} made now", summary.cases - summary.failed.size(), summary.cases, summary.diagnosed)));
   if (summary.failed.empty()) return ExitStatus::done;
   notes.warn(fmt::format("{} could not be diagnosed: {}; results/NAME/diagnose.log says why, the same command tries them again", summary.failed.size(),
-                         join(summary.failed)));
+                         few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }
 

@@ -15,7 +15,6 @@ constexpr std::size_t draws_of_a_round = 400;
 constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
 constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
 constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
-constexpr double clear_of_edge = 2;    ///< standard deviations between a mode and the edge of its box: nearer, the box cuts the posterior
 constexpr double clear_of_edge_drawn_in = 1;  ///< of a box that is drawn in, whose deviations still shrink from round to round
 constexpr double room = 0.3;           ///< half widths of the box between a nested hypothesis and its edge
 constexpr double drawn_in = 4;         ///< posterior sds that a box which is drawn in reaches
@@ -198,7 +197,7 @@ void Fit::draw_in_box() {
 
 /// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it stays.
 bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
-  const Eigen::VectorXd clear = (in_.draw_in ? clear_of_edge_drawn_in : clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd clear = (in_.draw_in ? clear_of_edge_drawn_in : in_.clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < posterior.free().size(); ++i) {
     const Eigen::Index k = posterior.free()[i];
     const Parameter& p = in_.parameters[std::size_t(k)];

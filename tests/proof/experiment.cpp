@@ -50,7 +50,7 @@ const std::map<std::string, Known>& known_effects() {
       {"gauge_fault", {"sensor_response", {{"gain", logarithm}, {"delay", proportion}, {"low_pass", inverse}, {"angle", proportion}}}},
       {"yielding", {"", {{"stress", inverse}, {"hardening", not_at_all}}}},
       {"rib", {"", {{"place", not_at_all}, {"thickness", not_at_all}, {"height", proportion}}}},
-      {"gas_pocket", {"", {{"begin", not_at_all}, {"length", not_at_all}, {"thickness", proportion}}}},
+      {"gas_pocket", {"", {{"begin", not_at_all}, {"length", proportion}, {"thickness", not_at_all}}}},
       {"speed_gradient", {"", {{"change", proportion}}}},
       {"added_mass", {"", {{"begin", not_at_all}, {"length", not_at_all}, {"mass", proportion}}}},
       {"slot", {"", {{"place", not_at_all}, {"width", not_at_all}, {"depth", proportion}}}},

@@ -28,7 +28,7 @@ constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 8;                       ///< of the second box
+constexpr int most_rounds = 16;                       ///< of the second box: most of them are a few runs about the answer
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
 constexpr int stays_enough = 2;                      ///< rounds in a row
 constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
@@ -214,6 +214,7 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
     if (k < own || plan.added[k - own].share_of.empty())  // a share does nearly the same over all its range
       in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
+  in.clear_of_edge = 1;  // laid anew whenever an answer that still moves comes near an edge it would lose the runs that let it stand
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stayed = 0;
