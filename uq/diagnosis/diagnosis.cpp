@@ -68,7 +68,7 @@ class Engine {
     fit_linear();
     fit_leaders();
     judge_all();
-    if (in_.options.pairs && out_.verdict.kind == VerdictKind::unknown) fit_pair();
+    if (in_.options.pairs) fit_pair();
     hold_out_verdict();
     locate_all();
     describe_missing();
@@ -465,29 +465,40 @@ void Engine::judge_all() {
   out_.verdict = judge(out_.evidence, all);
 }
 
-/// The physics that leads among what was fitted, and on top of it what then says most. A fault of a gauge comes first only where no physics has the evidence, and second after all physics.
+/// Where nothing is named: the physics that leads among what was fitted, and on top of it what then says most. A fault of a gauge comes first only where no physics has the evidence, and second after
+/// all physics. Where physics is named: a gauge at fault beside it, which nothing that the physics leaves looks like.
 void Engine::fit_pair() {
+  const bool named = out_.verdict.kind == VerdictKind::named;
+  if (!named && out_.verdict.kind != VerdictKind::unknown) return;
   const auto may_be_first = [&](const Alternative& c, bool gauges) {
     const bool fitted = fits_.contains(c.explanation.name) && !c.explanation.numerical;
     return fitted && (gauges || c.sensor.empty()) && c.explanation.log_bayes_factor >= (gauges ? worth_fitting : Gates{}.log_bayes_factor);
   };
-  auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, false); });
-  if (first == out_.candidates.end()) first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, true); });
+  auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, false) && (!named || c.explanation.name == out_.verdict.mechanisms[0]); });
+  if (first == out_.candidates.end() && !named) first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, true); });
   if (first == out_.candidates.end()) return;
   const Alternative below = *first;
   const Fitted& f = fits_.at(below.explanation.name);
-  say(fmt::format("what each mechanism would be worth on top of {}, to first order", below.explanation.name));
-  QuestionInputs in = about(f.fit, f.added, in_.groups);
+  const auto of_gauges = [](const ParameterGroup& g) { return g.by_sensor || !g.sensor.empty(); };
+  std::vector<ParameterGroup> offered;
+  std::vector<std::size_t> place;  // of each among all
+  for (std::size_t g = 0; g < in_.groups.size(); ++g)
+    if (!named || of_gauges(in_.groups[g])) offered.push_back(in_.groups[g]), place.push_back(g);
+  if (offered.empty()) return;
+  say(fmt::format("what {} would be worth on top of {}, to first order", named ? "a fault of each gauge" : "each mechanism", below.explanation.name));
+  QuestionInputs in = about(f.fit, f.added, offered);
   in.except = below.groups[0];
   auto questions = ask(in).questions;
+  for (auto& q : questions) q.group = place[q.group];
   // Where runs cost little several are fitted, gauges last: on top of what already explains much, first order says little.
-  const bool quick = in_.base.least_squares;
+  const bool quick = in_.base.least_squares && !named;
   if (quick) std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return groups_[q.group].sensor.empty(); });
   const std::size_t most = quick ? std::size_t(in_.options.leaders) : 1;
+  const double least = named ? Gates{}.log_bayes_factor : worth_fitting;
   std::set<std::string> tried;
   for (const auto& q : questions) {
     if (groups_[q.group].numerical || !tried.insert(groups_[q.group].name).second) continue;
-    if (tried.size() > most || (!quick && q.worth.log_bayes_factor < worth_fitting)) break;
+    if (tried.size() > most || (!quick && q.worth.log_bayes_factor < least)) break;
     say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, groups_, in_.base.problem.shape), q.worth.log_bayes_factor));
     groups_[q.group].linear ? fit_linear(q, &below) : fit(of_its_own(q), &below);
   }

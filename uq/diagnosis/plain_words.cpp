@@ -105,9 +105,17 @@ std::string tables_of(const Alternative& a) {
   return listed(all);
 }
 
+/// What becomes of the misfit with it. That of the records that were fitted may rise: without it the base parameters had bent to them.
+std::string misfit_part(const Alternative& a, const Misfits& m) {
+  if (m.after < m.before || a.held_out.empty() || m.held_out_after >= m.held_out_before)
+    return fmt::format("the misfit of the records {} from {} to {}{}", m.after < m.before ? "falls" : "goes", percent(m.before), percent(m.after), held_out_part(a, m));
+  return fmt::format("the misfit of {} that were left out of the fit falls from {} to {} (that of the records that were fitted goes from {} to {}: without it the base parameters had bent to them)", m.held_out,
+                     percent(m.held_out_before), percent(m.held_out_after), percent(m.before), percent(m.after));
+}
+
 /// Both sentences of a verdict that names one thing.
 PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const Misfits& m) {
-  const std::string falls = fmt::format("the misfit of the records falls from {} to {}{}", percent(m.before), percent(m.after), held_out_part(a, m));
+  const std::string falls = misfit_part(a, m);
   std::vector<std::string> gauges{a.sensor};
   gauges.insert(gauges.end(), a.other_sensors.begin(), a.other_sensors.end());
   if (!a.sensor.empty())

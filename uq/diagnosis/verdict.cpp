@@ -141,8 +141,9 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const double plausible = greatest_plausible(base, g);
   if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
   if (e.chi2 > plausible && share < least_explained(g)) return Gate::remainder;
-  if (!(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
-  if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * share_gone(e.misfit, base.misfit)))) return Gate::held_out;
+  // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them predicts.
+  if (!e.held_out && !(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
+  if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * std::max(0.0, share_gone(e.misfit, base.misfit))))) return Gate::held_out;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   if (probability_told(base, all, i, g) <= g.believed) return Gate::probability;

@@ -57,7 +57,7 @@ struct Gates {
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
-  double misfit = 1;            ///< of the records with a name over that without it: it has to be below
+  double misfit = 1;            ///< of the records with a name over that without it: it has to be below, where nothing was left out of the fit
   double held_out = 0.4;        ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least. What imitates an effect does not predict them
   double farthest = 3;
   double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
@@ -65,7 +65,7 @@ struct Gates {
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
   double believed = 0.5;        ///< probability of what is named or not told apart, more than
-  int revision = 3;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  int revision = 4;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
