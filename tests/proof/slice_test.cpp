@@ -352,6 +352,16 @@ TEST(ReferenceGenerator, EffectOfNoStrengthIsTheBaseModel) {
   }
 }
 
+// A pocket far thinner than a micrometre would be a face that lets go, which the library has.
+TEST(ReferenceGenerator, AWeakGasPocketIsShortAndNoThinner) {
+  const auto pocket = std::find_if(effects.begin(), effects.end(), [](const Effect& e) { return e.name == "gas_pocket"; });
+  ASSERT_NE(pocket, effects.end());
+  const Effect weak = pocket->scaled(0.1);
+  EXPECT_DOUBLE_EQ(weak["thickness"], (*pocket)["thickness"]);
+  EXPECT_DOUBLE_EQ(weak["length"], 0.1 * (*pocket)["length"]);
+  EXPECT_DOUBLE_EQ(weak["begin"], (*pocket)["begin"]);
+}
+
 TEST(ReferenceGenerator, EveryEffectChangesTheRecord) {
   const Experiment x = small();
   for (const auto& effect : effects) {
