@@ -22,6 +22,9 @@ namespace calomel {
 
 namespace {
 
+using namespace challenge;
+
+constexpr const char* stage = "challenge";
 constexpr std::size_t told_by_name = 10;
 
 /// The first of them, and how many more there are.
@@ -29,10 +32,6 @@ std::string few_of(const std::vector<std::string>& names) {
   if (names.size() <= told_by_name) return join(names);
   return join(std::span(names).first(told_by_name)) + fmt::format(" and {} more", names.size() - told_by_name);
 }
-
-using namespace challenge;
-
-constexpr const char* stage = "challenge";
 
 /// The named suite with what the user gave in place of its own.
 SuiteOptions suite_of(const ChallengeWords& words) {

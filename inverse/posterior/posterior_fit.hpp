@@ -76,7 +76,7 @@ struct PosteriorInputs {
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
   /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the mode.
   bool draw_in = false;
-  double clear_of_edge = 2;        ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew
+  double clear_of_edge = 2;        ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew. With draw_in it is 1, as deviations still shrink from round to round
   /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far better than the model, whose errors then
   /// say little of where it fits best.
   bool least_squares = false;

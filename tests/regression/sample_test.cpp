@@ -62,6 +62,32 @@ fs::path folder(const std::string& name) {
   return dir;
 }
 
+std::string line_of(const std::vector<std::string>& words) {
+  std::string line;
+  for (const auto& w : words) line += ' ' + w;
+  return line;
+}
+
+/// The posterior of `dir`/whole by a program that is killed when its journal has these shares of the whole one's size, one after another, and then ends by itself.
+void goes_on_to_the_same_draws(const fs::path& dir, const std::vector<std::string>& options, const std::vector<double>& shares) {
+  const fs::path journal = dir / "killed" / "runs.journal";
+  const auto size = double(fs::file_size(dir / "whole" / "runs.journal"));
+  std::vector<std::string> words{"sample", "case.toml", "--out", "killed", "--quiet", "--threads", "1"};
+  words.insert(words.end(), options.begin(), options.end());
+  for (const double share : shares) {
+    const int status = stop_program(start_program(dir, words), SIGKILL, 1, [&] {
+      std::error_code none;
+      const auto now = fs::file_size(journal, none);
+      return !none && double(now) > share * size;
+    });
+    ASSERT_TRUE(status != -1 && WIFSIGNALED(status)) << "it ended before it could be killed";
+  }
+  EXPECT_FALSE(fs::exists(dir / "killed" / "posterior.json"));
+  const auto last = run(dir, "sample case.toml --out killed --threads 2" + line_of(options));
+  ASSERT_EQ(last.status, 0) << last.said;
+  EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
+}
+
 }  // namespace
 
 TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
@@ -114,56 +140,22 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
 TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   const auto dir = folder("sample_killed");
   ASSERT_EQ(run(dir, "sample case.toml --out whole").status, 0);
-  const fs::path journal = dir / "killed" / "runs.journal";
-  std::uintmax_t seen = 0;
-  for (const int times : {3, 20}) {
-    const int status = stop_program(start_program(dir, {"sample", "case.toml", "--out", "killed", "--quiet", "--threads", "1"}), SIGKILL, times, [&] {
-      std::error_code none;
-      const auto size = fs::file_size(journal, none);
-      if (none || size == seen) return false;
-      seen = size;
-      return true;
-    });
-    ASSERT_TRUE(status != -1 && WIFSIGNALED(status)) << "it ended before it could be killed";
-  }
-  EXPECT_FALSE(fs::exists(dir / "killed" / "posterior.json"));
-  const auto last = run(dir, "sample case.toml --out killed --threads 2");
-  ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
+  goes_on_to_the_same_draws(dir, {}, {0.05, 0.4});
 }
 
 // Few rounds and a check of many runs: the true model does not lie where the emulator says, which is then taught anew. Killed once and again while that goes on.
 TEST(SampleVerb, KilledInARefinementItGoesOnToTheSameDraws) {
   const auto dir = folder("sample_killed_refining");
   const std::vector<std::string> options{"--set", "emulator.rounds=1", "--set", "emulator.check_coarse=16", "--set", "emulator.check_fine=16", "--set", "recordings.noise=4e-5"};
-  std::string line;
-  for (const auto& o : options) line += ' ' + o;
-  const auto whole = run(dir, "sample case.toml --out whole" + line);
+  const auto whole = run(dir, "sample case.toml --out whole" + line_of(options));
   ASSERT_EQ(whole.status, 0) << whole.said;
-  const Json refinement = read_json(dir / "whole" / "posterior.json")["refinement"];
-  ASSERT_GE(refinement["made"].get<int>(), 1);
+  const Json json = read_json(dir / "whole" / "posterior.json");
+  ASSERT_GE(json["refinement"]["made"].get<int>(), 1);
   int further = 0;
-  for (const auto& c : refinement["checks"]) further += c["runs"].get<int>();
-  const int all = read_json(dir / "whole" / "posterior.json")["runs"]["made"];
-  const double before = 1 - double(further) / all;  // the share of its runs that it makes ere it refines
-  const fs::path journal = dir / "killed" / "runs.journal";
-  const auto size = double(fs::file_size(dir / "whole" / "runs.journal"));
-  std::vector<std::string> words{"sample", "case.toml", "--out", "killed", "--quiet", "--threads", "1"};
-  words.insert(words.end(), options.begin(), options.end());
-  for (const double share : {before + 0.2 * (1 - before), before + 0.8 * (1 - before)}) {
-    const int status = stop_program(start_program(dir, words), SIGKILL, 1, [&] {
-      std::error_code none;
-      const auto now = fs::file_size(journal, none);
-      return !none && double(now) > share * size;
-    });
-    ASSERT_TRUE(status != -1 && WIFSIGNALED(status)) << "it ended before it could be killed";
-  }
-  EXPECT_FALSE(fs::exists(dir / "killed" / "posterior.json"));
-  const auto last = run(dir, "sample case.toml --out killed --threads 2" + line);
-  ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_EQ(read_text(dir / "killed" / "posterior.nc"), read_text(dir / "whole" / "posterior.nc"));
-  Json resumed = read_json(dir / "killed" / "posterior.json")["refinement"];
-  EXPECT_EQ(resumed, refinement);
+  for (const auto& c : json["refinement"]["checks"]) further += c["runs"].get<int>();
+  const double before = 1 - double(further) / json["runs"]["made"].get<int>();  // the share of its runs that it makes ere it refines
+  goes_on_to_the_same_draws(dir, options, {before + 0.2 * (1 - before), before + 0.8 * (1 - before)});
+  EXPECT_EQ(read_json(dir / "killed" / "posterior.json")["refinement"], json["refinement"]);
 }
 
 TEST(SampleVerb, TakesTheEstimateOfTheNoiseAloneWhereItIsAskedToAndComparesOtherErrors) {

@@ -28,7 +28,7 @@ constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;
 constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 16;                       ///< of the second box: most of them are a few runs about the answer
+constexpr int most_rounds = 16;                      ///< of the second box: most of them are a few runs about the answer
 constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
 constexpr int stays_enough = 2;                      ///< rounds in a row
 constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk

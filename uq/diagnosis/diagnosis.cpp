@@ -479,17 +479,12 @@ void Engine::fit_pair() {
   if (first == out_.candidates.end()) return;
   const Alternative below = *first;
   const Fitted& f = fits_.at(below.explanation.name);
-  const auto of_gauges = [](const ParameterGroup& g) { return g.by_sensor || !g.sensor.empty(); };
-  std::vector<ParameterGroup> offered;
-  std::vector<std::size_t> place;  // of each among all
-  for (std::size_t g = 0; g < in_.groups.size(); ++g)
-    if (!named || of_gauges(in_.groups[g])) offered.push_back(in_.groups[g]), place.push_back(g);
-  if (offered.empty()) return;
+  const auto asked = [&](const ParameterGroup& g) { return g.name != below.groups[0] && (!named || g.by_sensor || !g.sensor.empty()); };
+  if (named && std::none_of(in_.groups.begin(), in_.groups.end(), asked)) return;
   say(fmt::format("what {} would be worth on top of {}, to first order", named ? "a fault of each gauge" : "each mechanism", below.explanation.name));
-  QuestionInputs in = about(f.fit, f.added, offered);
-  in.except = below.groups[0];
+  QuestionInputs in = about(f.fit, f.added, in_.groups);
+  in.asked = asked;
   auto questions = ask(in).questions;
-  for (auto& q : questions) q.group = place[q.group];
   // Where runs cost little several are fitted, gauges last: on top of what already explains much, first order says little.
   const bool quick = in_.base.least_squares && !named;
   if (quick) std::stable_partition(questions.begin(), questions.end(), [&](const Question& q) { return groups_[q.group].sensor.empty(); });

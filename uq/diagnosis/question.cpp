@@ -64,7 +64,7 @@ class Asking {
   Answers answers() {
     measure();
     for (std::size_t g = 0; g < in_.groups.size(); ++g) {
-      if (in_.groups[g].name == in_.except) continue;
+      if (!in_.asked(in_.groups[g])) continue;
       const std::size_t before = out_.questions.size();
       ask_group(g);
       const std::string name = label(in_.groups[g]);
@@ -108,7 +108,7 @@ class Asking {
 void Asking::measure() {
   std::vector<AddedParameter> added;
   for (const auto& g : in_.groups) {
-    if (g.name == in_.except) continue;
+    if (!in_.asked(g)) continue;
     added.insert(added.end(), g.added.begin(), g.added.end());
     added.insert(added.end(), g.shapes.begin(), g.shapes.end());
   }
@@ -118,7 +118,7 @@ void Asking::measure() {
   std::size_t at = theta.size();
   for (std::size_t g = 0; g < in_.groups.size(); ++g) {
     const ParameterGroup& group = in_.groups[g];
-    if (group.name == in_.except) continue;
+    if (!in_.asked(group)) continue;
     for (std::size_t k = 0; k < group.added.size(); ++k)
       for (const auto& shapes : shapes_of(group))
         for (const double strength : group.added[k].strengths) {

@@ -34,7 +34,7 @@ struct QuestionInputs {
   const std::vector<ParameterGroup>& groups;
   int level = 0;           ///< mesh of the runs
   RunAdded run;
-  std::string except = {};  ///< groups of this name are not asked about: they are in the fit
+  std::function<bool(const ParameterGroup&)> asked = [](const ParameterGroup&) { return true; };  ///< whether a group is asked about
 };
 
 struct Answers {
