@@ -22,8 +22,9 @@ constexpr double worth_drawing = 0.7;  ///< of its width: less than that is gain
 constexpr double narrowest = 0.25;     ///< of its width, in one round: the first deviations are those of a coarse emulator
 constexpr double much_missed = 0.02;   ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
 constexpr double drawn_anyway = 0.6;   ///< of its width
-constexpr double ample = 2;            ///< runs over coefficients where runs cost little
-constexpr double spare = 1.3;          ///< runs over coefficients, of the finest level's own: fewer leave its noise unknown
+constexpr int spare = 4;               ///< runs over coefficients to begin with
+constexpr double least_spare = 1.3;    ///< the same of a mesh alone, whatever is asked for
+constexpr int ample = 2, cheap = 48;   ///< the same where runs cost little and have no noise, and how many then
 
 class Fit {
  public:
@@ -122,9 +123,8 @@ void Fit::fill_box(std::uint64_t index) {
   std::vector<int> there(std::size_t(in_.levels), 0), known = there;
   for (const auto i : out_.used) ++(i < in_.known.size() ? known : there)[std::size_t(out_.runs[i].level)];
   const auto d = Eigen::Index(in_.parameters.size());
-  const int plenty = in_.draw_in ? std::max<int>(in_.emulator.coarse_runs, int(ample * double(MultilevelRegression::coefficients(d, 1)))) : 0;
-  const int coarse = in_.draw_in ? plenty : in_.levels > 1 ? in_.emulator.coarse_runs : std::max<int>(in_.emulator.fine_runs, int(spare * double(MultilevelRegression::coefficients(d, 1))));
-  const int fine = in_.levels > 1 ? in_.emulator.fine_runs : coarse;
+  const int plenty = std::max(in_.emulator.coarse_runs > 0 ? in_.emulator.coarse_runs : cheap, ample * int(MultilevelRegression::coefficients(d, 1)));
+  const int coarse = in_.draw_in ? plenty : in_.emulator.coarser_to_begin(d), fine = in_.draw_in ? plenty : in_.emulator.finest_to_begin(d, in_.levels);
   const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
   std::vector<int> level;
   std::vector<Eigen::Index> at;
@@ -307,6 +307,14 @@ void EmulatorOptions::validate() const {
       throw InputError({.problem = "each element size is smaller than the one before it", .key = "element_sizes", .value = number_text(element_sizes[i]),
                         .suggestion = "e.g. element_sizes = [1e-3, 0.5e-3]"});
 }
+
+int EmulatorOptions::finest_to_begin(Eigen::Index parameters, int levels) const {
+  if (levels > 1) return fine_runs > 0 ? fine_runs : spare * int(parameters + 1);
+  const auto coefficients = double(MultilevelRegression::coefficients(parameters, 1));
+  return int(fine_runs > 0 ? std::max(double(fine_runs), least_spare * coefficients) : spare * coefficients);
+}
+
+int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const { return coarse_runs > 0 ? coarse_runs : spare * int(MultilevelRegression::coefficients(parameters, 1)); }
 
 int PosteriorInputs::stood_for(int runs, bool linear) const {
   const auto coefficients = [&](std::size_t n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(Eigen::Index(n), 1)); };

@@ -16,8 +16,8 @@ struct EmulatorOptions {
   std::vector<double> element_sizes;
   double viscosity = 2000;
   double viscosity_sd = 0.6;
-  int coarse_runs = 48;
-  int fine_runs = 14;
+  int coarse_runs = 0;
+  int fine_runs = 0;
   int round_coarse = 8;
   int round_fine = 4;
   int rounds = 12;
@@ -33,8 +33,8 @@ struct EmulatorOptions {
       {.unit = "m", .range = above(0), .doc = "of the meshes that teach the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
     v("viscosity", viscosity, {.unit = "Pa s", .range = above(0), .doc = "median of the prior of the regularising viscosity, which is a coordinate of the posterior, the same on all meshes"});
     v("viscosity_sd", viscosity_sd, {.range = between(0, 3), .doc = "prior sd of its logarithm; 0 holds it"});
-    v("coarse_runs", coarse_runs, {.range = between(1, 10000), .doc = "runs of each coarser mesh to begin with"});
-    v("fine_runs", fine_runs, {.range = between(1, 10000), .doc = "runs of the finest mesh to begin with"});
+    v("coarse_runs", coarse_runs, {.range = between(0, 10000), .doc = "runs of each coarser mesh to begin with; 0 = four a coefficient of the emulator"});
+    v("fine_runs", fine_runs, {.range = between(0, 10000), .doc = "runs of the finest mesh to begin with; 0 = four a coefficient of its own"});
     v("round_coarse", round_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh in each later round"});
     v("round_fine", round_fine, {.range = between(0, 1000), .doc = "runs of the finest mesh in each later round"});
     v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
@@ -47,6 +47,10 @@ struct EmulatorOptions {
   }
   /// Errors: InputError for sizes that do not fall.
   void validate() const;
+  /// Runs of the finest mesh, and of each coarser one, that a box of so many parameters begins with: those of the options, or four a coefficient that the mesh teaches. With fewer the residuals
+  /// tell too little noise (docs/benchmarks/posterior.md). The finest of several meshes adds a linear difference, a mesh alone teaches everything.
+  [[nodiscard]] int finest_to_begin(Eigen::Index parameters, int levels) const;
+  [[nodiscard]] int coarser_to_begin(Eigen::Index parameters) const;
 };
 
 /// A run that the emulator may learn from.

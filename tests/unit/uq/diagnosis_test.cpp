@@ -270,12 +270,12 @@ struct Quick {
     }
     return all;
   }
-  [[nodiscard]] Diagnosis diagnosed(std::vector<ParameterGroup> offered) const {
+  [[nodiscard]] Diagnosis diagnosed(std::vector<ParameterGroup> offered, int max_runs = 10000) const {
     PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = recording_options,
                          .errors = {.values = 180, .band = 2e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .young_sd = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0, .record_noise = 0}, .emulator = {}};
     base.parameters = model.shape().parameters, base.levels = 1, base.discrepancy = true, base.draw_in = base.least_squares = true;
     base.centre = {1, 1}, base.half_width = {0.06, 0.06};
-    return diagnose({.base = base, .groups = std::move(offered), .run = runs(), .options = {.max_runs = 10000, .leaders = 2, .pairs = false}, .say = {}, .round = {}});
+    return diagnose({.base = base, .groups = std::move(offered), .run = runs(), .options = {.max_runs = max_runs, .leaders = 2, .pairs = false}, .say = {}, .round = {}});
   }
 };
 
@@ -296,6 +296,21 @@ TEST(Diagnosis, ANumberThatDoesNothingAloneIsFittedWithTheOthers) {
   auto held = Quick::groups();
   held[0].added.pop_back();
   EXPECT_NE(quick.diagnosed(held).verdict.kind, VerdictKind::named);
+}
+
+// The search of a cheap model itself ends within the budget, whatever it would still take, and what it ended is told.
+TEST(Diagnosis, TheFitOfAQuickModelEndsWithinTheBudget) {
+  const Quick quick({.tone = 0.2, .frequency = 0.63});
+  const Diagnosis whole = quick.diagnosed(Quick::groups());
+  EXPECT_THAT(whole.skipped, IsEmpty());
+  const auto tone = std::find_if(whole.candidates.begin(), whole.candidates.end(), [](const auto& c) { return c.explanation.name == "tone"; });
+  ASSERT_NE(tone, whole.candidates.end());
+  ASSERT_GT(tone->runs, 10);
+  const int budget = whole.runs - tone->runs / 2;
+  const Diagnosis ended = quick.diagnosed(Quick::groups(), budget);
+  EXPECT_LE(ended.runs, budget);
+  ASSERT_FALSE(ended.skipped.empty());
+  EXPECT_THAT(ended.skipped.back(), ::testing::HasSubstr("diagnosis.max_runs"));
 }
 
 TEST(Diagnosis, AGaugeThatFadesIsNamedInTheTrueModel) {
