@@ -23,7 +23,7 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
   const auto surrogate = load_surrogate(inputs.artefact("surrogate.nc"));
   const Feasibility feasibility(read_archive(inputs.artefact("campaign.nc")));
   progress("basin", 0, 1);
-  auto found = find_basin(in.problem, in.recordings, in.recording_options, in.errors, GuardedModel(*surrogate, feasibility), in.positions, std::max(least_surrogate_error, in.mesh),
+  auto found = find_basin(in.problem, in.recordings, in.recording_options, in.errors, GuardedModel(*surrogate, feasibility), std::max(least_surrogate_error, in.mesh),
                           [&](const std::vector<double>& theta) { return fine_run(in, theta); }, in.seed, inputs.command().threads);
   progress("basin", 1, 1);
   return found;

@@ -28,6 +28,8 @@ class Decimation {
 
   [[nodiscard]] std::size_t size() const { return std::size_t(map_.rows()); }
   [[nodiscard]] std::size_t factor() const { return factor_; }
+  /// Half the length of a window [s]: the distance of two.
+  [[nodiscard]] double half_window() const { return record_time_.size() < 2 ? 1 : double(factor_) * (record_time_.back() - record_time_.front()) / double(record_time_.size() - 1); }
   [[nodiscard]] std::size_t observations() const { return windows_.size(); }
   /// Windows of an observation of the problem, and the place of the first in a vector of values.
   [[nodiscard]] std::span<const Window> windows(std::size_t observation) const { return windows_[observation]; }

@@ -101,10 +101,10 @@ void Basin::correct(const Eigen::VectorXd& unit, const std::vector<double>& fine
 }  // namespace
 
 std::vector<double> find_basin(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
-                               const ForwardModel& surrogate, const Eigen::MatrixXd& positions, double relative, const FineRun& fine, std::uint64_t seed, int threads) {
+                               const ForwardModel& surrogate, double relative, const FineRun& fine, std::uint64_t seed, int threads) {
   ErrorDirections directions;
   directions.mesh = relative;
-  const ErrorModel errors(problem, recordings, recording_options, options, directions, positions);
+  const ErrorModel errors(problem, recordings, recording_options, options, directions);
   Basin basin(problem, errors, surrogate, threads);
   Eigen::VectorXd at = basin.find(seed);
   for (int run = 0; fine && run < most_fine_runs; ++run) {

@@ -17,6 +17,6 @@ using FineRun = std::function<std::vector<double>(const std::vector<double>& the
 /// The parameters are those of `surrogate`, with their priors. The result depends on the seed alone.
 /// Errors: NumericsError where the surrogate gives no prediction anywhere.
 std::vector<double> find_basin(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
-                               const ForwardModel& surrogate, const Eigen::MatrixXd& positions, double relative, const FineRun& fine, std::uint64_t seed, int threads);
+                               const ForwardModel& surrogate, double relative, const FineRun& fine, std::uint64_t seed, int threads);
 
 }  // namespace calomel

@@ -27,7 +27,7 @@ constexpr double no_answer = 1e6;           ///< residual where the model has no
 class Search {
  public:
   Search(const PosteriorInputs& in, const ErrorModel* errors)
-      : in_(in), errors_(errors ? *errors : ErrorModel(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh}, in.positions)),
+      : in_(in), errors_(errors ? *errors : ErrorModel(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh})),
         priors_(priors_of(in.parameters)), factor_(errors_.covariance()), wanted_(errors_.data()) {
     if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
     for (std::size_t k = 0; k < in.parameters.size(); ++k) {

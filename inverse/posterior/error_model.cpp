@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "base/not_finite.hpp"
 
@@ -31,7 +32,7 @@ auto part(const Eigen::VectorXd& v, const Decimation& grid, std::size_t i) {
 }  // namespace
 
 ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& o,
-                       const ErrorDirections& directions, const Eigen::MatrixXd& positions)
+                       const ErrorDirections& directions)
     : grid_(problem, std::size_t(o.values), o.band) {
   const Eigen::VectorXd slope = directions.energy_slope.size() ? Eigen::VectorXd(grid_.apply(directions.energy_slope)) : Eigen::VectorXd();
   noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
@@ -74,9 +75,9 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
-    add(beyond_term, local_process(problem, grid_, last, positions, o.discrepancy_distance, mesh_kernel, o.amplitude_time));
+    add(beyond_term, local_process(problem, grid_, last, {}, o.discrepancy_distance, white_noise(grid_), o.amplitude_time));
   }
-  if (directions.mesh > 0) add(mesh_term, directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, positions, o, mesh_kernel));
+  if (directions.mesh > 0) add(mesh_term, directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, {}, o, white_noise(grid_)));
 }
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
@@ -132,7 +133,12 @@ TimeKernel matern32(double time) {
   };
 }
 
-double mesh_kernel(double t) { return 0.3 * std::exp(-t / 3e-6) + 0.7 * std::exp(-t / 30e-6); }
+TimeKernel white_noise(const Decimation& grid) {
+  return [half = grid.half_window()](double t) {
+    const double x = t / half, a = std::numbers::pi * x;
+    return x < 2 ? ((2 - x) * (1 + 0.5 * std::cos(a)) + 1.5 / std::numbers::pi * std::sin(a)) / 3 : 0;
+  };
+}
 
 namespace {
 

@@ -64,7 +64,7 @@ struct ErrorOptions {
       {.unit = "s", .range = above(0), .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
     v("arrival_share", arrival_share,
       {.range = between(0, 1), .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves out may be how fast a wave comes"});
-    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it and the mesh's error, exp(-distance)"});
+    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
   }
 };
 
@@ -72,9 +72,9 @@ struct ErrorOptions {
 using TimeKernel = std::function<double(double seconds)>;
 /// Matern 3/2, of physics left out.
 TimeKernel matern32(double time);
-/// Of the mesh's error, 0.3 exp(-t / 3 us) + 0.7 exp(-t / 30 us): as between elements of 2 and 1 mm on a box slice, whose correlation is 0.94, 0.71,
-/// 0.64, 0.39, 0.10 at 1, 5, 10, 20, 40 us.
-double mesh_kernel(double seconds);
+/// White noise behind the grid's filter: the autocorrelation of its Hann window, 1/6 at the distance of two windows and 0 at twice that. Of the mesh's error, whose correlation along a record is 0.27, 0.17
+/// and 0.05 over 1, 2 and 3 us, and which gauges do not share (docs/benchmarks/mesh_error.md).
+TimeKernel white_noise(const Decimation& grid);
 
 /// Names of the terms that stand for the mesh and for the numerical noise.
 inline constexpr const char* beyond_term = "beyond the finest mesh";
@@ -98,9 +98,9 @@ struct ErrorDirections {
 /// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
 class ErrorModel {
  public:
-  /// positions: (sensors, 3) [m] of the gauges, or empty. Errors: InputError for a single pulse without noise.
+  /// Errors: InputError for a single pulse without noise.
   ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& options,
-             const ErrorDirections& directions, const Eigen::MatrixXd& positions);
+             const ErrorDirections& directions);
 
   [[nodiscard]] const Decimation& grid() const { return grid_; }
   [[nodiscard]] const ReplicateNoise& noise() const { return noise_; }

@@ -238,7 +238,7 @@ void Fit::fit() {
   // The grid is that of the records alone; a first error model gives it, and what numbers weigh in the judgement of the levels' noise.
   const bool first = out_.modes.empty();
   ErrorDirections directions;
-  const ErrorModel plain(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions);
+  const ErrorModel plain(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions);
   const Eigen::MatrixXd outputs = plain.grid().apply(histories);
   const MultilevelRegression regression(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()) / outputs.cwiseAbs2().mean());
 
@@ -250,7 +250,7 @@ void Fit::fit() {
   if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom(), in_.errors.amplitude_time);
-  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions, in_.positions)
+  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions)
                           .with({record_noise_term, in_.errors.record_noise * in_.errors.record_noise * out_.noise}));
   out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};
   out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});

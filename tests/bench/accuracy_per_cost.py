@@ -16,7 +16,7 @@ import re
 
 import numpy as np
 
-from mesh_error import FACTOR, misfit, simulated, truth_of
+from mesh_error import FACTOR, decimated, misfit, simulated, truth_of
 
 OLD = ["material.mercury.hourglass=0.005", "material.mercury.collapse_viscosity=0"]
 VARIANTS = {
@@ -57,7 +57,8 @@ def measure(args):
 
     def mean(variant, size):
         out = os.path.join(folder, re.sub(r"\W+", "_", variant) + f"_{size:g}")
-        return simulated(program, case, out, sets + VARIANTS[variant] + [f"geometry.element_size={1e-3 * size!r}"], args.threads)
+        strain, numbers = simulated(program, case, out, sets + VARIANTS[variant] + [f"geometry.element_size={1e-3 * size!r}"], args.threads)
+        return decimated(strain), numbers
 
     reference, _ = mean("default", args.reference)
     early = max(1, int(args.early / FACTOR))

@@ -7,7 +7,7 @@ A number is a slice of concealed_slices.py at its true parameters, a case file i
 the finest mesh (relative L2 of all gauges, decimated by a Hann window to 20 kHz, as the posterior compares), and what least squares with central differences on the next
 finest mesh takes it for: relative changes of density, sound speed, cutoff (logarithm), Young's modulus, pulse energy and viscosity (logarithm), the last three with the priors of
 `[errors]` (1.5 %, 1.5 %, 0.6). Means over the targets, ± their standard error. Last, target by target with density, sound speed and cutoff alone free, and the multiple k of the last
-difference that the finest mesh lies beyond the one before. A call that is cut off goes on where it stopped.
+difference that the finest mesh lies beyond the one before, and how the last two differences are correlated: along a record before the filter, and between gauges behind it. A call that is cut off goes on where it stopped.
 """
 import argparse
 import json
@@ -59,14 +59,14 @@ def decimated(strain):
 
 
 def simulated(program, case, out, keys, threads):
-    """Decimated ensemble mean, (sensors, values), of the case with these keys, and simulate.json; what is there is not run again."""
+    """Ensemble mean, (sensors, samples), of the case with these keys, and simulate.json; what is there is not run again."""
     if not os.path.exists(os.path.join(out, "simulate.json")):
         command = [program, "simulate", case, "--mean", "--quiet", "--out", out, "--threads", str(threads)]
         done = subprocess.run(command + [x for k in keys for x in ("--set", k)], capture_output=True, text=True)
         if done.returncode:
             sys.exit(done.stderr)
     with netCDF4.Dataset(os.path.join(out, "simulate.nc")) as file, open(os.path.join(out, "simulate.json")) as numbers:
-        return decimated(np.array(file["strain"][:])), json.load(numbers)
+        return np.array(file["strain"][:]), json.load(numbers)
 
 
 def misfit(coarse, fine):
@@ -82,14 +82,18 @@ class Runs:
         os.makedirs(self.folder, exist_ok=True)
         self.case, self.truth = truth_of(target, self.folder)
 
-    def mean(self, size, key=None, sign=0):
-        """Decimated ensemble mean, (sensors, values); with `key`, one step up or down."""
+    def samples(self, size, key=None, sign=0):
+        """Ensemble mean, (sensors, samples); with `key`, one step up or down."""
         out = os.path.join(self.folder, f"{size}_{key}_{sign}" if key else str(size))
         numbers = dict(self.truth)
         if key:
             numbers[key] *= STEPS[key] ** sign
         keys = [f"{k}={v!r}" for k, v in numbers.items()] + [f"geometry.element_size={1e-3 * size!r}", f'geometry.wetted="{self.wetted}"']
         return simulated(self.program, self.case, out, keys, self.threads)[0]
+
+    def mean(self, size, key=None, sign=0):
+        """The same, decimated, (sensors, values)."""
+        return decimated(self.samples(size, key, sign))
 
     def jacobian(self, size):
         return [(self.mean(size, k, 1) - self.mean(size, k, -1)) / (2 * np.log(s)) for k, s in STEPS.items()]
@@ -109,6 +113,28 @@ def taken_for(fine, coarse, jacobian, priors=True):
         return np.linalg.lstsq(np.stack([(j / sd).ravel() for j in jacobian[:3]], 1), ((fine - coarse) / sd).ravel(), rcond=None)[0]
     a = np.vstack([np.stack([(j / sd).ravel() for j in jacobian], 1), np.diag(1 / PRIOR_SD)])
     return np.linalg.lstsq(a, np.concatenate([((fine - coarse) / sd).ravel(), np.zeros(len(PRIOR_SD))]), rcond=None)[0]
+
+
+def along_a_record(difference):
+    """Correlation over 1, 2, 3, 5, 10 and 20 samples, mean over the gauges."""
+    return [np.mean([e[:-lag] @ e[lag:] / (e @ e) for e in difference]) for lag in (1, 2, 3, 5, 10, 20)]
+
+
+def between_gauges(runs_and_differences):
+    """Correlation of decimated differences, means over pairs of gauges by what they lie on and how far apart [mm]."""
+    pairs = {}
+    for runs, difference in runs_and_differences:
+        with open(runs.case, "rb") as f:
+            sensors = tomllib.load(f)["sensor"]
+        values = decimated(difference)
+        for i, a in enumerate(sensors):
+            for j, b in enumerate(sensors[:i]):
+                apart = np.subtract(a["position"], b["position"])
+                same = a["direction"] == b["direction"] and abs(apart[2]) < 1e-9
+                far = 1e3 * np.linalg.norm(apart)
+                where = f"one wall, {20 * int(far / 20)} to {20 * int(far / 20) + 20} mm" if same else "across, within 12 mm along" if a["direction"] == b["direction"] and abs(apart[0]) < 0.012 else "elsewhere"
+                pairs.setdefault(where, []).append(values[i] @ values[j] / np.sqrt((values[i] @ values[i]) * (values[j] @ values[j])))
+    return ", ".join(f"{k} {np.mean(v):+.2f} ({len(v)})" for k, v in sorted(pairs.items()))
 
 
 def main():
@@ -141,6 +167,9 @@ def main():
             rest, last = (m[args.sizes[-1]] - m[args.sizes[-2]]).ravel(), (m[args.sizes[-2]] - m[args.sizes[-3]]).ravel()
             k.append(rest @ last / (last @ last)), share.append(rest @ last / np.sqrt((last @ last) * (rest @ rest))), size.append(np.linalg.norm(rest) / np.linalg.norm(last))
         lines.append(f"{wetted}: k {', '.join(f'{x:.2f}' for x in k)}: {np.mean(k):.2f} ± {np.std(k):.2f} (sd over targets), correlation {np.mean(share):.2f}, size of the rest over the last difference {np.mean(size):.2f}")
+        for coarse, fine in zip(args.sizes[-3:-1], args.sizes[-2:]):
+            differences = [runs.samples(fine) - runs.samples(coarse) for runs in all_runs]
+            lines.append(f"{wetted}: {coarse:g} less {fine:g} mm, correlation over 1, 2, 3, 5, 10, 20 samples: {', '.join(f'{x:.2f}' for x in np.mean([along_a_record(d) for d in differences], 0))}; between gauges: {between_gauges(zip(all_runs, differences))}")
     print("\n" + "\n".join(alone) + "\n\n" + "\n".join(lines))
 
 

@@ -21,7 +21,7 @@ LogPosterior posterior_of(int values) {
   const RecordingOptions recording_options;
   const Problem problem = make_problem(model.shape(), recordings, recording_options);
   const ErrorOptions options{.values = values, .band = 1e6};
-  const ErrorModel errors(problem, recordings, recording_options, options, {}, {});
+  const ErrorModel errors(problem, recordings, recording_options, options, {});
   const EmulatorBox box(parameters, std::vector<double>(4, 0.9), std::vector<double>(4, 1.1));
   const Eigen::MatrixXd u = first_design(4, 45, 1);
   EmulatorRuns runs{.u = Eigen::MatrixXd(4, 60), .level = {}, .levels = 2};

@@ -68,7 +68,7 @@ TEST(ComparedPosterior, NoMeshErrorsKeepsTheOtherTermsAndNothingElse) {
   EXPECT_EQ(posterior.names(), (std::vector<std::string>{"density", "sound_speed", "damping"}));
   const auto at = posterior.point(posterior.q(c.fit.modes[0].at.theta, 0));
   EXPECT_EQ(at.beyond, 0);
-  const ErrorModel bare(c.problem, c.recordings, c.recording_options, c.in.errors, {}, {});  // without the last difference: noise, baseline and gain
+  const ErrorModel bare(c.problem, c.recordings, c.recording_options, c.in.errors, {});  // without the last difference: noise, baseline and gain
   for (const auto& t : c.fit.errors->terms()) EXPECT_TRUE(t.name == beyond_term || t.name == record_noise_term || std::any_of(bare.terms().begin(), bare.terms().end(), [&](const auto& b) { return b.name == t.name; })) << t.name;
   const Eigen::VectorXd r = bare.data() - c.fit.coefficients * posterior.emulator().features(at.u, 0);
   const double chi2 = r.dot(Cholesky(bare.covariance()).solve(r));

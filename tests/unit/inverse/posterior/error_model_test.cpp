@@ -174,7 +174,7 @@ TEST(ErrorModel, MarginalNuisancesAreTheIntegralOverThem) {
   ErrorOptions off{.values = 12, .band = 1e9, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0};
   ErrorOptions on = off;
   on.energy_scale_sd = 0.02;
-  const ErrorModel without(s.problem, s.recordings, {}, off, {}, {}), with(s.problem, s.recordings, {}, on, {}, {});
+  const ErrorModel without(s.problem, s.recordings, {}, off, {}), with(s.problem, s.recordings, {}, on, {});
   const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(without.data().size(), -1, 1.5);
   // integral N(r - x y; 0, C) N(x; 0, 0.02^2) dx, the Gaussian of both
   const Cholesky plain(without.covariance()), marginal(with.covariance());
@@ -194,7 +194,7 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
   d.gauge_places = Eigen::MatrixXd::Zero(80, 2);  // one that all gauges share, one of the second gauge alone
   d.gauge_places.col(0).setConstant(3), d.gauge_places.col(1).tail(40).setConstant(5);
   d.last_difference = Eigen::VectorXd::Constant(80, 4);
-  const ErrorModel m(s.problem, s.recordings, {}, options, d, {});
+  const ErrorModel m(s.problem, s.recordings, {}, options, d);
   const auto& grid = m.grid();
   Eigen::MatrixXd expected = std::pow(0.02, 2) * m.data() * m.data().transpose();
   for (std::size_t i = 0; i < 2; ++i) {
@@ -202,7 +202,7 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
     const auto& noise = m.noise().series[i];
     Eigen::MatrixXd mesh(n, n);
     for (Eigen::Index a = 0; a < n; ++a)
-      for (Eigen::Index b = 0; b < n; ++b) mesh(a, b) = 4 * mesh_kernel(std::abs(grid.times()[at + a] - grid.times()[at + b]));  // (0.5 * 4)^2
+      for (Eigen::Index b = 0; b < n; ++b) mesh(a, b) = 4 * white_noise(grid)(std::abs(grid.times()[at + a] - grid.times()[at + b]));  // (0.5 * 4)^2
     expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, m.noise().split_half) / 6 + 0.09) + mesh + std::pow(0.05, 2) * m.data().segment(at, n) * m.data().segment(at, n).transpose() +
                                     Eigen::MatrixXd::Constant(n, n, std::pow(2 * noise.sd(), 2));
   }
@@ -221,22 +221,22 @@ TEST(ErrorModel, NoiseAloneIsIndependentAndHasNoNuisances) {
   RecordingOptions options;
   options.noise = 2.0;
   const Problem problem = make_problem(model.shape(), recordings, options);
-  const ErrorModel m(problem, recordings, options, {.band = 1e9}, {}, {});
+  const ErrorModel m(problem, recordings, options, {.band = 1e9}, {});
   EXPECT_LT((m.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
   options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of it stays without memory
-  const ErrorModel coloured(problem, recordings, options, {.band = 1e9}, {}, {});
+  const ErrorModel coloured(problem, recordings, options, {.band = 1e9}, {});
   EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
   EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
   options.noise_time = 0;
   // A gain counts where the case says it, by gauge.
-  const ErrorModel calibrated(problem, recordings, options, {.band = 1e9, .gain_sd = 0.03}, {}, {});
+  const ErrorModel calibrated(problem, recordings, options, {.band = 1e9, .gain_sd = 0.03}, {});
   const Eigen::VectorXd first = calibrated.data().head(40);
   EXPECT_LT((calibrated.covariance().topLeftCorner(40, 40) - 4 * Eigen::MatrixXd::Identity(40, 40) - 9e-4 * first * first.transpose()).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_EQ(calibrated.covariance()(10, 50), 0);
   options.energy_sd = 0.05;
-  const ErrorModel own(problem, recordings, options, {.band = 1e9}, {}, {});
+  const ErrorModel own(problem, recordings, options, {.band = 1e9}, {});
   EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);
 }
 
@@ -247,7 +247,7 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
                             200, 1e-6);
   const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.05}, 2);
   const Problem problem = make_problem(model.shape(), recordings, {});
-  const ErrorModel l(problem, recordings, {}, {.values = 60, .band = 1e9}, {}, {});
+  const ErrorModel l(problem, recordings, {}, {.values = 60, .band = 1e9}, {});
   Eigen::MatrixXd positions(3, 3);
   positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
   const Eigen::MatrixXd c = discrepancy_shape(problem, l.grid(), l.data(), positions, {}, matern32(15e-6));

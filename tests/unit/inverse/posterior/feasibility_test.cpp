@@ -81,7 +81,7 @@ TEST(Feasibility, OptimisersAreKeptOffWhatFails) {
   const Feasibility f(plane, runs.theta, runs.failed);
   const GuardedModel guarded(surrogate, f);
   // The basin of the records by the surrogate.
-  const auto basin = [&](const ForwardModel& search) { return find_basin(problem, recordings, {}, {.values = 60, .band = 1e9}, search, {}, 0.02, {}, 1, 1); };
+  const auto basin = [&](const ForwardModel& search) { return find_basin(problem, recordings, {}, {.values = 60, .band = 1e9}, search, 0.02, {}, 1, 1); };
   const auto blind = basin(surrogate), kept = basin(guarded);
   EXPECT_TRUE(breaks(blind[0], blind[1]));
   EXPECT_TRUE(f.feasible(kept));

@@ -41,7 +41,7 @@ struct Lines {
       const auto p = (i < 20 ? coarse : fine).evaluate(box.theta(runs.u.col(i)));
       for (Eigen::Index v = 0; v < 120; ++v) histories(v, i) = p.mean[std::size_t(v)] + noise * random.normal();
     }
-    const ErrorModel model(problem, recordings, recording_options, with, {}, {});
+    const ErrorModel model(problem, recordings, recording_options, with, {});
     const Eigen::MatrixXd outputs = model.grid().apply(histories);
     const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
     return {box, e, e.fit(outputs), {{model}}, numerical_noise(model.grid(), e.residuals(outputs), e.freedom(), 25e-6), {Prior(parameters[0]), Prior(parameters[1])},
@@ -58,7 +58,7 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   EXPECT_NEAR(at.theta[0], 2.4, 1e-9);
   EXPECT_NEAR(at.theta[1], 0.5, 1e-9);
   // The dense Gaussian with covariance errors + v noise.
-  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, with, {}, {});
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, with, {});
   RandomStream random(7, 0);
   Eigen::MatrixXd u = first_design(2, 20, 4), histories(120, 28);
   EmulatorRuns runs{.u = Eigen::MatrixXd(2, 28), .level = {}, .levels = 2};
@@ -156,7 +156,7 @@ TEST(LocalMode, IsTheClosedFormOfALinearModelAndSoIsItsEvidence) {
   ASSERT_EQ(modes.size(), 1u);
   EXPECT_LT(modes[0].gradient, 1e-3);
   // Generalised least squares with the prior of a.
-  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {}, {});
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {});
   const auto column = [&](double a, double b) {
     const auto y = lines.fine.evaluate(std::vector<double>{a, b}).mean;
     return Eigen::VectorXd(model.grid().apply(Eigen::Map<const Eigen::VectorXd>(y.data(), 120)));
@@ -184,7 +184,7 @@ TEST(LocalMode, IsTheClosedFormOfALinearModelAndSoIsItsEvidence) {
 
 TEST(NumericalNoise, HasTheVarianceOfItsResidualsAndFullRank) {
   const Lines lines;
-  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {}, {});
+  const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, lines.errors, {});
   RandomStream random(5, 0);
   const auto n = Eigen::Index(model.grid().size());
   Eigen::MatrixXd residuals(n, 12);
@@ -325,7 +325,7 @@ TEST(FindBasin, AFewRunsOfTheFinestMeshTakeItFromTheCoarseMeshsAnswerToTheirs) {
     ++runs;
     return fine.evaluate(theta).mean;
   };
-  const auto basin = [&](const FineRun& f) { return find_basin(meshes.problem, meshes.recordings, {}, {.values = 200, .band = 1e6}, surrogate, {}, 0.1, f, 1, 1); };
+  const auto basin = [&](const FineRun& f) { return find_basin(meshes.problem, meshes.recordings, {}, {.values = 200, .band = 1e6}, surrogate, 0.1, f, 1, 1); };
   const auto coarse = basin({}), corrected = basin(run);
   const auto off = [&](const std::vector<double>& t, std::size_t k) { return std::abs(t[k] / meshes.truth[k] - 1); };
   EXPECT_GT(off(coarse, 0), 0.02);

@@ -23,7 +23,7 @@ struct Case {
                       times, 1e-6};
   Recordings recordings = pulses_of(model, {1}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
   Problem problem = make_problem(model.shape(), recordings, {});
-  ErrorModel errors{problem, recordings, {}, {.values = 120, .band = 1e9}, {}, {}};
+  ErrorModel errors{problem, recordings, {}, {.values = 120, .band = 1e9}, {}};
   std::vector<double> history = model.evaluate(std::vector<double>{1}).mean;
   Eigen::MatrixXd fitted = Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size()));
   Eigen::MatrixXd factor = Cholesky(errors.covariance()).lower();
