@@ -20,7 +20,7 @@ constexpr double least_width = 0.1;                  ///< the same over the stan
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
 constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
 constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
-constexpr double zoom = 0.4, box_in_deviations = 4;  ///< the second box over the first, at least, and in deviations of the answer
+constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower ones these come out too small
 constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
 constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
 // Of the search for a cheap model's fit.
