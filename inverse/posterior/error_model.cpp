@@ -29,6 +29,36 @@ auto part(const Eigen::VectorXd& v, const Decimation& grid, std::size_t i) {
   return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
 }
 
+/// Root mean square of `amplitude` over `local` seconds, (size).
+Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude, double local) {
+  const Eigen::VectorXd t = grid.times();
+  Eigen::VectorXd sd(t.size());
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    for (Eigen::Index a = at; a < at + n; ++a) {
+      const Eigen::ArrayXd w = (-0.5 * ((t.segment(at, n).array() - t[a]) / local).square()).exp();
+      sd[a] = std::sqrt((w * amplitude.segment(at, n).array().square()).sum() / w.sum());
+    }
+  }
+  return sd;
+}
+
+/// sd_a sd_b share(gauges) kernel(times). positions: (sensors, 3) [m] of gauges that share exp(-their distance / distance); without them each is for itself. Conditions share it like one place.
+Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& sd, const TimeKernel& kernel, const Eigen::MatrixXd& positions = {}, double distance = 1) {
+  const Eigen::VectorXd t = grid.times();
+  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    std::fill_n(sensor.begin() + std::ptrdiff_t(grid.offset(i)), grid.windows(i).size(), Eigen::Index(problem.observations[i].sensor));
+  const auto share = [&](Eigen::Index a, Eigen::Index b) {
+    if (a == b) return 1.0;
+    return positions.rows() ? std::exp(-(positions.row(a) - positions.row(b)).norm() / distance) : 0.0;
+  };
+  Eigen::MatrixXd c(t.size(), t.size());
+  for (Eigen::Index a = 0; a < t.size(); ++a)
+    for (Eigen::Index b = 0; b < t.size(); ++b) c(a, b) = sd[a] * sd[b] * share(sensor[std::size_t(a)], sensor[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
+  return c;
+}
+
 }  // namespace
 
 ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& o,
@@ -75,7 +105,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   }
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
-    add(beyond_term, local_process(problem, grid_, last, {}, o.discrepancy_distance, white_noise(grid_), o.amplitude_time));
+    add(beyond_term, process(problem, grid_, local_amplitude(grid_, last, o.amplitude_time), white_noise(grid_)));
   }
   if (directions.mesh > 0) add(mesh_term, directions.mesh * directions.mesh * discrepancy_shape(problem, grid_, data_, {}, o, white_noise(grid_)));
 }
@@ -140,45 +170,6 @@ TimeKernel white_noise(const Decimation& grid) {
   };
 }
 
-namespace {
-
-/// Root mean square of `amplitude` over `local` seconds, (size).
-Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude, double local) {
-  const Eigen::VectorXd t = grid.times();
-  Eigen::VectorXd sd(t.size());
-  for (std::size_t i = 0; i < grid.observations(); ++i) {
-    const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    for (Eigen::Index a = at; a < at + n; ++a) {
-      const Eigen::ArrayXd w = (-0.5 * ((t.segment(at, n).array() - t[a]) / local).square()).exp();
-      sd[a] = std::sqrt((w * amplitude.segment(at, n).array().square()).sum() / w.sum());
-    }
-  }
-  return sd;
-}
-
-/// sd_a sd_b share(gauges) kernel(times).
-Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& sd, const Eigen::MatrixXd& positions, double distance, const TimeKernel& kernel) {
-  const Eigen::VectorXd t = grid.times();
-  std::vector<Eigen::Index> sensor(std::size_t(t.size()));
-  for (std::size_t i = 0; i < grid.observations(); ++i)
-    std::fill_n(sensor.begin() + std::ptrdiff_t(grid.offset(i)), grid.windows(i).size(), Eigen::Index(problem.observations[i].sensor));
-  const auto share = [&](Eigen::Index a, Eigen::Index b) {
-    if (a == b) return 1.0;
-    return positions.rows() ? std::exp(-(positions.row(a) - positions.row(b)).norm() / distance) : 0.0;
-  };
-  Eigen::MatrixXd c(t.size(), t.size());
-  for (Eigen::Index a = 0; a < t.size(); ++a)
-    for (Eigen::Index b = 0; b < t.size(); ++b) c(a, b) = sd[a] * sd[b] * share(sensor[std::size_t(a)], sensor[std::size_t(b)]) * kernel(std::abs(t[a] - t[b]));
-  return c;
-}
-
-}  // namespace
-
-Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const TimeKernel& kernel, double local) {
-  return process(problem, grid, local_amplitude(grid, amplitude, local), positions, distance, kernel);
-}
-
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& o, const TimeKernel& kernel) {
   const double share = o.arrival_share.value_or(arrival_share);
   Eigen::VectorXd sd = local_amplitude(grid, data, o.amplitude_time);
@@ -187,7 +178,7 @@ Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid
     const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
     for (Eigen::Index a = at; a < at + n && std::abs(data[a]) <= share * peak; ++a) sd[a] = 0;
   }
-  return process(problem, grid, sd, positions, o.discrepancy_distance, kernel);
+  return process(problem, grid, sd, kernel, positions, o.discrepancy_distance);
 }
 
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {

@@ -128,13 +128,8 @@ class ErrorModel {
   std::vector<ErrorTerm> terms_;
 };
 
-/// Covariance of a process along each record with the local root mean square of `amplitude` (size) over `local` seconds as its sd and `kernel` as its correlation in
-/// time, gauges sharing exp(-their distance / distance): (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it
-/// like one place.
-Eigen::MatrixXd local_process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& amplitude, const Eigen::MatrixXd& positions, double distance,
-                              const TimeKernel& kernel, double local);
-
-/// The same of the mean records' amplitude, 0 before the first arrival (`arrival_share`): a discrepancy of scale 1.
+/// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, 0 before the first arrival (`arrival_share`), and `kernel` as its correlation
+/// in time, gauges sharing exp(-their distance / `discrepancy_distance`): a discrepancy of scale 1, (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it like one place.
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& options, const TimeKernel& kernel);
 
 /// One hypothesis about the errors, and the logarithm of its prior weight.

@@ -124,7 +124,7 @@ void Fit::fill_box(std::uint64_t index) {
   for (const auto i : out_.used) ++(i < in_.known.size() ? known : there)[std::size_t(out_.runs[i].level)];
   const auto d = Eigen::Index(in_.parameters.size());
   const int plenty = std::max(in_.emulator.coarse_runs > 0 ? in_.emulator.coarse_runs : cheap, ample * int(MultilevelRegression::coefficients(d, 1)));
-  const int coarse = in_.draw_in ? plenty : in_.emulator.coarser_to_begin(d), fine = in_.draw_in ? plenty : in_.emulator.finest_to_begin(d, in_.levels);
+  const int fine = in_.draw_in ? plenty : in_.emulator.finest_to_begin(d, in_.levels), coarse = in_.levels > 1 ? in_.emulator.coarser_to_begin(d) : 0;
   const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
   std::vector<int> level;
   std::vector<Eigen::Index> at;
@@ -309,9 +309,9 @@ void EmulatorOptions::validate() const {
 }
 
 int EmulatorOptions::finest_to_begin(Eigen::Index parameters, int levels) const {
-  if (levels > 1) return fine_runs > 0 ? fine_runs : spare * int(parameters + 1);
-  const auto coefficients = double(MultilevelRegression::coefficients(parameters, 1));
-  return int(fine_runs > 0 ? std::max(double(fine_runs), least_spare * coefficients) : spare * coefficients);
+  const auto taught = int(levels > 1 ? parameters + 1 : MultilevelRegression::coefficients(parameters, 1));
+  if (fine_runs == 0) return spare * taught;
+  return levels > 1 ? fine_runs : std::max(fine_runs, int(least_spare * taught));
 }
 
 int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const { return coarse_runs > 0 ? coarse_runs : spare * int(MultilevelRegression::coefficients(parameters, 1)); }

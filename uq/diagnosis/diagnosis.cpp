@@ -168,6 +168,7 @@ class Engine {
   std::map<std::string, Fitted> fits_;        ///< of candidates by name
   std::optional<HeldOut> held_out_;
   int runs_ = 0;
+  bool ended_ = false;  ///< by the budget, the fit under way: the fits that are kept hold their run function, which outlives fit()
 };
 
 void Engine::describe_base() {
@@ -400,10 +401,10 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
   PosteriorInputs& in = plan.inputs;
-  bool ended = false;
-  in.run = [&, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
-    ended = in_.base.draw_in && runs_ + int(level.size()) > in_.options.max_runs;  // a search of the model itself may take any number
-    if (ended) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", in_.options.max_runs));
+  ended_ = false;
+  in.run = [this, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
+    ended_ = in_.base.draw_in && runs_ + int(level.size()) > in_.options.max_runs;  // a search of the model itself may take any number
+    if (ended_) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", in_.options.max_runs));
     return counted(thetas, level, added);
   };
   if (places_.size()) in.gauge_places = [this](std::span<const double>) { return places_; };
@@ -440,7 +441,7 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
-    if (ended) out_.skipped.push_back(c.explanation.name + ": " + c.message);
+    if (ended_) out_.skipped.push_back(c.explanation.name + ": " + c.message);
     c.explanation.by_scale = out_.evidence.by_scale;
     c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
   }
