@@ -18,8 +18,6 @@ constexpr double reach = 1.0;                        ///< half width of the firs
 constexpr double widths = 6;                         ///< the same in standard deviations to first order
 constexpr double least_width = 0.1;                  ///< the same over the standard deviation of the number's prior
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
-constexpr double spare = 3;                          ///< runs of the coarser meshes over coefficients of the emulator, to begin with: they cost an eighth of the finer's
-constexpr double spare_fine = 3;                     ///< runs of the finest mesh over its own coefficients
 constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower ones these come out too small
 constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
 constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
@@ -160,8 +158,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
     in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
   }
   const auto d = Eigen::Index(in.parameters.size());
-  in.emulator.coarse_runs = int(spare * double(MultilevelRegression::coefficients(d, 1)));
-  in.emulator.fine_runs = int(spare_fine * double(d + 1));
+  in.emulator.coarse_runs = in.emulator.fine_runs = 0;  // by its own number of coefficients
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear(), in.go_on = {};
   for (const auto& r : fit.runs) {
@@ -175,7 +172,8 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
 
 int first_runs(const CandidatePlan& plan) {
   const PosteriorInputs& in = plan.inputs;
-  const int coarse = in.emulator.coarse_runs, fine = in.emulator.fine_runs;
+  const auto d = Eigen::Index(in.parameters.size());
+  const int coarse = in.emulator.coarser_to_begin(d), fine = in.emulator.finest_to_begin(d, in.levels);
   return std::max(1, in.levels - 1) * (coarse - in.stood_for(coarse, false)) + (in.levels > 1 ? fine - in.stood_for(fine, true) : 0);
 }
 
