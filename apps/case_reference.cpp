@@ -24,7 +24,7 @@ cases with, and a test compares the two. Edit the `visit` functions in the sourc
 
 A case is a TOML file. All numbers are in SI units. Relative paths start at the folder of the case file. An unknown key or
 table is an error that names the nearest known one. Every key can be set from the command line, `--set table.key=value`.
-`calomel check CASE.toml` prints the case with every default filled in.
+`calomel check CASE.toml --resolved` prints the case with every default filled in, as JSON.
 )";
 
 /// Rows of one Options type under a heading.
@@ -72,7 +72,7 @@ std::string mechanism_page() {
         "\nBuilt in this version: {} of {}. A case may list one that is not built: `calomel check` then says \"not built yet, not offered\". Enabling it is "
         "an error (exit status 2).\n",
         built, rows.size());
-  s += "\nKeys that every mechanism takes: `enabled` (default `false`), `parameter`.\n";
+  s += "\nEvery mechanism takes `enabled` (default `false`). To fit one of its numbers, write `[parameter.NAME]` with `key = \"mechanism.MECHANISM.KEY\"`.\n";
   for (const auto& row : rows) {
     s += fmt::format("\n### `{}`\n\n`{}`{}{}", row.name, row.entry.law, row.entry.built() ? "" : " (not built yet)",
                      row.entry.per_sensor ? "; `[mechanism." + row.name + ".SENSOR]` for one gauge" : "");
@@ -121,13 +121,7 @@ std::string catalogue(const std::string& heading, const Registry<Entry>& registr
   return s;
 }
 
-/// Tables whose names are kept for stages to come: nothing reads their keys yet.
-std::string reserved_tables() {
-  std::vector<std::string> reserved;
-  for (const char* name : {"report"})
-    if (const auto& known = known_tables(); std::find(known.begin(), known.end(), name) != known.end()) reserved.push_back('`' + std::string(name) + '`');
-  return "\n## Reserved tables\n\nThese names are known but nothing reads them in this version; what stands in them has no effect: " + join(reserved) + ".\n";
-}
+constexpr const char* report_table = "\n## `[report]`\n\nThe table may stand there; it has no key in this version.\n";
 
 }  // namespace
 
@@ -182,7 +176,7 @@ std::string case_reference() {
   s += catalogue("Objectives (`enc.objective`, `spe.objective`)", objectives());
   s += catalogue("Optimisers (`enc.optimizers`)", optimizers());
   s += catalogue("Samplers (`sampler.kind`)", samplers());
-  s += reserved_tables();
+  s += report_table;
   s += line_page();
   s += outside_page();
   return s;

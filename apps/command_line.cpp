@@ -23,7 +23,8 @@ void add_threads(CLI::App& verb, CommandLine& command, const std::string& doc) {
 
 CLI::Option* add_seed(CLI::App& verb, CommandLine& command, const std::string& doc) {
   return verb.add_option("--seed", command.seed, doc)->type_name("S")->check([](const std::string& text) {
-    return text.starts_with('-') ? "a seed is not negative: " + text : std::string();
+    const bool whole = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+    return whole ? std::string() : "a seed is a whole number from 0 on, not " + text;
   });
 }
 
@@ -119,6 +120,20 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
   }
 }
 
+/// `did you mean --floor? ` of the first word that looks like an option and is none; empty where there is none such, or none near.
+std::string near_option(const CLI::App& verb, std::span<const std::string> words) {
+  std::vector<std::string> known;
+  for (const auto* o : verb.get_options())
+    for (const auto& name : o->get_lnames()) known.push_back("--" + name);
+  for (const auto& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = name_suggestion(name, known);
+    return near.empty() ? "" : near + ' ';
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<Extra> extras_of(const std::string& verb) {
@@ -139,7 +154,7 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
     throw InputError({.problem = "no verb of this name",
                       .value = '"' + words[0] + '"',
                       .range = join(known),
-                      .suggestion = "did you mean \"" + nearest_name(words[0], known) + "\"? (calomel --help)"});
+                      .suggestion = name_suggestion(words[0], known) + " (calomel --help)"});
 
   CLI::App app("Inverse problems where a violent pulse meets a structure: simulate it, learn it, calibrate it.", "calomel");
   app.set_version_flag("--version", std::string("calomel ") + version);
@@ -169,13 +184,13 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
   try {
     app.parse(std::move(reversed));
   } catch (const CLI::CallForHelp&) {
-    out << (innermost() == &app ? app.help() : innermost()->help("", CLI::AppFormatMode::Normal));
+    out << (innermost() == &app ? app.help() : innermost()->help("calomel " + called().substr(0, called().size() - innermost()->get_name().size() - 1), CLI::AppFormatMode::Normal));
     return false;
   } catch (const CLI::CallForVersion&) {
     out << "calomel " << version << '\n';
     return false;
   } catch (const CLI::ParseError& e) {
-    throw InputError({.problem = e.what(), .suggestion = "see calomel " + called() + "--help"});
+    throw InputError({.problem = e.what(), .suggestion = near_option(*innermost(), words) + "see calomel " + called() + "--help"});
   }
   command.verb = app.get_subcommands()[0]->get_name();
   if (innermost()->get_name() != command.verb) command.challenge.action = innermost()->get_name();

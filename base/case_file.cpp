@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #define TOML_EXCEPTIONS 1
@@ -21,12 +22,25 @@ struct CaseFile::Document {
 namespace {
 
 std::string value_text(const toml::node& node) {
-  std::ostringstream s;
   if (node.is_table()) return "";
-  node.visit([&](const auto& v) { s << v; });
+  std::ostringstream s;
+  if (const auto* list = node.as_array()) {
+    for (const auto& element : *list) s << (s.tellp() > 0 ? ", " : "[") << value_text(element);
+    s << (list->empty() ? "[]" : "]");
+  } else if (node.is_floating_point())
+    s << number_text(*node.value<double>());
+  else
+    node.visit([&](const auto& v) { s << v; });
   std::string text = s.str();
   if (text.size() > 60) text = text.substr(0, 57) + "...";
   return text;
+}
+
+/// Dotted path of a key or table of this name inside one of the tables at the root, "geometry.length" of "length"; empty where there is none.
+std::string path_ending_with(const toml::table& root, const std::string& name) {
+  for (const auto& [outer, node] : root)
+    if (const auto* table = node.as_table(); table && outer.str() != name && table->contains(name)) return std::string(outer.str()) + '.' + name;
+  return "";
 }
 
 /// "sensor[1].position" -> the node, or null.
@@ -35,10 +49,14 @@ const toml::node* node_at(const toml::table& root, const std::string& path) {
   return root.at_path(path).node();
 }
 
-InputError from_parse_error(const toml::parse_error& e, const std::string& name) {
+InputError from_parse_error(const toml::parse_error& e, const std::string& name, const std::string& text) {
   const auto& at = e.source().begin;
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t i = 0; i < at.line && std::getline(lines, line);) ++i;
+  static const std::regex decimal_comma(R"(=\s*-?\d+,\d)");
   return InputError({.problem = fmt::format("not valid TOML: {}", e.description()),
-                     .suggestion = "see https://toml.io for the format",
+                     .suggestion = std::regex_search(line, decimal_comma) ? "write numbers with a decimal point, not a comma" : "see https://toml.io for the format",
                      .file = name,
                      .line = int(at.line),
                      .column = int(at.column)});
@@ -68,7 +86,7 @@ void apply_override(toml::table& root, const std::string& text) {
     try {
       parsed = toml::parse("value = \"" + value + "\"", origin);
     } catch (const toml::parse_error& e) {
-      throw from_parse_error(e, origin);
+      throw from_parse_error(e, origin, "value = " + value);
     }
   }
   toml::node& node = *parsed.get("value");
@@ -109,7 +127,7 @@ CaseFile::CaseFile(std::filesystem::path path, std::span<const std::string> over
   try {
     document_->root = toml::parse(text.str(), path_.string());
   } catch (const toml::parse_error& e) {
-    throw from_parse_error(e, path_.string());
+    throw from_parse_error(e, path_.string(), text.str());
   }
   for (const auto& o : overrides) apply_override(document_->root, o);
 }
@@ -121,7 +139,7 @@ CaseFile CaseFile::from_text(const std::string& text, const std::string& name) {
   try {
     file.document_->root = toml::parse(text, name);
   } catch (const toml::parse_error& e) {
-    throw from_parse_error(e, name);
+    throw from_parse_error(e, name, text);
   }
   return file;
 }
@@ -177,7 +195,9 @@ void CaseFile::accept(const std::string& path) { document_->accepted.insert(path
 void CaseFile::expect_all_read(std::span<const std::string> known_tables) const {
   for (const auto& name : names("")) {
     if (document_->accepted.contains(name) || std::find(known_tables.begin(), known_tables.end(), name) != known_tables.end()) continue;
-    throw located(InputError({.problem = "unknown table or key", .key = name, .suggestion = "did you mean \"" + nearest_name(name, known_tables) + "\"?"}));
+    const std::string inside = path_ending_with(document_->root, name), near = name_suggestion(name, known_tables);
+    throw located(InputError({.problem = "unknown table or key", .key = name, .range = inside.empty() && near.empty() ? join(known_tables) : "",
+                              .suggestion = inside.empty() ? near : "did you mean \"" + inside + "\"?"}));
   }
 }
 
@@ -201,7 +221,8 @@ InputError CaseFile::located(const InputError& error) const {
     if (owner && owner->is_table())
       for (const auto& [k, v] : *owner->as_table())
         if (&v == node) key = &k;
-    const auto& source = key && key->source().begin.line ? key->source() : node->source();
+    const bool of_override = node->source().path && *node->source().path != path_.string();  // the key that it replaces still says where it stood
+    const auto& source = !of_override && key && key->source().begin.line ? key->source() : node->source();
     parts.line = int(source.begin.line);
     parts.column = int(source.begin.column);
     if (source.path && *source.path != path_.string()) parts.file = *source.path, parts.line = 0;
@@ -288,7 +309,7 @@ void CaseFile::Reader::operator()(const char* key, std::string& value, const Fie
                                     .key = path_.empty() ? key : path_ + '.' + key,
                                     .value = '"' + value + '"',
                                     .range = join(info.choices),
-                                    .suggestion = "did you mean \"" + nearest_name(value, info.choices) + "\"?"}));
+                                    .suggestion = name_suggestion(value, info.choices)}));
 }
 void CaseFile::Reader::operator()(const char* key, std::vector<double>& value, const FieldInfo& info) {
   const auto* n = find(key, info);
@@ -335,10 +356,11 @@ void CaseFile::Reader::renamed(const char* key, const char* instead) {
 void CaseFile::Reader::finish(std::span<const std::string> extra) {
   if (!table_) return;
   known_.insert(known_.end(), extra.begin(), extra.end());
-  for (const auto& name : file_.names(path_))
-    if (std::find(known_.begin(), known_.end(), name) == known_.end())
-      throw file_.located(InputError(
-          {.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, known_) + "\"?"}));
+  for (const auto& name : file_.names(path_)) {
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    const std::string near = name_suggestion(name, known_);
+    throw file_.located(InputError({.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .range = near.empty() ? join(known_) : "", .suggestion = near}));
+  }
 }
 
 }  // namespace calomel

@@ -54,6 +54,23 @@ std::string nearest_name(std::string_view name, std::span<const std::string> kno
   return best;
 }
 
+std::string name_suggestion(std::string_view name, std::span<const std::string> known) {
+  const std::string near = nearest_name(name, known);
+  return near.empty() || 2 * edit_distance(name, near) > std::max(name.size(), near.size()) ? "" : "did you mean \"" + near + "\"?";
+}
+
+InputError unreadable_file(std::string key, const std::filesystem::path& path) {
+  std::vector<std::string> there;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", ignored)) there.push_back(entry.path().filename().string());
+  std::sort(there.begin(), there.end());
+  const std::string near = name_suggestion(path.filename().string(), there);
+  return InputError({.problem = "the file cannot be opened",
+                     .key = std::move(key),
+                     .value = '"' + path.string() + '"',
+                     .suggestion = (near.empty() ? "check the name;" : near) + " relative paths start at the case file"});
+}
+
 std::string join(std::span<const std::string> words, std::string_view between) {
   std::string s;
   for (const auto& w : words) s += (s.empty() ? "" : std::string(between)) + w;

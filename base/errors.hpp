@@ -1,5 +1,6 @@
 #pragma once
 /// Errors of three kinds: the user's (InputError), the numerics' (NumericsError) and our own (contract failures).
+#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -68,6 +69,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The known name nearest to `name`; empty when there is none at all.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
+
+/// `did you mean "NAME"?` with the known name nearest to `name`, where no more than half of its letters differ, else nothing.
+std::string name_suggestion(std::string_view name, std::span<const std::string> known);
+
+/// The error of a file that the case names at `key` and that cannot be read; it suggests the nearest name in its folder.
+InputError unreadable_file(std::string key, const std::filesystem::path& path);
 
 /// "a, b, c"
 std::string join(std::span<const std::string> words, std::string_view between = ", ");

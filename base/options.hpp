@@ -45,6 +45,12 @@ inline Range strictly_between(double low, double high) { return {.low = low, .hi
 /// 17 digits where needed, fewer where they say the same.
 std::string number_text(double x);
 
+/// A table that holds no keys, only tables if any.
+struct NoKeys {
+  template <class V>
+  void visit(V&) {}
+};
+
 /// What a field is, beside its key and value.
 struct FieldInfo {
   std::string unit;                  ///< SI; empty for a pure number

@@ -48,7 +48,7 @@ class Registry {
                       .key = std::string(key),
                       .value = '"' + std::string(name) + '"',
                       .range = join(known),
-                      .suggestion = "did you mean \"" + nearest_name(name, known) + "\"?"});
+                      .suggestion = name_suggestion(name, known)});
   }
 
  private:

@@ -15,16 +15,10 @@ namespace calomel {
 
 namespace {
 
-/// A table that holds only tables.
-struct NoKeys {
-  template <class V>
-  void visit(V&) {}
-};
-
 /// sensors = "sensors.csv": name,x,y,z,dx,dy,dz,gauge_length.
 std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) {
   std::ifstream in(path);
-  if (!in) throw InputError({.problem = "cannot be opened", .key = "sensors", .value = '"' + path.string() + '"'});
+  if (!in) throw unreadable_file("sensors", path);
   std::vector<SensorOptions> all;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -88,7 +82,7 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     found.number = m.values.find(rest);
   }
   if (!found.number && !found.optional)
-    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = "did you mean \"" + nearest_name(key, known) + "\"?"});
+    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = name_suggestion(key, known)});
   return found;
 }
 
@@ -96,7 +90,9 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
 
 void TimeOptions::validate() const {
   const double ratio = end / output_interval;
-  if (ratio < 0.999999 || ratio > 5e6 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
+  if (ratio < 0.999999)
+    throw InputError({.problem = fmt::format("no sample would lie before the end, end = {} s", number_text(end)), .key = "output_interval", .value = number_text(output_interval), .range = "<= " + number_text(end)});
+  if (ratio > 5e6 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
     throw InputError({.problem = fmt::format("the end must be a multiple of output_interval = {} s (1 to 5 million samples)", number_text(output_interval)),
                       .key = "end",
                       .value = number_text(end),

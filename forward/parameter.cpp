@@ -1,5 +1,9 @@
 #include "forward/parameter.hpp"
 
+#include <fmt/format.h>
+
+#include <limits>
+
 #include "base/json.hpp"
 
 namespace calomel {
@@ -10,6 +14,9 @@ void Parameter::validate() const {
                       .key = "max",
                       .value = number_text(max),
                       .range = "> " + number_text(min)});
+  const auto within = [](const char* word, double x, Range range, const std::string& what) {
+    if (!range.contains(x)) throw InputError({.problem = what + " lies outside the parameter's bounds", .key = word, .value = number_text(x), .range = range.text()});
+  };
   if (nominal && (*nominal < min || *nominal > max))
     throw InputError(
         {.problem = "the nominal value lies outside the bounds", .key = "nominal", .value = number_text(*nominal), .range = Range{min, max}.text()});
@@ -22,6 +29,8 @@ void Parameter::validate() const {
   };
   if (prior == "normal" || prior == "truncated_normal") need("mean", mean), need("sd", sd);
   if (prior == "lognormal") need("mu", mu), need("sigma", sigma);
+  if (prior == "normal") within("mean", *mean, {min, max}, "the prior's mean");
+  if (prior == "lognormal" && max > 0) within("mu", *mu, {min > 0 ? std::log(min) : -std::numeric_limits<double>::infinity(), std::log(max)}, fmt::format("the prior's median, exp(mu) = {:.4g},", std::exp(*mu)));
   if (prior == "half_cauchy") need("scale", scale);
   if (prior == "beta") need("alpha", alpha), need("beta", beta);
 }
@@ -44,10 +53,14 @@ void bind_parameters(CaseFile& file, std::vector<Parameter>& parameters, const s
       const std::string table = "parameter." + p.name;
       try {
         const double value = number(p);
+        if (!p.nominal && p.max > p.min && (value < p.min || value > p.max))
+          throw file.located(InputError({.problem = fmt::format("the case's own value lies outside the bounds of [{}]", table), .key = file.has(p.key) ? p.key : table, .value = number_text(value), .range = Range{p.min, p.max}.text(),
+                            .suggestion = file.has(p.key) ? "" : fmt::format("{} is {} where the case does not set it; give nominal a value within the bounds", p.key, number_text(value))}));
         if (!p.nominal) p.nominal = value;
         p.validate();
       } catch (const InputError& e) {
         auto parts = e.parts();
+        if (!parts.file.empty()) throw;
         parts.key = parts.key.empty() ? table + (file.has(table + ".key") ? ".key" : "") : table + '.' + parts.key;
         throw InputError(parts);
       }

@@ -21,7 +21,6 @@ namespace {
 
 constexpr double coarse_step = 25e-6;  ///< between the values that strengths are told by [s]; the Hann window is twice as long
 const std::vector<std::string> families{"none", "single", "pair", "outside", "sensor"};
-const std::vector<std::string> verdicts{"none", "named", "ambiguous", "unknown"};
 
 std::string word_of(const CaseFile& file, const std::string& key) {
   if (const auto word = file.text(key)) return *word;
@@ -48,17 +47,17 @@ std::map<std::string, Interval> intervals(const Json& by_name) {
 Finding finding_of(const Json& json) {
   Finding f;
   const std::string verdict = json.at("verdict");
-  const auto kind = std::find(verdicts.begin(), verdicts.end(), verdict);
-  if (kind == verdicts.end()) throw std::runtime_error("no verdict is called \"" + verdict + '"');
+  bool known = false;
   for (const VerdictKind k : {VerdictKind::none, VerdictKind::named, VerdictKind::ambiguous, VerdictKind::unknown})
-    if (calomel::text(k) == verdict) f.verdict = k;
+    if (calomel::text(k) == verdict) f.verdict = k, known = true;
+  if (!known) throw std::runtime_error("no verdict is called \"" + verdict + '"');
   f.mechanisms = json.at("mechanisms").get<std::vector<std::string>>();
   const bool names = f.verdict == VerdictKind::named || f.verdict == VerdictKind::ambiguous;
   if (names == f.mechanisms.empty()) throw std::runtime_error("the verdict \"" + verdict + "\" does not go with its mechanisms");
   f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
   for (const auto& entry : json.at("ranking")) {
     if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true)) f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
-    Ranking r{.name = entry.at("name"), .probability = entry.at("probability"), .gauge = entry.value("sensor", "")};
+    Ranking r{.name = entry.at("name"), .probability = entry.at("probability"), .gauge = entry.value("sensor", entry.value("places", Json::object()).value("sensor_response", ""))};
     for (const auto& p : entry.at("parameters")) r.numbers[p.at("name").get<std::string>()] = {number_or_nan(p, "mean"), number_or_nan(p, "sd")};
     f.ranking.push_back(std::move(r));
   }

@@ -104,7 +104,8 @@ void count_coverage(const std::vector<JudgedCase>& cases, Score& s) {
     for (const auto& [name, truth] : c.truth.numbers) {
       const auto dot = name.find('.');
       const std::string mechanism = name.substr(0, dot), key = name.substr(dot + 1);
-      const auto found = entry->numbers.find((entry->gauge.empty() || mechanism != "sensor_response" ? "" : entry->gauge + '.') + name);
+      const bool of_gauge = !entry->gauge.empty() && entry->name == "sensor_response";  // in a pair its numbers go without the gauge
+      const auto found = entry->numbers.find((of_gauge ? entry->gauge + '.' : "") + name);
       if (found == entry->numbers.end()) continue;
       const bool inverse = by_reciprocal(mechanism, key);
       count_interval(inverse ? reciprocal(found->second) : found->second, inverse ? 1 / truth : truth, s.numbers_covered, numbers);

@@ -69,7 +69,7 @@ void SuiteOptions::validate() const {
                         .key = "effects",
                         .value = '"' + e + '"',
                         .range = join(known),
-                        .suggestion = "did you mean \"" + nearest_name(e, known) + "\"?"});
+                        .suggestion = name_suggestion(e, known)});
   const double cells = edge_step / grid;
   if (!(grid >= least_grid && grid <= edge_step) || std::abs(cells - std::round(cells)) > 1e-9 * cells)
     throw InputError({.problem = "edges of the targets lie on a grid of 0.5 mm, of which this must be a whole part",

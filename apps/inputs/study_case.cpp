@@ -69,6 +69,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
     throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, the model is another", .key = "sensitivity.run_totals", .value = "true", .suggestion = "leave it out"}));
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
+  NoKeys none;
+  study.file.read("report", none);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
   return study;
 }

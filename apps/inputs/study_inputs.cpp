@@ -1,5 +1,7 @@
 #include "apps/inputs/study_inputs.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "apps/inputs/posterior_case.hpp"
@@ -8,6 +10,24 @@
 #include "base/provenance.hpp"
 
 namespace calomel {
+
+namespace {
+
+constexpr double long_after = 2;  ///< times the records' end, from which on a run's end is told
+
+/// Holds what the case says of times and units against its records. Errors: InputError for records of a target that are no strain.
+void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
+  if (study.on_mesh() && recordings.unit != "strain")
+    throw study.file.located(InputError({.problem = "the gauges of a target tell strain", .key = "recordings.unit", .value = '"' + recordings.unit + '"', .range = "strain, microstrain", .suggestion = name_suggestion(recordings.unit, std::vector<std::string>{"strain", "microstrain"})}));
+  if (recordings.time.size() < 2) return;
+  const double end = recordings.time.back(), length = end - recordings.time.front();
+  if (!shape.times.empty() && shape.times.back() > long_after * end)
+    warnings.push_back(fmt::format("the simulation ends at {:.4g} s and the records at {:.4g} s: what is simulated after that is compared with nothing", shape.times.back(), end));
+  if (study.errors.band * length < 0.5)
+    warnings.push_back(fmt::format("errors.band = {} Hz: the records are {:.4g} s long and hold no half period of this frequency, so that little of them is compared; from {:.4g} Hz on they do", number_text(study.errors.band), length, 0.5 / length));
+}
+
+}  // namespace
 
 StudyInputs::StudyInputs(const CommandLine& command)
     : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
@@ -58,6 +78,7 @@ const Problem& StudyInputs::problem() {
     std::vector<std::string> warnings;
     const ModelShape& shape = any_model().shape();
     recordings_ = study_.matched_recordings(shape.sensors, warnings);
+    expect_alike(study_, shape, *recordings_, warnings);
     problem_ = study_.file.locating([&] { return make_problem(shape, *recordings_, *study_.recordings); });
     notes_.warn(warnings);
     notes_.warn(problem_->warnings);

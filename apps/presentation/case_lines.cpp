@@ -62,6 +62,9 @@ std::vector<std::string> cost_lines(const StudyPlan& plan) {
   lines.push_back(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}, {} repeatability floor {}", plan.threads,
                               duration_text(plan.cost.run), campaign.runs, plan.shape.parameters.size(), duration_text(plan.cost.campaign), campaign.floor ? "its" : "a",
                               duration_text(plan.cost.floor)));
+  if (plan.cost.posterior > 0)
+    lines.push_back(fmt::format("with the records: the emulator of a posterior begins with runs of about {}; a diagnosis makes at most {} runs, about {}", duration_text(plan.cost.posterior), plan.study.diagnosis.max_runs,
+                                duration_text(plan.cost.diagnosis)));
   if (d.run_threads < plan.threads) lines.push_back(fmt::format("a single run is too small to gain by more than {} thread{}", d.run_threads, d.run_threads > 1 ? "s" : ""));
   return lines;
 }

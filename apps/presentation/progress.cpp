@@ -10,6 +10,7 @@
 namespace calomel {
 
 std::string duration_text(double seconds) {
+  if (seconds > 0 && seconds < 0.95) return fmt::format("{:.1f} s", std::max(0.1, seconds));
   if (seconds < 60) return fmt::format("{:.0f} s", std::max(0.0, std::ceil(seconds)));
   const auto minutes = std::llround(seconds / 60);
   return minutes < 60 ? fmt::format("{} min", minutes) : fmt::format("{} h {} min", minutes / 60, minutes % 60);

@@ -26,7 +26,7 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
     std::string known;
     for (std::size_t i = 0; i < std::min<std::size_t>(models.size(), 20); ++i) known += (i ? ", " : "") + models[i];
     throw InputError({.problem = "the server has no such model", .key = "model.name", .value = '"' + server.name + '"', .range = known,
-                      .suggestion = models.empty() ? "" : "did you mean \"" + nearest_name(server.name, models) + "\"?"});
+                      .suggestion = name_suggestion(server.name, models)});
   }
   support_ = client_.support();
   if (!support_.evaluate) throw NumericsError(fmt::format("the model \"{}\" at {} does not support Evaluate", server.name, server.url));

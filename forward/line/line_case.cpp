@@ -48,7 +48,7 @@ FoundNumber<LineCase> find_number(LineCase& self, const std::string& key) {
     found.number = m.values.find(rest);
   }
   if (!found.number && !found.optional)
-    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = "did you mean \"" + nearest_name(key, known) + "\"?"});
+    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = name_suggestion(key, known)});
   return found;
 }
 

@@ -32,9 +32,9 @@ std::vector<std::string> words_of(std::string line) {
 
 }  // namespace
 
-Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval) {
+Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval, const std::string& key) {
   std::ifstream in(path);
-  if (!in) throw InputError({.problem = "cannot be opened", .suggestion = "relative paths start at the case file", .file = path.string()});
+  if (!in) throw unreadable_file(key, path);
   Signal signal;
   std::vector<double> time;
   std::vector<int> lines;
@@ -71,7 +71,7 @@ Signal read_signal(const std::filesystem::path& path, int column, std::optional<
 }
 
 Signal read_drive(const std::filesystem::path& path, const DriveOptions& options) {
-  Signal s = read_signal(path, options.column, options.sample_interval);
+  Signal s = read_signal(path, options.column, options.sample_interval, "drive.file");
   double mean = 0;
   if (options.baseline > 0) {
     const auto quiet = std::min(s.value.size(), std::size_t(options.baseline / s.interval));

@@ -37,7 +37,7 @@ struct Signal {
 
 /// One column of a text file (commas, semicolons or blanks between columns, `#` comments). A time may be off its even place by a tenth of the interval, unless
 /// the interval is given: then the times are not read but for the first. Errors: InputError with file and line.
-Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval);
+Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval, const std::string& key);
 
 /// The record that drives a bar: its column, less the mean of its quiet beginning, times the scale. Errors: as read_signal; no sample within the baseline.
 Signal read_drive(const std::filesystem::path& path, const DriveOptions& options);

@@ -72,9 +72,9 @@ const MechanismEntry& entry_of(const CaseFile& file, const std::string& name, co
 std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& path, std::span<const std::string> sensors) {
   std::vector<std::string> gauges;
   for (const auto& name : file.names(path)) {
-    if (name == "parameter" || file.names(path + '.' + name).empty()) continue;  // a number, not a table
+    if (file.names(path + '.' + name).empty()) continue;  // a number, not a table
     if (std::find(sensors.begin(), sensors.end(), name) == sensors.end())
-      throw file.located(InputError({.problem = "names no sensor of the case", .key = path + '.' + name, .suggestion = "did you mean \"" + nearest_name(name, sensors) + "\"?"}));
+      throw file.located(InputError({.problem = "names no sensor of the case", .key = path + '.' + name, .suggestion = name_suggestion(name, sensors)}));
     gauges.push_back(name);
   }
   return gauges;
@@ -85,9 +85,12 @@ std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& p
 MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor, std::span<const std::string> sensors,
                                     std::vector<std::string> extra) {
   const std::string path = "mechanism." + name;
+  if (file.has(path + ".parameter"))
+    throw file.located(InputError({.problem = "only a model outside has its mechanisms' numbers here",
+                                   .key = path + ".parameter",
+                                   .suggestion = fmt::format("to fit a number write [parameter.NAME] with key = \"{}.{}\", min and max", path, keys.empty() ? "KEY" : keys[0].name)}));
   MechanismTable table{.values = MechanismValues(keys)};
   const std::vector<std::string> gauges = per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
-  extra.push_back("parameter");
   extra.insert(extra.end(), gauges.begin(), gauges.end());
   KeyTable common{keys, "", table.values, &table.enabled};
   file.read(path, common, extra);

@@ -256,8 +256,7 @@ class AbaqusReader {
   [[noreturn]] void unknown_set(const Sets& sets, const Entry& entry, const char* kind) const {
     std::vector<std::string> names;
     for (const auto& [name, unused] : sets) names.push_back(name);
-    const auto near = nearest_name(entry.word, names);
-    fail(entry.line, fmt::format("there is no {} set of this name", kind), near.empty() ? "" : "did you mean \"" + near + "\"?", '"' + entry.word + '"');
+    fail(entry.line, fmt::format("there is no {} set of this name", kind), name_suggestion(entry.word, names), '"' + entry.word + '"');
   }
 
   void resolve() {

@@ -14,12 +14,11 @@ namespace {
 using hexahedron::Point;
 
 [[noreturn]] void no_such_set(const std::string& key, const std::string& name, const std::vector<std::string>& there, const char* kind) {
-  const auto near = nearest_name(lower_case(name), there);
   throw InputError({.problem = fmt::format("the mesh file has no {} set of this name", kind),
                     .key = "sets." + key,
                     .value = '"' + name + '"',
                     .range = there.empty() ? "none is there" : join(there),
-                    .suggestion = near.empty() ? "name the sets in the mesh generator" : "did you mean \"" + near + "\"?"});
+                    .suggestion = there.empty() ? "name the sets in the mesh generator" : name_suggestion(lower_case(name), there)});
 }
 
 template <class Sets>

@@ -61,4 +61,7 @@ struct Mesh {
   std::vector<std::string> notes;               ///< what the reader of a mesh file has to tell
 };
 
+/// How many times the modelled part the whole target is.
+inline double symmetry_factor(const Mesh& mesh) { return double(1 << mesh.mirrors.size()); }
+
 }  // namespace calomel

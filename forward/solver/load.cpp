@@ -89,7 +89,7 @@ double History::at(double t) const {
 
 History read_history(const std::filesystem::path& path) {
   std::ifstream in(path);
-  if (!in) throw InputError({.problem = "cannot be opened", .suggestion = "check load.file; relative paths start at the case file", .file = path.string()});
+  if (!in) throw unreadable_file("load.file", path);
   History h;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

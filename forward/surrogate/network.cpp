@@ -54,7 +54,7 @@ Activation activation_named(const std::string& name) {
                     .key = "activation",
                     .value = '"' + name + '"',
                     .range = join(activation_names),
-                    .suggestion = "did you mean \"" + nearest_name(name, activation_names) + "\"?"});
+                    .suggestion = name_suggestion(name, activation_names)});
 }
 
 std::string name_of(Activation activation) { return activation_names[std::size_t(activation)]; }

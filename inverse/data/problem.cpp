@@ -147,7 +147,7 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
       throw InputError({.problem = "noise is given for a sensor that is not declared",
                         .key = "recordings.noise." + name,
                         .value = number_text(sd),
-                        .suggestion = "did you mean \"" + nearest_name(name, shape.sensors) + "\"?"});
+                        .suggestion = name_suggestion(name, shape.sensors)});
 
   // 1. The record times within the simulation's.
   const double step = shape.times.size() > 1 ? (shape.times.back() - shape.times.front()) / double(shape.times.size() - 1) : 0;

@@ -22,10 +22,7 @@ constexpr double microstrain = 1e-6;
 bool is_netcdf(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path))
-    throw InputError({.problem = "the recordings cannot be opened",
-                      .key = "recordings.file",
-                      .value = '"' + path.string() + '"',
-                      .suggestion = "check the name; relative paths start at the case file"});
+    throw unreadable_file("recordings.file", path);
   char head[4] = {};
   in.read(head, 4);
   const std::string_view magic(head, std::size_t(in.gcount()));
@@ -227,7 +224,7 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
       throw InputError({.problem = "a sensor to exclude is not recorded in " + path.string(),
                         .key = "recordings.exclude",
                         .value = '"' + name + '"',
-                        .suggestion = "did you mean \"" + nearest_name(name, all.sensors) + "\"?"});
+                        .suggestion = name_suggestion(name, all.sensors)});
   std::vector<std::size_t> sensors, samples;
   for (std::size_t s = 0; s < all.sensors.size(); ++s)
     if (std::find(options.exclude.begin(), options.exclude.end(), all.sensors[s]) == options.exclude.end()) sensors.push_back(s);
@@ -254,20 +251,22 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
 
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,
                                        const std::filesystem::path& recordings_file) {
+  std::vector<std::string> without;  // declared ones that have no record: the likeliest meant
+  for (const auto& name : declared)
+    if (std::find(recordings.sensors.begin(), recordings.sensors.end(), name) == recordings.sensors.end()) without.push_back(name);
   for (std::size_t s = 0; s < recordings.sensors.size(); ++s)
     if (std::find(declared.begin(), declared.end(), recordings.sensors[s]) == declared.end())
       throw InputError(
           {.problem = fmt::format("the sensor is recorded but not declared in {}", case_file.string()),
            .value = "sensor \"" + recordings.sensors[s] + '"',
            .range = join(declared),
-           .suggestion = fmt::format("declare it with [[sensor]], or leave it out with recordings.exclude = [\"{}\"]; the nearest declared one is \"{}\"",
-                                     recordings.sensors[s], nearest_name(recordings.sensors[s], declared)),
+           .suggestion = fmt::format("declare it with [[sensor]], or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"", recordings.sensors[s],
+                                     without.empty() ? "the nearest declared one" : "declared without a record", nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
            .file = recordings_file.string(),
            .line = recordings.sensor_lines[s]});
   std::vector<std::string> warnings;
-  for (const auto& name : declared)
-    if (std::find(recordings.sensors.begin(), recordings.sensors.end(), name) == recordings.sensors.end())
-      warnings.push_back(fmt::format("sensor {} is declared but not recorded in {}: it is predicted, not compared", name, recordings_file.filename().string()));
+  for (const auto& name : without)
+    warnings.push_back(fmt::format("sensor {} is declared but not recorded in {}: it is predicted, not compared", name, recordings_file.filename().string()));
   return warnings;
 }
 
@@ -297,6 +296,7 @@ ImportSummary import_recordings(std::span<const std::filesystem::path> files, co
   for (const auto& path : files) {
     RecordRows table;
     std::string name;
+    if (!std::filesystem::is_regular_file(path)) throw InputError({.problem = "there is no such file", .suggestion = "check the name", .file = path.string()});
     if (is_netcdf(path)) {
       const Recordings record = read_netcdf(path, options.unit);
       table = rows_of(record), name = record.unit;

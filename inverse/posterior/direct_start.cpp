@@ -177,18 +177,17 @@ DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& opt
     solver.function_tolerance = options.tolerance;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    if (!std::isfinite(summary.final_cost)) continue;
+    if (!summary.IsSolutionUsable()) continue;  // its cost says nothing: of a start that could not be evaluated it is -1
     std::vector<double> end;
     for (Eigen::Index k = 0; k < d; ++k) end.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
     out.ends.push_back(end);
     if (!(summary.final_cost < best)) continue;
-    best = summary.final_cost;
     Eigen::VectorXd residuals(search.values() + d);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(residuals.size(), d);
     const double* at = x.data();
     double* slopes = jacobian.data();
     if (!Residuals(search).Evaluate(&at, residuals.data(), &slopes)) continue;
-    out.theta = std::move(end);
+    best = summary.final_cost, out.theta = std::move(end);
     // A direction that neither data nor prior know is as wide as the prior.
     Eigen::MatrixXd information = jacobian.transpose() * jacobian;
     for (Eigen::Index k = 0; k < d; ++k) information(k, k) += 1 / std::pow(box_of_prior * search.width(k), 2);
@@ -204,12 +203,17 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
   const LocalMode& m = fit.modes[0];
   const EmulatorBox& box = on_emulator.box();
   const WeightedErrors& likeliest = fit.hypotheses[on_emulator.likeliest(m.at)];
-  const DirectStart polished = find_direct_start(in, {.design_runs = 0, .design_runs_a_parameter = 0, .descents = 0, .iterations = polish_iterations, .tolerance = polish_tolerance, .starts = {m.at.theta}, .errors = &likeliest.errors});
+  std::optional<DirectStart> polished;
+  try {
+    polished = find_direct_start(in, {.design_runs = 0, .design_runs_a_parameter = 0, .descents = 0, .iterations = polish_iterations, .tolerance = polish_tolerance, .starts = {m.at.theta}, .errors = &likeliest.errors});
+  } catch (const NumericsError&) {  // no run came through
+    return fit;
+  }
   // The better one by the model itself: the box may end before the polished one.
   Eigen::VectorXd best;
   LogPosterior::Point at;
   double most = -std::numeric_limits<double>::infinity();
-  for (const auto& theta : {m.at.theta, box.nearest(polished.theta)}) {
+  for (const auto& theta : {m.at.theta, box.nearest(polished->theta)}) {
     const auto records = in.run(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())), {0});
     if (!records.at(0).done) continue;
     const auto point = on_emulator.point(on_emulator.q(theta, m.at.beyond));

@@ -32,8 +32,7 @@ struct Identification {
   std::string sentence;
 };
 
-/// data, prior: Gauss-Newton curvatures of -log likelihood and -log prior by the parameters (n, n), in their own units; covariance: of the posterior, the
-/// same units; prior_sd: (n).
+/// data: curvature of -log likelihood by the parameters, the posterior's precision less the prior's, (n, n) in their own units; covariance: of the posterior, the same units; prior_sd: (n).
 Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data, const Eigen::MatrixXd& covariance,
                         const Eigen::VectorXd& prior_sd);
 

@@ -13,7 +13,7 @@ namespace calomel {
 
 /// Normal prior of how far past the finest mesh the records lie.
 struct BeyondPrior {
-  double mean = 0.4, sd = 0.25;
+  double mean = 0, sd = 0;
 };
 
 /// One hypothesis about the errors of records, (size) values each: Gaussian, or Student's t where their scale was learnt from few squares.

@@ -47,7 +47,7 @@ Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& param
   Json runs = Json::array();
   for (const auto& r : check.runs)
     runs.push_back({{"theta", named(parameters, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
-  return {{"holds", check.holds}, {"score", number(check.score)}, {"score_sd", number(check.score_sd)}, {"p_value", number(check.p_value)}, {"log_likelihood_shift", number(check.log_posterior_shift)},
+  return {{"holds", check.holds}, {"score", number(check.score)}, {"score_sd", number(check.score_sd)}, {"p_value", number(check.p_value)}, {"log_likelihood_shift", number(check.log_likelihood_shift)},
           {"sentence", check.sentence}, {"runs", runs}};
 }
 

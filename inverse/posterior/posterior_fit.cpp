@@ -24,7 +24,7 @@ constexpr double much_missed = 0.02;   ///< variance of the emulator over that o
 constexpr double drawn_anyway = 0.6;   ///< of its width
 constexpr int spare = 4;               ///< runs over coefficients to begin with
 constexpr double least_spare = 1.3;    ///< the same of a mesh alone, whatever is asked for
-constexpr int ample = 2, cheap = 48;   ///< the same where runs cost little and have no noise, and how many then
+constexpr int ample = 2, cheap = 48;   ///< the same at least where runs cost little and have no noise, and how many it takes then by default
 
 class Fit {
  public:
@@ -123,8 +123,7 @@ void Fit::fill_box(std::uint64_t index) {
   std::vector<int> there(std::size_t(in_.levels), 0), known = there;
   for (const auto i : out_.used) ++(i < in_.known.size() ? known : there)[std::size_t(out_.runs[i].level)];
   const auto d = Eigen::Index(in_.parameters.size());
-  const int plenty = std::max(in_.emulator.coarse_runs > 0 ? in_.emulator.coarse_runs : cheap, ample * int(MultilevelRegression::coefficients(d, 1)));
-  const int fine = in_.draw_in ? plenty : in_.emulator.finest_to_begin(d, in_.levels), coarse = in_.levels > 1 ? in_.emulator.coarser_to_begin(d) : 0;
+  const int fine = in_.finest_to_begin(d), coarse = in_.levels > 1 ? in_.emulator.coarser_to_begin(d) : 0;
   const Eigen::MatrixXd design = first_design(d, std::max(coarse, fine), in_.seed + 1000 * index);
   std::vector<int> level;
   std::vector<Eigen::Index> at;
@@ -279,7 +278,7 @@ void Fit::fit() {
   std::vector<double> variances;
   for (Eigen::Index i = 0; i < draws.cols(); ++i) variances.push_back(regression.variance(regression.features(draws.col(i).head(d), 0)));
   std::sort(variances.begin(), variances.end());
-  round.variance = variances.empty() ? best.covariance.trace() : variances[std::size_t(0.95 * double(variances.size() - 1))];
+  round.variance = variances.empty() ? std::numeric_limits<double>::infinity() : variances[std::size_t(0.95 * double(variances.size() - 1))];
   const Eigen::VectorXd theta_sd = parameter_covariance(*out_.posterior, best).diagonal().cwiseSqrt();
   round.theta_sd.assign(theta_sd.begin(), theta_sd.end());
   out_.rounds.push_back(std::move(round));
@@ -315,6 +314,11 @@ int EmulatorOptions::finest_to_begin(Eigen::Index parameters, int levels) const 
 }
 
 int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const { return coarse_runs > 0 ? coarse_runs : spare * int(MultilevelRegression::coefficients(parameters, 1)); }
+
+int PosteriorInputs::finest_to_begin(Eigen::Index d) const {
+  if (!draw_in) return emulator.finest_to_begin(d, levels);
+  return std::max(emulator.fine_runs > 0 ? emulator.fine_runs : cheap, ample * int(MultilevelRegression::coefficients(d, 1)));
+}
 
 int PosteriorInputs::stood_for(int runs, bool linear) const {
   const auto coefficients = [&](std::size_t n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(Eigen::Index(n), 1)); };

@@ -52,16 +52,39 @@ std::string prose(const std::string& text) {
   return out;
 }
 
-/// Targets of [text](target) that name no existing file; links to the web are left alone.
+/// The names by which headings of a page are linked to: small letters, spaces as hyphens, without punctuation.
+std::set<std::string> anchors(const std::string& text) {
+  std::set<std::string> all;
+  std::istringstream in(text);
+  bool fenced = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("```")) fenced = !fenced;
+    if (fenced || !line.starts_with('#')) continue;
+    line = std::regex_replace(line.substr(line.find_first_not_of('#')), std::regex(R"(\]\([^)]*\))"), "");
+    std::string name;
+    for (const char c : line.substr(line.find_first_not_of(' '))) {
+      const auto u = static_cast<unsigned char>(c);
+      if (std::isalnum(u) || c == '-' || c == '_' || u > 127) name += char(std::tolower(u));
+      if (c == ' ') name += '-';
+    }
+    all.insert(name);
+  }
+  return all;
+}
+
+/// Targets of [text](target) that name no existing file, or no heading of an existing page; links to the web are left alone.
 std::vector<std::string> broken_links(const std::string& text, const fs::path& folder) {
   std::vector<std::string> broken;
   const std::string plain = prose(text);
   const std::regex link(R"(\]\(([^)\s]+)\))");
   for (std::sregex_iterator it(plain.begin(), plain.end(), link), end; it != end; ++it) {
     std::string target = (*it)[1];
-    if (target.starts_with("http://") || target.starts_with("https://") || target.starts_with('#')) continue;
-    target = target.substr(0, target.find('#'));
-    if (!fs::exists(folder / target)) broken.push_back((*it)[1]);
+    if (target.starts_with("http://") || target.starts_with("https://")) continue;
+    const auto hash = target.find('#');
+    const std::string part = hash == std::string::npos ? "" : target.substr(hash + 1);
+    target = target.substr(0, hash);
+    if (!target.empty() && !fs::exists(folder / target)) broken.push_back((*it)[1]);
+    else if (!part.empty() && (target.empty() || target.ends_with(".md")) && !anchors(target.empty() ? text : read_text(folder / target)).contains(part)) broken.push_back((*it)[1]);
   }
   return broken;
 }
@@ -137,6 +160,10 @@ TEST(Links, LeadToFilesThatExist) {
 TEST(Links, ToAMissingFileAreFound) {
   EXPECT_THAT(broken_links("[a](CMakeLists.txt) ![b](nowhere.png) [c](https://example.org/x) `[d](code)`\n```\n[e](fenced)\n```\n[f](gone.md#part)", root),
               ElementsAre("nowhere.png", "gone.md#part"));
+}
+
+TEST(Links, ToAMissingHeadingAreFound) {
+  EXPECT_THAT(broken_links("# What `it` does, on 1 mm\n[a](#what-it-does-on-1-mm) [b](#what-else) [c](README.md#by-hand) [d](README.md#by-foot)", root), ElementsAre("#what-else", "README.md#by-foot"));
 }
 
 TEST(Layers, IncludeNothingAboveThem) {

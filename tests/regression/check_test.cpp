@@ -39,6 +39,30 @@ TEST(Check, TellsPeopleWhatWillBeRunAndItsCostInAScreenful) {
   EXPECT_FALSE(std::filesystem::exists(dir / "case.out"));
 }
 
+TEST(Check, RefusesAPulseThatPassesTheTargetBy) {
+  const auto dir = folder_with("check_beam", {{"case.toml", slice_case + more}});
+  const auto out = run(dir, "check case.toml --set load.profile.center=[0,27]");
+  EXPECT_EQ(out.status, 2);
+  EXPECT_THAT(out.said, testing::AllOf(HasSubstr("load.profile.center"), HasSubstr("heats nothing"), HasSubstr("the target reaches from z = 0 to"), HasSubstr("metres")));
+}
+
+TEST(Check, WarnsOfNumbersThatWereHardlyMeant) {
+  const auto dir = folder_with("check_units", {{"case.toml", slice_case + more}});
+  EXPECT_THAT(run(dir, "check case.toml --set load.peak_pressure=25").said, HasSubstr("load.peak_pressure = 25 Pa is next to nothing"));
+  EXPECT_THAT(run(dir, "check case.toml --set geometry.element_size=2").said, HasSubstr("larger than the target"));
+}
+
+TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
+  std::string records = "sensor,pulse,time_s,strain\n";
+  for (const char* pulse : {"1", "2"})
+    for (int i = 0; i <= 20; ++i) records += std::string("A,") + pulse + ',' + std::to_string(i) + "e-6," + std::to_string(i) + "e-7\n";
+  const auto dir = folder_with("check_records", {{"case.toml", slice_case + more + "[recordings]\nfile = \"records.csv\"\n"}, {"records.csv", records}});
+  EXPECT_THAT(run(dir, "check case.toml --set time.end=1e-4").said, HasSubstr("ends at 0.0001 s and the records at 2e-05 s"));
+  EXPECT_THAT(printed(dir, "check case.toml").said, HasSubstr("a diagnosis makes at most 2000 runs"));
+  EXPECT_THAT(run(dir, "check case.toml --set errors.band=20").said, testing::AllOf(HasSubstr("errors.band = 20 Hz"), HasSubstr("from 2.5e+04 Hz on")));
+  EXPECT_THAT(run(dir, "check case.toml --set recordings.unit=microstrian").said, testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
+}
+
 TEST(Check, GivesTheResolvedCaseWhenItIsAskedFor) {
   const auto dir = folder_with("check_resolved", {{"case.toml", slice_case + more}});
   const auto out = printed(dir, "check case.toml --resolved --set campaign.runs=41");

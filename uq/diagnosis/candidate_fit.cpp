@@ -18,7 +18,7 @@ constexpr double reach = 1.0;                        ///< half width of the firs
 constexpr double widths = 6;                         ///< the same in standard deviations to first order
 constexpr double least_width = 0.1;                  ///< the same over the standard deviation of the number's prior
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
-constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower ones these come out too small
+constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower boxes the deviations come out too small
 constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
 constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
 // Of the search for a cheap model's fit.
@@ -46,9 +46,10 @@ void reach_back(PosteriorInputs& in) {
     const Parameter& p = in.parameters[k];
     const auto deviation = prior_deviation(p, in.centre[k]);
     if (!deviation) continue;
-    const double sd = p.prior == "lognormal" ? *p.sigma : p.coordinate_width(*p.sd, *p.mean);  // of the box's coordinate
+    const bool lognormal = p.prior == "lognormal";
+    const double known = lognormal ? std::exp(*p.mu) : *p.mean, sd = p.coordinate_width(lognormal ? *p.sigma * known : *p.sd, known);  // of the box's coordinate
     if (sd > in.half_width[k]) continue;
-    const double from = p.coordinate(in.centre[k]), to = from - *deviation * sd;
+    const double from = p.coordinate(in.centre[k]), to = p.coordinate(known);
     const double middle = 0.5 * (from + to);
     in.half_width[k] = std::max(in.half_width[k], 0.5 * (std::abs(from - to) + in.half_width[k]));
     in.centre[k] = p.natural(middle);
@@ -67,30 +68,32 @@ Side side_of(const AddedParameter& a, double estimate, double sd) {
   return {estimate, std::max({reach * away, widths * deviation, least})};
 }
 
-/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from others over the ranges of the numbers.
-FittedCandidate fit_from_several(const PosteriorInputs& planned, const PosteriorFit& base) {
-  std::optional<PosteriorFit> best;
+/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from one about the middle of the numbers' ranges.
+FittedCandidate fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base) {
+  std::optional<FittedCandidate> best;
   double most = 0;
   std::string failed;
-  for (const double place : {-1.0, 0.5}) {
+  for (const bool about_the_middle : {false, true}) {
     PosteriorInputs in = planned;
-    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && place > 0; ++k) {
+    for (std::size_t k = planned.known_dimension; k < in.parameters.size() && about_the_middle; ++k) {
       const Parameter& p = in.parameters[k];
       const auto [least, greatest] = expected_range(p);
       const double low = p.coordinate(least), high = p.coordinate(greatest);
-      in.centre[k] = p.natural(low + place * (high - low)), in.half_width[k] = start_width * (high - low);
+      in.centre[k] = p.natural(0.5 * (low + high)), in.half_width[k] = start_width * (high - low);
     }
     try {
       PosteriorFit fit = fit_posterior(in);
       const double worth = log_bayes_factor(fit, base);
-      if (!best || worth > most) most = worth, best = std::move(fit);
+      if (best && worth <= most) continue;
+      most = worth;
+      const bool stands = fit.settled;
+      best.emplace(FittedCandidate{.inputs = std::move(in), .fit = std::move(fit), .stands = stands});
     } catch (const NumericsError& e) {
       failed = e.what();
     }
   }
   if (!best) throw NumericsError(failed);
-  const bool stands = best->settled;
-  return {.inputs = planned, .fit = std::move(*best), .stands = stands};
+  return std::move(*best);
 }
 
 /// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the best. That is done with
@@ -173,8 +176,8 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
 int first_runs(const CandidatePlan& plan) {
   const PosteriorInputs& in = plan.inputs;
   const auto d = Eigen::Index(in.parameters.size());
-  const int coarse = in.emulator.coarser_to_begin(d), fine = in.emulator.finest_to_begin(d, in.levels);
-  return std::max(1, in.levels - 1) * (coarse - in.stood_for(coarse, false)) + (in.levels > 1 ? fine - in.stood_for(fine, true) : 0);
+  const int coarse = in.emulator.coarser_to_begin(d), fine = in.finest_to_begin(d);
+  return (in.levels - 1) * (coarse - in.stood_for(coarse, false)) + fine - in.stood_for(fine, in.levels > 1);
 }
 
 EvidenceByScale evidence_by_scale(const LogPosterior& posterior, const LocalMode& m, const std::vector<WeightedErrors>& hypotheses, double plus) {
@@ -198,7 +201,7 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
 
 FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(double)>& worth) {
   PosteriorInputs& in = plan.inputs;
-  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_several(in, base);
+  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_two(in, base);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace()); };
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };

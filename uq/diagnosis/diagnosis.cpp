@@ -224,7 +224,16 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
   const int before = runs_, more = int(q.numbers.size()) + 2;
   for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
     c->settled = c->settled && about.stays;
-    if (about.stays || round == most_linearised || runs_ + more > in_.options.max_runs || !linearise(about, on_top_of)) break;
+    if (about.stays || round == most_linearised) break;
+    if (runs_ + more > in_.options.max_runs) {
+      out_.spent = true;
+      out_.skipped.push_back(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_, in_.options.max_runs));
+      break;
+    }
+    if (!linearise(about, on_top_of)) {
+      c->message = "a run about its numbers failed";
+      break;
+    }
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
@@ -234,7 +243,7 @@ void Engine::fit_linear(const Question& q, const Alternative* on_top_of) {
     c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
   }
   c->runs = runs_ - before;
-  if (!c->settled && c->runs > 0) c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);
+  if (!c->settled && c->runs > 0 && c->message.empty()) c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);
   if (c->runs > 0 || on_top_of)
     say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name, c->explanation.log_bayes_factor, c->explanation.chi2,
                     out_.evidence.values, out_.evidence.chi2, c->runs));
@@ -250,7 +259,12 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   Alternative c = begun(group, q, on_top_of);
   if (q.sensor) c.sensor = in_.base.problem.shape.sensors[*q.sensor];
   double gained = 0;  // by what it is put on top of
-  if (on_top_of) c.numbers = on_top_of->numbers, gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
+  if (on_top_of) {
+    c.numbers = on_top_of->numbers;
+    for (auto& n : c.numbers)  // as those of every pair, without the gauge
+      if (const std::string& gauge = on_top_of->sensor; !gauge.empty() && n.name.starts_with(gauge + '.')) n.name.erase(0, gauge.size() + 1);
+  }
+  if (on_top_of) gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
   const Eigen::VectorXd rest = grid().apply(about.rest);
@@ -274,9 +288,7 @@ std::optional<Alternative> Engine::linear_fit(Linearised& about, const Alternati
   // The numbers themselves: what is left of the residual at this mode in their directions, with the parameters where they are, for the mode already has its freedom.
   const LogPosterior unmoved = below.under(plain);
   FirstOrder worth = FirstOrderModel(unmoved, m).worth(q.directions);
-  const std::size_t likeliest = with.likeliest(m.at);
-  const Eigen::MatrixXd whitened = unmoved.whiten(d, m.at, likeliest), normal = Eigen::MatrixXd::Identity(d.cols(), d.cols()) + whitened.transpose() * whitened;
-  worth.value = q.directions.prior_sd.cwiseProduct(Cholesky(normal).solve(Eigen::VectorXd(whitened.transpose() * unmoved.whitened_residual(m.at, likeliest))));
+  worth.value = numbers_beside(unmoved, m.at, q.directions, with.likeliest(m.at));
   if (on_top_of) c.explanation.farthest = on_top_of->explanation.farthest;
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
@@ -403,8 +415,9 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
   PosteriorInputs& in = plan.inputs;
   ended_ = false;
   in.run = [this, added](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
-    ended_ = in_.base.draw_in && runs_ + int(level.size()) > in_.options.max_runs;  // a search of the model itself may take any number
-    if (ended_) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", in_.options.max_runs));
+    const bool beyond = in_.base.draw_in && runs_ + int(level.size()) > in_.options.max_runs;  // a search of the model itself may take any number
+    ended_ = ended_ || beyond;
+    if (beyond) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", in_.options.max_runs));
     return counted(thetas, level, added);
   };
   if (places_.size()) in.gauge_places = [this](std::span<const double>) { return places_; };
@@ -436,14 +449,17 @@ void Engine::fit(const Question& q, const Alternative* on_top_of) {
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
-    out_.spent = out_.spent || (!c.settled && runs_ >= in_.options.max_runs);
+    if (ended_) out_.skipped.push_back(fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", c.explanation.name, in_.options.max_runs));
+    out_.spent = out_.spent || (!c.settled && (ended_ || runs_ >= in_.options.max_runs));
     c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     c.message = e.what();
     if (ended_) out_.skipped.push_back(c.explanation.name + ": " + c.message);
+    c.explanation.fitted = false, c.explanation.log_bayes_factor = 0, c.explanation.base_chi2.reset(), c.explanation.farthest = 0;  // nothing of a fit that failed half way
     c.explanation.by_scale = out_.evidence.by_scale;
     c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
+    c.numbers.clear(), c.base_parameters.clear(), c.history.clear();
   }
   c.runs = runs_ - before;
   say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2,
@@ -515,7 +531,7 @@ void Engine::hold_out_base() {
 
 void Engine::hold_out(Alternative& c) {
   const auto fit = fits_.find(c.explanation.name);
-  if (fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
+  if (!held_out_->possible() || fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
   if (c.explanation.of_a_gauge && !in_.base.least_squares) return;  // of the many gauges of a target one hardly moves what the others are predicted by
   HeldOutFit with = held_out_->by(fit->second.fit);
   for (std::size_t i = 0; i < with.misfit.size(); ++i) c.held_out.push_back(held_out_->base().misfit[i]), c.held_out.push_back(with.misfit[i]);
@@ -542,7 +558,7 @@ void Engine::locate_all() {
   const auto density = posterior.density(m.at);
   const Eigen::VectorXd r = out_.base.errors->data() - out_.base.prediction(m.at);
   const Eigen::MatrixXd j = posterior.jacobian(m.at);
-  out_.location = locate(in_.base.problem, grid(), r, out_.base.errors->covariance() + density.variance * out_.base.noise + j * m.covariance * j.transpose(), 1);
+  out_.location = locate(in_.base.problem, grid(), r, out_.base.errors->covariance() + density.variance * out_.base.noise + j * m.covariance * j.transpose());
 }
 
 /// Where nothing explains the records: which terms would.
@@ -569,9 +585,7 @@ std::vector<std::string> Diagnosis::unsettled() const {
 }
 
 Diagnosis diagnose(const DiagnosisInputs& in) {
-  Diagnosis out = Engine(in).run();
-  for (const auto& p : in.base.problem.shape.parameters) out.parameters.push_back(p.name);
-  return out;
+  return Engine(in).run();
 }
 
 }  // namespace calomel

@@ -81,7 +81,6 @@ struct Diagnosis {
   std::vector<Alternative> candidates;   ///< the best first
   Verdict verdict;
   LocatedMismatch location;
-  std::vector<std::string> parameters;       ///< the case's own
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
   std::vector<double> base_history;          ///< (values of the model)

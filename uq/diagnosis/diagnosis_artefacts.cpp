@@ -156,6 +156,10 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
+        Json places = Json::object();  // walls, stretches, laws; of a fault of a gauge, by itself or in a pair, the gauge
+        for (const auto& [group, place] : c.places)
+          if (!place.empty()) places[group] = place;
+        entry["places"] = std::move(places);
         if (!c.other_sensors.empty()) entry["other_sensors"] = c.other_sensors;
       }
     const Why because = why(d, r.name, in.groups);

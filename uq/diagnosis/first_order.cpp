@@ -28,6 +28,12 @@ double quadratic(const Cholesky& a, const Eigen::VectorXd& b) { return a.solve_l
 
 }  // namespace
 
+Eigen::VectorXd numbers_beside(const LogPosterior& posterior, const LogPosterior::Point& at, const AddedDirections& directions, std::size_t j) {
+  const Eigen::MatrixXd d = posterior.whiten(Eigen::MatrixXd(directions.by_number * directions.prior_sd.asDiagonal()), at, j);
+  const Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(d.cols(), d.cols()) + d.transpose() * d;
+  return directions.prior_sd.cwiseProduct(Cholesky(normal).solve(Eigen::VectorXd(d.transpose() * posterior.whitened_residual(at, j))));
+}
+
 FirstOrderModel::FirstOrderModel(const LogPosterior& posterior, const LocalMode& mode) : posterior_(posterior), mode_(mode) {
   const Eigen::MatrixXd jacobian = posterior.jacobian(mode.at);
   const auto log_terms = posterior.density(mode.at).log_terms;

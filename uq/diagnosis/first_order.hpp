@@ -20,6 +20,9 @@ struct FirstOrder {
   Eigen::VectorXd shift;        ///< of the fit's coordinates (u of the free parameters, k) that goes with it, (dimension)
 };
 
+/// Numbers beside parameters that stay where they are, (1 + D^T D)^-1 D^T r, of the records less the prediction at `at`, under hypothesis j about the errors, (n).
+[[nodiscard]] Eigen::VectorXd numbers_beside(const LogPosterior& posterior, const LogPosterior::Point& at, const AddedDirections& directions, std::size_t j);
+
 /// A fit about its mode: linear in its coordinates delta, under every hypothesis j about the errors, of weight w_j. Of n numbers mu with prior N(0, P) and
 /// directions D beside it, with the residual r, in units in which the hypothesis' covariance and P are 1, and the prior's curvature H and slope g in delta,
 ///

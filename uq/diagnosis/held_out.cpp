@@ -171,14 +171,14 @@ std::pair<double, double> HeldOut::beginning(const LinearBeside& linear) const {
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto& windows = grid.windows(i);
     for (std::size_t k = 0; k < windows.size(); ++k)
-      if (windows[k].time < windows.back().time / 4) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
+      if (windows[k].time < windows.front().time + (windows.back().time - windows.front().time) / 4) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
   }
   const Eigen::VectorXd& data = base_.errors->data();
   const auto rows = rows_without(f, grid);
   const LogPosterior with = part_of(linear.fit, linear.with, rows), without = part_of(linear.fit, linear.without, rows);
   const LocalMode m = mode_of_part(with, linear.fit);
   const AddedDirections of_rows{.by_number = linear.directions.by_number(rows, Eigen::all), .prior_sd = linear.directions.prior_sd};
-  const Eigen::VectorXd change = linear.rest + linear.directions.by_number * FirstOrderModel(without, m).worth(of_rows).value;
+  const Eigen::VectorXd change = linear.rest + linear.directions.by_number * numbers_beside(without, m.at, of_rows, with.likeliest(m.at));
   return {misfit_of(f, grid, fit_without(base_, base_, f).prediction, data), misfit_of(f, grid, linear.fit.coefficients * with.emulator().features(m.at.u, m.at.beyond) + change, data)};
 }
 
@@ -202,7 +202,7 @@ std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) c
 double HeldOut::mean(const std::vector<double>& by_fold) const {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
-  return sum / count;
+  return count > 0 ? sum / count : 0;
 }
 
 }  // namespace calomel

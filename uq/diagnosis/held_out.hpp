@@ -80,7 +80,9 @@ class HeldOut {
   [[nodiscard]] std::pair<double, double> beginning(const LinearBeside& linear) const;
   /// Each condition by the fits to the others, where there are several; `named`: of the model with what is named, or null.
   [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
-  /// The mean over the records of what is told of folds, (folds).
+  /// Whether anything can be left out: a single record of a few values cannot.
+  [[nodiscard]] bool possible() const { return !folds_.empty(); }
+  /// The mean over the records of what is told of folds, (folds); 0 where there is none.
   [[nodiscard]] double mean(const std::vector<double>& by_fold) const;
 
  private:

@@ -20,11 +20,11 @@ struct Tested {
   double score, p_value;
 };
 
-Tested tested(const Eigen::MatrixXd& rows, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, double level) {
+Tested tested(const Eigen::MatrixXd& rows, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
   if (rows.rows() == 0) return {0, 1};
   const Cholesky factor(rows * covariance * rows.transpose());
   if (!factor.positive_definite()) return {0, 1};
-  const double k = double(rows.rows()), q = factor.solve_lower(Eigen::VectorXd(rows * residual)).squaredNorm() / level;
+  const double k = double(rows.rows()), q = factor.solve_lower(Eigen::VectorXd(rows * residual)).squaredNorm();
   return {q / k, boost::math::cdf(boost::math::complement(boost::math::chi_squared(k), q))};
 }
 
@@ -74,7 +74,7 @@ std::vector<double> false_discovery(const std::vector<double>& p) {
   return q;
 }
 
-LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, double level) {
+LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
   const Eigen::Index n = residual.size();
   const Eigen::VectorXd times = grid.times();
   const double end = times.maxCoeff() + 0.5 * (n > 1 ? times[1] - times[0] : 0);
@@ -83,7 +83,7 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     std::vector<Eigen::Index> at(grid.windows(i).size());
     std::iota(at.begin(), at.end(), Eigen::Index(grid.offset(i)));
-    all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+    all.push_back(tested(unit_rows(at, n), residual, covariance));
     out.sensors.emplace_back().name = problem.label(problem.observations[i]);
   }
   const auto window_of = [&](double t) { return std::clamp(int(t / end * windows), 0, windows - 1); };
@@ -91,7 +91,7 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < n; ++i)
       if (window_of(times[i]) == w) at.push_back(i);
-    all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+    all.push_back(tested(unit_rows(at, n), residual, covariance));
     auto& x = out.windows.emplace_back();
     x.begin = end * w / windows, x.end = end * (w + 1) / windows;
   }
@@ -103,7 +103,7 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     x.low = nyquist * b / bands, x.high = nyquist * (b + 1) / bands;
     std::vector<Eigen::MatrixXd> parts;
     for (std::size_t i = 0; i < grid.observations(); ++i) parts.push_back(cosine_rows(grid, i, b));
-    all.push_back(tested(stacked(parts), residual, covariance, level));
+    all.push_back(tested(stacked(parts), residual, covariance));
   }
   // The maps: their parts are counted in the same discovery rate.
   out.map.resize(Eigen::Index(grid.observations()), windows);
@@ -113,14 +113,14 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
       std::vector<Eigen::Index> at;
       for (std::size_t k = 0; k < grid.windows(i).size(); ++k)
         if (window_of(grid.windows(i)[k].time) == w) at.push_back(Eigen::Index(grid.offset(i) + k));
-      all.push_back(tested(unit_rows(at, n), residual, covariance, level));
+      all.push_back(tested(unit_rows(at, n), residual, covariance));
       out.map(Eigen::Index(i), w) = all.back().score;
     }
   out.band_map.resize(Eigen::Index(grid.observations()), bands);
   const std::size_t band_map_begin = all.size();
   for (std::size_t i = 0; i < grid.observations(); ++i)
     for (int b = 0; b < bands; ++b) {
-      all.push_back(tested(cosine_rows(grid, i, b), residual, covariance, level));
+      all.push_back(tested(cosine_rows(grid, i, b), residual, covariance));
       out.band_map(Eigen::Index(i), b) = all.back().score;
     }
   std::vector<double> p;

@@ -30,8 +30,8 @@ struct LocatedMismatch {
   double first_time = 0;     ///< [s]
 };
 
-/// residual, covariance: (size), (size, size) on the grid; `level`: chi-squared over its degrees of freedom where nothing is missing, by which q is divided.
-[[nodiscard]] LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, double level);
+/// residual, covariance: (size), (size, size) on the grid.
+[[nodiscard]] LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance);
 
 /// q-values by Benjamini and Yekutieli of p-values, in their order.
 [[nodiscard]] std::vector<double> false_discovery(const std::vector<double>& p_values);

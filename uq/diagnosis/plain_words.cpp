@@ -140,6 +140,9 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
   const std::string begin = fmt::format("The simulation leaves something out {}, and it is not known what: ", misfit) + name;
   const std::string finer = "Repeat the diagnosis on finer meshes (emulator.element_sizes) before any physics is blamed.";
   switch (gate_not_passed(d.evidence, all, 0, gates)) {
+    case Gate::fitted:
+      if (all[0].log_bayes_factor < gates.log_bayes_factor) return nothing;
+      return {begin + " comes nearest to first order, but was not fitted.", "Run the diagnosis again with more diagnosis.leaders or diagnosis.max_runs."};
     case Gate::evidence:
       if (all[0].log_bayes_factor <= hardly) return nothing;
       return {fmt::format("The simulation leaves something out {}, and nothing that was tried is sure enough to be named: {} comes nearest.", misfit, name), look};
@@ -157,7 +160,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
       return {begin + " has the evidence, but with it the records are not nearer.", look};
     case Gate::held_out:
       if (all[0].beginning_before) return {begin + " has the evidence, but it would show in the first part of the records, too, and does not: it may imitate something else.", look};
-      return {begin + " has the evidence, but gauges that were left out of the fit gain too little by it: it may imitate something else.", look};
+      return {begin + " has the evidence, but what was left out of the fit gains too little by it: it may imitate something else.", look};
     case Gate::plausible:
       return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)), "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
     case Gate::handbook:

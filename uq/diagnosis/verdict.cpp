@@ -137,6 +137,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (i > 0 && !same_class(all[0], e) && evidence_of_name(base, all[0], g) - own >= g.lead) return Gate::rival;
   const auto next = std::find_if(all.begin() + std::ptrdiff_t(i) + 1, all.end(), [&](const auto& x) { return !same_class(e, x); });
   if (next != all.end() && next->numerical && own - evidence_of_name(base, *next, g) < g.lead) return Gate::numerical_rival;
+  if (!e.fitted) return Gate::fitted;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
   if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
@@ -171,6 +172,9 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
   const double own = evidence_of_name(base, best, g), lead = next == all.end() ? own : own - evidence_of_name(base, *next, g), explained = share_explained(base, best, g).value_or(0);
   switch (gate_not_passed(base, all, 0, g)) {
     case Gate::fitted:
+      if (best.log_bayes_factor >= g.log_bayes_factor)
+        return unknown(fmt::format("{} comes nearest, with a log Bayes factor of {:.3g} to first order, but was not fitted in the true model: raise diagnosis.leaders or diagnosis.max_runs", best.name, best.log_bayes_factor));
+      [[fallthrough]];
     case Gate::evidence:
       return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name, best.log_bayes_factor, g.log_bayes_factor));
     case Gate::numerical:

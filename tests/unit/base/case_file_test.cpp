@@ -1,6 +1,10 @@
 #include "base/case_file.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "base/json.hpp"
 
@@ -115,6 +119,51 @@ TEST(CaseFile, NamesAnUnknownTable) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("did you mean \"load\"?"));
   }
+}
+
+TEST(CaseFile, SuggestsOnlyWhatIsNear) {
+  EXPECT_THAT(message_of("[load]\nxylophone = 3\n"), testing::AllOf(HasSubstr("load.xylophone"), HasSubstr("allowed: "), HasSubstr("peak_pressure"), testing::Not(HasSubstr("did you mean"))));
+  CaseFile file = CaseFile::from_text("length = 0.1\n[geometry]\nlength = 0.2\n");
+  try {
+    file.expect_all_read(std::vector<std::string>{"geometry", "sensor"});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("did you mean \"geometry.length\"?"));
+  }
+}
+
+TEST(CaseFile, SaysThatAnOverrideIsWrongAndNotTheLineThatItReplaces) {
+  const auto path = std::filesystem::temp_directory_path() / ("calomel_case_file_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(path) << "[load]\npeak_pressure = 1e6\n";
+  CaseFile file(path, std::vector<std::string>{"load.peak_pressure=high"});
+  Load load;
+  try {
+    file.read("load", load);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("--set load.peak_pressure=high"), testing::Not(HasSubstr(":2:"))));
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(CaseFile, ShowsNumbersAsTheyAreWritten) { EXPECT_THAT(message_of("[load.profile]\nwidths = [0.1, 0.05, 1]\n"), HasSubstr("[0.1, 0.05, 1]")); }
+
+TEST(CaseFile, AsksForADecimalPoint) {
+  try {
+    (void)CaseFile::from_text("[load]\npeak_pressure = 0,18\n");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("case.toml:2:"), HasSubstr("decimal point")));
+  }
+}
+
+TEST(UnreadableFile, NamesKeyPathAndTheNearestThatIsThere) {
+  const auto folder = std::filesystem::temp_directory_path() / ("calomel_unreadable_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "sensors.csv") << "x";
+  EXPECT_THAT(unreadable_file("sensors", folder / "sensor.csv").what(), testing::AllOf(HasSubstr("sensors = "), HasSubstr("sensor.csv"), HasSubstr("did you mean \"sensors.csv\"?")));
+  EXPECT_THAT(unreadable_file("sensors", folder / "gauges.txt").what(), testing::AllOf(HasSubstr("check the name"), testing::Not(HasSubstr("did you mean"))));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(CaseFile, SetsANumberByPath) {

@@ -97,6 +97,19 @@ TEST(ForwardCase, ReadingANumberLeavesTheCaseAsItIs) {
   EXPECT_EQ(c.number("mechanism.sensor_response.gain"), 1.05);
 }
 
+TEST(ForwardCase, RefusesAParameterWhosePriorOrOwnValueLiesOutsideItsBounds) {
+  const std::string bounds = "[parameter.density]\nmin = 13000\nmax = 14000\n";
+  EXPECT_THAT(complaint(bounds + "prior = \"normal\"\nmean = 13.5\nsd = 1\n"), ::testing::AllOf(HasSubstr("parameter.density.mean = 13.5"), HasSubstr("13000 <= x <= 14000")));
+  EXPECT_THAT(complaint(bounds + "prior = \"lognormal\"\nmu = 13500\nsigma = 1\n"), ::testing::AllOf(HasSubstr("parameter.density.mu = 13500"), HasSubstr("9.4")));
+  EXPECT_EQ(complaint(bounds + "prior = \"truncated_normal\"\nmean = 12000\nsd = 1000\n"), "no error");
+  EXPECT_THAT(complaint("[parameter.sound_speed]\nmin = 2000\nmax = 3000\n"), ::testing::AllOf(HasSubstr("1450"), HasSubstr("outside the bounds of [parameter.sound_speed]"), HasSubstr("2000 <= x <= 3000")));
+}
+
+TEST(ForwardCase, AMechanismHasNoParametersOfItsOwn) {
+  EXPECT_THAT(complaint("[mechanism.wall_thinning]\nenabled = true\n[mechanism.wall_thinning.parameter.fraction]\nmin = 0\nmax = 0.5\n"),
+              ::testing::AllOf(HasSubstr("mechanism.wall_thinning.parameter"), HasSubstr("[parameter.NAME] with key = \"mechanism.wall_thinning.fraction\"")));
+}
+
 TEST(ForwardCase, NamesTheNearestNumber) {
   const ForwardCase c = small_case();
   try {

@@ -21,7 +21,7 @@ std::filesystem::path written(const std::string& text) {
 
 std::string error_of(const std::string& text, int column = 2, std::optional<double> interval = std::nullopt) {
   try {
-    (void)read_signal(written(text), column, interval);
+    (void)read_signal(written(text), column, interval, "drive.file");
   } catch (const InputError& e) {
     return e.what();
   }
@@ -30,7 +30,7 @@ std::string error_of(const std::string& text, int column = 2, std::optional<doub
 
 TEST(Signal, ReadsTheColumnBelowAHeaderOfWords) {
   const auto path = written("Writer_Version,2\nSamples,3\n***End***,\n# comment\n0.0,1,10\n0.5,2,20\n1.0;3;30\n1.5 4 40 # end\n");
-  const Signal s = read_signal(path, 3, {});
+  const Signal s = read_signal(path, 3, {}, "drive.file");
   EXPECT_EQ(s.begin, 0);
   EXPECT_EQ(s.interval, 0.5);
   EXPECT_THAT(s.value, ElementsAre(10, 20, 30, 40));

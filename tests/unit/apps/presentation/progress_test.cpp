@@ -47,7 +47,9 @@ TEST(Progress, IsSilentWhenQuiet) {
 }
 
 TEST(Progress, DurationsReadWell) {
-  EXPECT_EQ(duration_text(0.2), "1 s");
+  EXPECT_EQ(duration_text(0.24), "0.2 s");
+  EXPECT_EQ(duration_text(0.01), "0.1 s");
+  EXPECT_EQ(duration_text(0.97), "1 s");
   EXPECT_EQ(duration_text(59), "59 s");
   EXPECT_EQ(duration_text(720), "12 min");
   EXPECT_EQ(duration_text(12000), "3 h 20 min");
