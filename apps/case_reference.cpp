@@ -94,7 +94,7 @@ std::string line_mechanism_page(const std::string& kind) {
 std::string line_page() {
   std::string s = "\n# Cases of a line\n\nWith `[model] kind = \"line\"` the case is a bar or a pipe, see [theory/line.md](theory/line.md). It has `[case]`, `[model]`, `[line]`, `[time]`, "
                   "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME stands for `line.NAME`) and `[recordings]` as above; `sensor_unit` is the unit of the "
-                  "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n";
+                  "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n`[emulator]`, `[errors]` and `[diagnosis]` are those above; errors of a mesh and of a target's gauges are 0 by default.\n";
   s += table<ModelOptions>("[model]", "model", "Which model computes the histories.");
   s += table<BarOptions>("[line] of a bar", "line", "The wave that passes a first gauge, where it is measured, runs on to the stations.");
   s += table<DriveOptions>("[drive]", "drive", "What is measured at the first gauge of a bar.");
@@ -107,7 +107,8 @@ std::string line_page() {
 std::string outside_page() {
   std::string s = "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). The case has `[case]`, `[model]`, "
                   "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "
-                  "has `enabled`. `[model.config]` is handed to the model as it stands.\n";
+                  "has `enabled`. `[model.config]` is handed to the model as it stands.\n`[campaign]`, `[surrogate]`, `[enc]`, `[spe]`, `[map]`, `[emulator]`, `[errors]`, `[posterior]`, `[sampler]`, `[sensitivity]`, `[diagnosis]` and `[study]` are those above; errors of a mesh and of a "
+                  "target's gauges are 0 by default, and `errors.band` is half of the samples' frequency.\n";
   s += table<ServerOptions>("[model] outside", "model", "Where the model is.");
   s += table<OutputOptions>("[output]", "output", "What the model's first output block is.");
   s += table<OutputTime>("[output.time]", "output.time", "The times of every record.");

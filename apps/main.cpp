@@ -20,7 +20,7 @@ std::vector<Verb> verbs() {
           {"import", "recordings in CSV or text to recordings.nc", Takes::files, run_import},
           {"serve", "the case's model behind HTTP, UM-Bridge 1.0", Takes::case_file, run_serve},
           {"challenge", "make, diagnose and score cases with concealed physics: how far a diagnosis is to be believed", Takes::suite, run_challenge},
-          {"list", "laws, mechanisms, optimisers, surrogates, designs, loads", Takes::nothing, run_list}};
+          {"list", "laws, loads, mechanisms, designs, surrogates, objectives, optimisers, samplers", Takes::nothing, run_list}};
 }
 
 }  // namespace calomel
