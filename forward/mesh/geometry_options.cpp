@@ -215,15 +215,15 @@ void GeometryOptions::validate() const {
       throw InputError(
           {.problem = "the nose is higher than the target", .key = "nose_radius", .value = number_text(R), .range = "<= " + number_text(*g.height / 2)});
     if (used > 0.75 * R)
-      throw InputError({.problem = fmt::format("wall, channel and plate ({} m) do not fit into a nose of radius {} m", number_text(used), number_text(R)),
+      throw InputError({.problem = fmt::format("wall, channel and plate ({:.4g} m) do not fit into a nose of radius {:.4g} m", used, R),
                         .key = jet.thickness > 0 ? "jet.channel" : "nose_radius",
-                        .range = jet.thickness > 0 ? "< " + number_text(0.75 * R - thickest - jet.thickness) : ""});
+                        .range = jet.thickness > 0 ? fmt::format("< {:.4g}", 0.75 * R - thickest - jet.thickness) : ""});
     const double rear_wall = rear == "wall" ? g.wall_thickness("rear") : 0;
     if (*g.length < 1.5 * R + rear_wall)
       throw InputError({.problem = "the target is shorter than its nose",
                         .key = "length",
                         .value = number_text(*g.length),
-                        .range = ">= " + number_text(1.5 * R + rear_wall)});
+                        .range = fmt::format(">= {:.4g}", 1.5 * R + rear_wall)});
   }
   const double n = estimated_elements();
   if (!(n <= max_elements))

@@ -8,6 +8,7 @@
 #include "base/linear_algebra.hpp"
 #include "base/log_sum.hpp"
 #include "base/not_finite.hpp"
+#include "inverse/posterior/error_density.hpp"
 
 namespace calomel {
 
@@ -50,9 +51,7 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
     }
     h.data = h.whitener * e.data;
     h.coefficients = h.whitener * coefficients;
-    const double half_log_det = factor.half_log_determinant(), p = double(n);
-    h.log_norm = std::isinf(h.freedom) ? -0.5 * p * std::log(2 * std::numbers::pi) - half_log_det
-                                       : std::lgamma((h.freedom + p) / 2) - std::lgamma(h.freedom / 2) - 0.5 * p * std::log(h.freedom * std::numbers::pi) - half_log_det;
+    h.log_norm = log_norm_of_errors(h.freedom, double(n)) - factor.half_log_determinant();
     hypotheses_.push_back(std::move(h));
   }
 }
@@ -130,12 +129,8 @@ LogPosterior::Likelihood LogPosterior::likelihood(const Hypothesis& h, const Eig
   l.weighed = residual.array() / l.inflation;
   l.chi2 = (residual.array() * l.weighed).sum();
   const double p = double(residual.size()), log_inflation = l.inflation.log().sum();
-  if (std::isinf(h.freedom)) {
-    l.value = h.log_norm - 0.5 * log_inflation - 0.5 * l.chi2;
-  } else {
-    l.value = h.log_norm - 0.5 * log_inflation - 0.5 * (h.freedom + p) * std::log1p(l.chi2 / h.freedom);
-    l.weight = (h.freedom + p) / (h.freedom + l.chi2);
-  }
+  l.value = h.log_norm - 0.5 * log_inflation - penalty_of_errors(l.chi2, h.freedom, p);
+  if (!std::isinf(h.freedom)) l.weight = (h.freedom + p) / (h.freedom + l.chi2);
   return l;
 }
 

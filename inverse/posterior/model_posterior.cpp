@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/errors.hpp"
 #include "base/not_finite.hpp"
+#include "inverse/posterior/error_density.hpp"
 
 namespace calomel {
 
@@ -26,9 +26,8 @@ ModelPosterior::ModelPosterior(const ForwardModel& model, std::optional<ErrorMod
   if (!errors_) return;
   factor_ = Cholesky(errors_->covariance());
   if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
-  const double n = double(errors_->data().size()), f = errors_->freedom();
-  freedom_ = f;
-  log_norm_ = (std::isinf(f) ? -0.5 * n * std::log(2 * std::numbers::pi) : std::lgamma((f + n) / 2) - std::lgamma(f / 2) - 0.5 * n * std::log(f * std::numbers::pi)) - factor_.half_log_determinant();
+  freedom_ = errors_->freedom();
+  log_norm_ = log_norm_of_errors(freedom_, double(errors_->data().size())) - factor_.half_log_determinant();
 }
 
 std::vector<double> ModelPosterior::theta(const Eigen::VectorXd& q) const {
@@ -67,8 +66,7 @@ double ModelPosterior::log_likelihood(std::span<const double> theta) const {
   if (y.empty()) return -infinity;
   if (!errors_) return y[0];
   const Eigen::VectorXd r = factor_.solve_lower(Eigen::VectorXd(errors_->data() - errors_->grid().apply(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())))));
-  const double chi2 = r.squaredNorm();
-  return log_norm_ - (std::isinf(freedom_) ? 0.5 * chi2 : 0.5 * (freedom_ + double(r.size())) * std::log1p(chi2 / freedom_));
+  return log_norm_ - penalty_of_errors(r.squaredNorm(), freedom_, double(r.size()));
 }
 
 double ModelPosterior::log_density(const Eigen::VectorXd& q) const {

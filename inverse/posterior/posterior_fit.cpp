@@ -24,7 +24,7 @@ constexpr double much_missed = 0.02;   ///< variance of the emulator over that o
 constexpr double drawn_anyway = 0.6;   ///< of its width
 constexpr int spare = 4;               ///< runs over coefficients to begin with
 constexpr double least_spare = 1.3;    ///< the same of a mesh alone, whatever is asked for
-constexpr int ample = 3, cheap = 48;   ///< the same at least where runs cost little and have no noise, and how many it takes then by default
+constexpr int ample = 2, cheap = 48;   ///< the same at least where runs cost little and have no noise, and how many it takes then by default
 
 class Fit {
  public:

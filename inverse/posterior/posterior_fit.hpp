@@ -94,7 +94,7 @@ struct PosteriorInputs {
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
   std::function<bool(const struct PosteriorFit&)> go_on;         ///< asked before every further round whether the fit is still wanted; may be empty
 
-  /// Runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a model whose boxes are drawn in at least three a coefficient.
+  /// Runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a model whose boxes are drawn in at least twice its coefficients.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters) const;
   /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`: of a mesh
   /// that adds a linear difference.

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Diagnoses of targets whose concealed physics has the library's own form. Needs Python 3 alone.
 
-  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--target slice|jet_flow] [--element 0.5e-3] [--threads N]
+  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow] [--element 0.5e-3] [--threads N]
   own_form.py diagnose BUILD_DIR WORK_DIR --draws 1,2,3 [--threads N] [--set table.key=value]...
-  own_form.py table    WORK_DIR --draws 1,2,3 [--target slice|jet_flow]
+  own_form.py table    WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow]
 
 `calomel challenge` asks whether physics of another code, in another form than the library's, is named. Where a name is missed there it may be the form or the engine. Here the form is right: draw n conceals
 mechanism n modulo 10 of a list (nothing at 0; what is added to the histories, earlier pulses and faults of a gauge, is linear in the engine and not among them), with numbers drawn within its ranges, and make_recordings plays the experiment with this solver on elements of `--element`, another time step, and a
-modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. Targets are box slices, or half of a jet-flow target in three dimensions with twelve gauges, for which there is no other code. What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
+modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. Targets are box slices, or half of a jet-flow target in three dimensions with twelve gauges, for which there is no other code (small_jet_flow: one half as long, wide and high, which costs a fifth). What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
 effect (as the challenge does: relative L2 of the mean records with and without it after a Hann window of 50 us, mean over the gauges, by ensemble means on the case's own mesh), the verdict, and the numbers beside the true ones.
 A call that is cut off goes on where it stopped.
 """
@@ -84,16 +84,17 @@ def slice_target(r, draw):
     return case, target, peak
 
 
-def jet_target(r, draw):
-    """The same of half a jet-flow target: dimensions, beam, and places and directions of the gauges about those of examples/03_jet_flow."""
-    length, width, height, wall = r.uniform(0.5, 0.6), r.uniform(0.36, 0.44), r.uniform(0.10, 0.14), r.choice((0.004, 0.005, 0.006))
+def jet_target(r, draw, size=1.0):
+    """The same of half a jet-flow target: dimensions, beam, and places and directions of the gauges about those of examples/03_jet_flow, times `size`."""
+    length, width, height, wall = size * r.uniform(0.5, 0.6), size * r.uniform(0.36, 0.44), size * r.uniform(0.10, 0.14), (1 + size) / 2 * r.choice((0.004, 0.005, 0.006))
     gauges, sensors = [], ""
     for name, x, y, top, direction in JET_GAUGES:
         gauges.append(name)
         place = (length * (x + r.uniform(-0.02, 0.02)), 0.0 if y == 0 else width * (y + r.uniform(-0.02, 0.02)), height if top else 0.0)
         sensors += '[[sensor]]\nname = "{}"\nposition = [{:.4f}, {:.4f}, {:.4f}]\ndirection = {}\ngauge_length = 0.006\n'.format(name, *place, direction)
     peak = r.uniform(20e6, 30e6)
-    case = JET.format(draw=draw, length=length, width=width, height=height, wall=wall, peak=peak, middle=height * r.uniform(0.45, 0.55), wide=r.uniform(0.05, 0.065), high=r.uniform(0.017, 0.023), sensors=sensors)
+    case = JET.format(draw=draw, length=length, width=width, height=height, wall=wall, peak=peak, middle=height * r.uniform(0.45, 0.55), wide=size * r.uniform(0.05, 0.065), high=size * r.uniform(0.017, 0.023),
+                      channel=size * 0.02, plate=size * 0.005, coarse=0.010 if size == 1 else 0.007, fine=0.007 if size == 1 else 0.005, end=0.3e-3 if size == 1 else 0.2e-3, sensors=sensors)
     return case, {"length": length, "height": height, "gauges": gauges}, peak
 
 
@@ -108,7 +109,10 @@ width = {width:.4f}
 height = {height:.4f}
 wall = {wall}
 window = 0.003
-element_size = 0.010
+element_size = {coarse}
+[geometry.jet]
+channel = {channel}
+thickness = {plate}
 [material.mercury]
 density = 13500.0
 sound_speed = 1450.0
@@ -118,7 +122,7 @@ kind = "initial_pressure"
 peak_pressure = {peak:.4e}
 profile = {{ center = [0.0, {middle:.4f}], widths = [{wide:.4f}, {high:.4f}] }}
 [time]
-end = 0.3e-3
+end = {end}
 output_interval = 2e-6
 [solver]
 precision = "single"
@@ -127,7 +131,7 @@ file = "records_{draw}.nc"
 [campaign]
 pulses = 2
 [emulator]
-element_sizes = [0.010, 0.007]
+element_sizes = [{coarse}, {fine}]
 """
 # Name, place along and across in lengths and widths, whether on top, direction.
 JET_GAUGES = (("B", 0.18, 0, True, "[1, 0, 0]"), ("C", 0.27, 0.15, True, "[0, 1, 0]"), ("E", 0.24, 0.30, True, "[1, 1, 0]"), ("F", 0.40, 0, True, "[1, 0, 0]"), ("G", 0.47, 0.25, True, "[0, 1, 0]"),
@@ -141,7 +145,7 @@ def whole_wall(r):
 
 JET_EFFECTS = (
     ("none", None),
-    ("beam_profile", lambda r, _: {"offset_z": either_way(r, 1e-3, 4e-3), "width_ratio_z": math.exp(either_way(r, 0.05, 0.12))}),
+    ("beam_profile", lambda r, t: {"offset_z": t["height"] * either_way(r, 0.01, 0.035), "width_ratio_z": math.exp(either_way(r, 0.05, 0.12))}),
     ("rear_reflection", lambda r, _: {"coefficient": either_way(r, 0.2, 0.6)}),
     ("bubbly_liquid", lambda r, _: {"alpha0": log_uniform(r, 3e-5, 3e-4), "radius": log_uniform(r, 3e-5, 2e-4), "ambient_pressure": r.uniform(1e5, 3e5)}),
     ("none", None),
@@ -149,7 +153,8 @@ JET_EFFECTS = (
     ("interface", lambda r, _: {"strength": r.uniform(0, 5e4), **whole_wall(r)}),
     ("wall_thinning", lambda r, _: {"fraction": r.uniform(0.1, 0.3), **whole_wall(r)}),
 )
-TARGETS = {"slice": (slice_target, EFFECTS, 0.001, "1e-6"), "jet_flow": (jet_target, JET_EFFECTS, 0.010, "2e-6")}  # the case's element size, the records' interval
+TARGETS = {"slice": (slice_target, EFFECTS, 0.001, "1e-6"), "jet_flow": (jet_target, JET_EFFECTS, 0.010, "2e-6"),  # the case's element size, the records' interval
+           "small_jet_flow": (lambda r, draw: jet_target(r, draw, 0.5), JET_EFFECTS, 0.007, "2e-6")}
 
 
 def draw_case(draw, kind, element):
@@ -265,11 +270,11 @@ def main():
     p.add_argument("places", nargs="+", metavar="BUILD_DIR WORK_DIR")
     p.add_argument("--draws", required=True, type=lambda s: [int(x) for part in s.split(",") for x in (range(int(part.split("-")[0]), int(part.split("-")[1]) + 1) if "-" in part else [part])])
     p.add_argument("--target", choices=tuple(TARGETS), default="slice")
-    p.add_argument("--element", type=float, help="of the records [m]; default 0.5e-3, of a jet-flow target 5e-3")
+    p.add_argument("--element", type=float, help="of the records [m]; default half of the case's own")
     p.add_argument("--set", action="append", default=[])
     p.add_argument("--threads", type=int, default=1)
     args = p.parse_args()
-    args.element = args.element or (0.5e-3 if args.target == "slice" else 5e-3)
+    args.element = args.element or TARGETS[args.target][2] / 2
     args.work, args.build = os.path.abspath(args.places[-1]), os.path.abspath(args.places[0])
     os.makedirs(args.work, exist_ok=True)
     {"record": record, "diagnose": diagnose, "table": table}[args.what](args)

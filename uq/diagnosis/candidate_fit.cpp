@@ -18,6 +18,7 @@ constexpr double reach = 1.0;                        ///< half width of the firs
 constexpr double widths = 6;                         ///< the same in standard deviations to first order
 constexpr double least_width = 0.1;                  ///< the same over the standard deviation of the number's prior
 constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
+constexpr int spare_of_cheap = 3;                    ///< runs over coefficients to begin with where runs cost little and a box is drawn in: with the base model's two a box about a law with a step is drawn in to the wrong place
 constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower boxes the deviations come out too small
 constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
 constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
@@ -161,7 +162,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
     in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
   }
   const auto d = Eigen::Index(in.parameters.size());
-  in.emulator.coarse_runs = in.emulator.fine_runs = 0;  // by its own number of coefficients
+  in.emulator.coarse_runs = 0, in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;  // by its own number of coefficients
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear(), in.go_on = {};
   for (const auto& r : fit.runs) {

@@ -30,7 +30,7 @@ struct DiagnosisOptions {
 
   template <class V>
   void visit(V& v) {
-    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model at most; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
+    v("max_runs", max_runs, {.range = between(10, 1000000), .doc = "ensemble means of the true model after which no further fit is begun; what does not fit in is skipped and told. Of a line or a model outside 10 000 by default"});
     v("leaders", leaders, {.range = between(1, 20), .doc = "mechanisms that are fitted in the true model at most, those that lead to first order first"});
     v("pairs", pairs, {.doc = "whether two mechanisms together are tried where none alone explains the records, and a gauge at fault beside one that does"});
     v("term_runs", term_runs, {.range = between(0, 1000000), .doc = "runs of the coarser mesh at most, beyond max_runs, for the terms that describe what is missing where the verdict on a target is unknown; 0 = none"});
@@ -93,6 +93,8 @@ struct Diagnosis {
   std::optional<MissingTerms> missing;       ///< where the verdict is unknown and terms are offered
   std::string separating;                    ///< the measurement that would tell the first two apart
 
+  /// The explanation of this name, or null.
+  [[nodiscard]] const Alternative* alternative(const std::string& name) const;
   /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's. Such a verdict is not to be acted on. A name does not
   /// hang on the base fit, which wanders where physics is left out: that of the name holds the base model, its numbers off, in its box.
   [[nodiscard]] std::vector<std::string> unsettled() const;

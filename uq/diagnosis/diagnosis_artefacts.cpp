@@ -94,10 +94,7 @@ Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& group
 
 /// The explanation that the verdict names, the first of them, or null.
 const Alternative* named_of(const Diagnosis& d) {
-  if (d.verdict.mechanisms.empty()) return nullptr;
-  for (const auto& c : d.candidates)
-    if (c.explanation.name == d.verdict.mechanisms[0]) return &c;
-  return nullptr;
+  return d.verdict.mechanisms.empty() ? nullptr : d.alternative(d.verdict.mechanisms[0]);
 }
 
 Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {

@@ -4,18 +4,13 @@
 #include <cmath>
 
 #include "base/log_sum.hpp"
+#include "inverse/posterior/error_density.hpp"
 
 namespace calomel {
 
 namespace {
 
 constexpr double of_the_box = 3;  ///< inverse variance of a coordinate that is uniform on [-1, 1]
-
-/// -log density of a residual over that of 0.
-double penalty(double chi2, double freedom, double values) {
-  chi2 = std::max(0.0, chi2);
-  return std::isinf(freedom) ? 0.5 * chi2 : 0.5 * (freedom + values) * std::log1p(chi2 / freedom);
-}
 
 Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   Eigen::VectorXd out(a.size() + b.size());
@@ -40,7 +35,7 @@ FirstOrderModel::FirstOrderModel(const LogPosterior& posterior, const LocalMode&
   const auto values = double(posterior.values());
   for (std::size_t i = 0; i < posterior.hypotheses(); ++i) {
     Errors e{.log_norm = log_terms[i], .freedom = posterior.freedom(i), .jacobian = posterior.whiten(jacobian, mode.at, i), .residual = posterior.whitened_residual(mode.at, i), .factor = {}};
-    e.log_norm += penalty(e.residual.squaredNorm(), e.freedom, values);
+    e.log_norm += penalty_of_errors(e.residual.squaredNorm(), e.freedom, values);
     errors_.push_back(std::move(e));
   }
   const Errors& likeliest = errors_[posterior.likeliest(mode.at)];
@@ -86,8 +81,8 @@ FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
     const auto& [d, factor] = with_block.errors[i];
     const double chi2 = e.residual.squaredNorm();
     const Eigen::VectorXd b = e.jacobian.transpose() * e.residual + slope_;
-    without.push_back(e.log_norm - penalty(chi2 - quadratic(e.factor, b), e.freedom, values) - e.factor.half_log_determinant());
-    with.push_back(e.log_norm - penalty(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) - factor.half_log_determinant());
+    without.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(e.factor, b), e.freedom, values) - e.factor.half_log_determinant());
+    with.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) - factor.half_log_determinant());
     if (with[i] > with[best]) best = i;
   }
   const Errors& e = errors_[best];
@@ -116,8 +111,8 @@ double FirstOrderModel::Expected::log_bayes_factor(double strength) const {
   std::vector<double> with, without;
   const double square = strength * strength;
   for (const auto& e : errors_) {
-    with.push_back(e.log_norm - penalty(e.noise + square * (e.chi2 - e.with), e.freedom, e.values) - e.half_log_det_with);
-    without.push_back(e.log_norm - penalty(e.noise + square * (e.chi2 - e.without), e.freedom, e.values) - e.half_log_det_without);
+    with.push_back(e.log_norm - penalty_of_errors(e.noise + square * (e.chi2 - e.with), e.freedom, e.values) - e.half_log_det_with);
+    without.push_back(e.log_norm - penalty_of_errors(e.noise + square * (e.chi2 - e.without), e.freedom, e.values) - e.half_log_det_without);
   }
   return log_sum(with) - log_sum(without);
 }

@@ -19,11 +19,6 @@ std::vector<Explanation> by_evidence(const Diagnosis& d) {
   return all;
 }
 
-const Alternative* alternative(const Diagnosis& d, const std::string& name) {
-  const auto at = std::find_if(d.candidates.begin(), d.candidates.end(), [&](const auto& c) { return c.explanation.name == name; });
-  return at == d.candidates.end() ? nullptr : &*at;
-}
-
 const ParameterGroup* group_of(std::span<const ParameterGroup> groups, const std::string& name) {
   const auto at = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.name == name; });
   return at == groups.end() ? nullptr : &*at;
@@ -135,7 +130,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
   const PlainSummary nothing{fmt::format("The simulation leaves something out {}, and none of the effects that were tried is it.", misfit), look};
   const auto all = by_evidence(d);
   if (all.empty()) return nothing;
-  const Alternative& best = *alternative(d, all[0].name);
+  const Alternative& best = *d.alternative(all[0].name);
   const std::string name = plain_name(best, groups), differ = fmt::format("The simulation and the records differ {}", misfit);
   const std::string begin = fmt::format("The simulation leaves something out {}, and it is not known what: ", misfit) + name;
   const std::string finer = "Repeat the diagnosis on finer meshes (emulator.element_sizes) before any physics is blamed.";
@@ -289,24 +284,24 @@ std::string separating_measurement(const Diagnosis& d, const Problem& problem) {
 }
 
 Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& g) {
-  const Alternative* a = alternative(d, name);
+  const Alternative* a = d.alternative(name);
   if (!a) return why_of_base(d, name, g);
   const auto all = by_evidence(d);
   const auto at = std::size_t(std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.name == name; }) - all.begin());
   const Explanation& e = all[at];
   const double share = 100 * share_explained(d.evidence, e, g).value_or(0), b = e.log_bayes_factor;
-  const Alternative& best = *alternative(d, all[0].name);
+  const Alternative& best = *d.alternative(all[0].name);
   const auto& told = d.verdict.mechanisms;
   if (std::find(told.begin(), told.end(), name) != told.end()) {
     if (d.verdict.kind == VerdictKind::named) {
       const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !same_class(e, x); });
-      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*alternative(d, next->name), groups), evidence_of_name(d.evidence, e, g) - evidence_of_name(d.evidence, *next, g));
+      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*d.alternative(next->name), groups), evidence_of_name(d.evidence, e, g) - evidence_of_name(d.evidence, *next, g));
       return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with evidence {:.3g}, and {}.", share, b, behind),
               fmt::format("Another explanation whose evidence comes within {:.0f} of it, or a record that it does not fit.", g.lead)};
     }
     std::vector<std::string> others;
     for (const auto& other : told)
-      if (other != name) others.push_back(plain_name(*alternative(d, other), groups));
+      if (other != name) others.push_back(plain_name(*d.alternative(other), groups));
     return {fmt::format("May be it: it accounts for {:.0f} % of the mismatch (evidence {:.3g}), but {} cannot be told apart from it by these records.", share, b, listed(others)),
             "A measurement that tells them apart."};
   }
@@ -379,11 +374,11 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
               "Calibrate with it as it is; more pulses, or gauges whose places are better known, would show smaller effects."};
       break;
     case VerdictKind::named:
-      told = named_summary(*alternative(d, names.at(0)), groups, m);
+      told = named_summary(*d.alternative(names.at(0)), groups, m);
       break;
     case VerdictKind::ambiguous: {
       std::vector<std::string> all;
-      for (const auto& name : names) all.push_back(with_key(*alternative(d, name), groups));
+      for (const auto& name : names) all.push_back(with_key(*d.alternative(name), groups));
       told = {fmt::format("The simulation leaves something out, but these records do not tell whether it is {}: with any one of them the misfit falls, from {} to {} with the first.", listed(all, "or"), percent(m.before),
                           percent(m.after)),
               "To tell them apart: " + d.separating + '.'};
@@ -395,7 +390,7 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
   }
   if (const auto unsettled = d.unsettled(); !unsettled.empty()) {
     std::vector<std::string> fits;
-    for (const auto& name : unsettled) fits.push_back(names.empty() ? "the base model" : with_key(*alternative(d, name), groups));
+    for (const auto& name : unsettled) fits.push_back(names.empty() ? "the base model" : with_key(*d.alternative(name), groups));
     told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   }
