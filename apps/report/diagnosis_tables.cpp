@@ -80,12 +80,14 @@ std::string where_and_when(const Study& study) {
     const double from = number_at(region, "first_time_s").value_or(0);
     s = from > 0 ? fmt::format("The mismatch is first seen at gauge {} from {} \u00b5s on.", gauge, microseconds(from)) : fmt::format("Gauge {} shows the mismatch from the start of its record.", gauge);
   } else {
-    s = "No gauge stands out in any stretch of time.";
+    s = "No single stretch of time of one gauge stands out.";
   }
-  std::size_t late = 0, high = 0;
+  const Json& sensors = list_at(location_of(study), "sensors");
+  std::size_t whole = 0, late = 0, high = 0;
+  for (const auto& g : sensors) whole += seen(number_at(g, "q_value"));
   for (const auto& w : windows) late += seen(number_at(w, "q_value"));
   for (const auto& b : bands) high += seen(number_at(b, "q_value"));
-  return s + fmt::format(" It shows in {} of {} stretches of time and in {} of {} bands of frequency.", late, windows.size(), high, bands.size());
+  return s + fmt::format(" Over the whole record it shows at {} of {} gauges; over all gauges in {} of {} stretches of time and in {} of {} bands of frequency.", whole, sensors.size(), late, windows.size(), high, bands.size());
 }
 
 /// "the fit of ...: message", of the first that the verdict hangs on and that has not settled.
