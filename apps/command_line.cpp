@@ -120,7 +120,10 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
   }
 }
 
-/// `did you mean --floor? ` of the first word that looks like an option and is none; empty where there is none such, or none near.
+/// A suggestion, where there is one, and what to do in any case.
+std::string suggestion_and(const std::string& suggestion, const std::string& otherwise) { return suggestion.empty() ? otherwise : suggestion + ' ' + otherwise; }
+
+/// `did you mean "--floor"?` of the first word that looks like an option and is none; empty where there is none such, or none near.
 std::string near_option(const CLI::App& verb, std::span<const std::string> words) {
   std::vector<std::string> known;
   for (const auto* o : verb.get_options())
@@ -128,8 +131,7 @@ std::string near_option(const CLI::App& verb, std::span<const std::string> words
   for (const auto& word : words) {
     const std::string name = word.substr(0, word.find('='));
     if (!name.starts_with("--") || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::string near = name_suggestion(name, known);
-    return near.empty() ? "" : near + ' ';
+    return name_suggestion(name, known);
   }
   return "";
 }
@@ -154,7 +156,7 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
     throw InputError({.problem = "no verb of this name",
                       .value = '"' + words[0] + '"',
                       .range = join(known),
-                      .suggestion = name_suggestion(words[0], known) + " (calomel --help)"});
+                      .suggestion = suggestion_and(name_suggestion(words[0], known), "(calomel --help)")});
 
   CLI::App app("Inverse problems where a violent pulse meets a structure: simulate it, learn it, calibrate it.", "calomel");
   app.set_version_flag("--version", std::string("calomel ") + version);
@@ -175,22 +177,22 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
     while (!at->get_subcommands().empty()) at = at->get_subcommands()[0];
     return at;
   };
-  const auto called = [&] {
+  const auto called = [&](CLI::App* at) {
     std::string text;
-    for (CLI::App* at = innermost(); at != &app; at = at->get_parent()) text = at->get_name() + ' ' + text;
-    return text;
+    for (; at != &app; at = at->get_parent()) text = ' ' + at->get_name() + text;
+    return "calomel" + text;
   };
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 wants them
   try {
     app.parse(std::move(reversed));
   } catch (const CLI::CallForHelp&) {
-    out << (innermost() == &app ? app.help() : innermost()->help("calomel " + called().substr(0, called().size() - innermost()->get_name().size() - 1), CLI::AppFormatMode::Normal));
+    out << (innermost() == &app ? app.help() : innermost()->help(called(innermost()->get_parent()), CLI::AppFormatMode::Normal));
     return false;
   } catch (const CLI::CallForVersion&) {
     out << "calomel " << version << '\n';
     return false;
   } catch (const CLI::ParseError& e) {
-    throw InputError({.problem = e.what(), .suggestion = near_option(*innermost(), words) + "see calomel " + called() + "--help"});
+    throw InputError({.problem = e.what(), .suggestion = suggestion_and(near_option(*innermost(), words), "see " + called(innermost()) + " --help")});
   }
   command.verb = app.get_subcommands()[0]->get_name();
   if (innermost()->get_name() != command.verb) command.challenge.action = innermost()->get_name();

@@ -12,6 +12,7 @@
 #include "forward/mechanism/correction.hpp"
 #include "forward/mechanism/left_states.hpp"
 #include "forward/mesh/make_mesh.hpp"
+#include "forward/mesh/mesh_extent.hpp"
 #include "forward/sensor/channel.hpp"
 #include "forward/solver/kernel.hpp"
 
@@ -55,9 +56,9 @@ void expect_something_moves(const ForwardCase& c, const Mesh& mesh) {
 
 /// Where the target is, across the beam.
 std::string extent_text(const Mesh& mesh) {
-  const auto along = [&](int c) {
-    const auto [low, high] = std::minmax_element(mesh.nodes.begin(), mesh.nodes.end(), [c](const Vec3& a, const Vec3& b) { return a[c] < b[c]; });
-    return fmt::format("{:.4g} to {:.4g} m", (*low)[c], (*high)[c]);
+  const auto along = [&](std::size_t c) {
+    const auto [low, high] = extent(mesh, c);
+    return fmt::format("{:.4g} to {:.4g} m", low, high);
   };
   return mesh.plane_strain ? "the target reaches from z = " + along(2) : "the target reaches from y = " + along(1) + " and from z = " + along(2);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "forward/built_in_model.hpp"
+#include "forward/mesh/mesh_extent.hpp"
 #include "forward/solver/kernel.hpp"
 
 namespace calomel {
@@ -22,10 +23,10 @@ double measured_rate(bool single, std::size_t elements, bool group, bool plane_s
 /// Of the target along its narrowest side, across a slice left out [m].
 double least_extent(const Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < 3; ++c) {
     if (mesh.plane_strain && c == 1) continue;
-    const auto [low, high] = std::minmax_element(mesh.nodes.begin(), mesh.nodes.end(), [c](const Vec3& a, const Vec3& b) { return a[c] < b[c]; });
-    least = std::min(least, (*high)[c] - (*low)[c]);
+    const auto [low, high] = extent(mesh, c);
+    least = std::min(least, high - low);
   }
   return least;
 }
@@ -54,8 +55,8 @@ ModelDescription BuiltInModel::describe() const {
   if (std::isfinite(s.liquid.tensile_cutoff) && s.liquid.tensile_cutoff != case_.mercury.tensile_cutoff)
     d.notes.push_back(fmt::format("effective tensile cutoff {} Pa: the case's own and a static pressure together, of which the motion holds the sum alone", number_text(s.liquid.tensile_cutoff)));
   if (mesh_->plane_strain) {
-    const auto [low, high] = std::minmax_element(mesh_->nodes.begin(), mesh_->nodes.end(), [](const Vec3& a, const Vec3& b) { return a[1] < b[1]; });
-    d.slice_thickness = (*high)[1] - (*low)[1];
+    const auto [low, high] = extent(*mesh_, 1);
+    d.slice_thickness = high - low;
   }
   if (!heating_.element.empty() && heating_.integral > 0 && !s.p0.empty()) {
     double peak = 0;

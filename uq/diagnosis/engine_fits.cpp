@@ -85,8 +85,8 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
     c.numbers = on_top_of->numbers;
     for (auto& n : c.numbers)  // as those of every pair, without the gauge
       if (const std::string& gauge = on_top_of->sensor; !gauge.empty() && n.name.starts_with(gauge + '.')) n.name.erase(0, gauge.size() + 1);
+    gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
   }
-  if (on_top_of) gained = on_top_of->explanation.log_bayes_factor - on_top_of->choice;
   const Eigen::MatrixXd d = q.directions.by_number * q.directions.prior_sd.asDiagonal();
   const ErrorTerm term{group.name, d * d.transpose()};
   const Eigen::VectorXd rest = grid().apply(about.rest);
