@@ -15,11 +15,12 @@ namespace calomel {
 
 const char* const version = CALOMEL_VERSION;
 
-std::string hash_text(std::string_view text) {
+std::uint64_t hash_of(std::string_view bytes) {
   std::uint64_t h = 14695981039346656037ull;
-  for (const char c : text) h = (h ^ std::uint8_t(c)) * 1099511628211ull;
-  return fmt::format("{:016x}", h);
+  for (const char c : bytes) h = (h ^ std::uint8_t(c)) * 1099511628211ull;
+  return h;
 }
+std::string hash_text(std::string_view text) { return fmt::format("{:016x}", hash_of(text)); }
 
 std::string hash_file(const std::filesystem::path& path) { return hash_text(read_text(path)); }
 
@@ -83,7 +84,7 @@ void expect_finite(const Json& j, const std::string& place) {
 
 void write_json(const std::filesystem::path& path, const Json& json) {
   expect_finite(json, "");
-  write_atomically(path, json.dump(2) + "\n");
+  write_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string Provenance::identity() const { return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump()); }

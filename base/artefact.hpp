@@ -1,5 +1,6 @@
 #pragma once
 /// Artefacts on disk: hashes, atomic writes, JSON files. What an artefact comes from: provenance.hpp.
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,7 +12,9 @@ namespace calomel {
 /// The program's version, e.g. "0.1.0".
 extern const char* const version;
 
-/// FNV-1a, 64 bit (Fowler, Noll and Vo), as 16 hexadecimal digits.
+/// FNV-1a, 64 bit (Fowler, Noll and Vo).
+std::uint64_t hash_of(std::string_view bytes);
+/// The same as 16 hexadecimal digits.
 std::string hash_text(std::string_view text);
 /// Hash of a file's bytes. Errors: InputError when it cannot be read.
 std::string hash_file(const std::filesystem::path& path);
@@ -28,7 +31,7 @@ void write_atomically(const std::filesystem::path& path, std::string_view text);
 std::string read_text(const std::filesystem::path& path);
 /// JSON of a file. Errors: InputError naming file and line.
 Json read_json(const std::filesystem::path& path);
-/// Pretty JSON, atomically; a NaN or infinity is a contract failure (JSON has none).
+/// Pretty JSON, atomically; what is no UTF-8 is replaced, a NaN or infinity is a contract failure (JSON has none).
 void write_json(const std::filesystem::path& path, const Json& json);
 
 /// Renames the file to `name.old-N` (never deletes); nothing happens when it is absent.

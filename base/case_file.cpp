@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -47,6 +48,25 @@ std::string path_ending_with(const toml::table& root, const std::string& name) {
 const toml::node* node_at(const toml::table& root, const std::string& path) {
   if (path.empty()) return &root;
   return root.at_path(path).node();
+}
+
+/// The node at `path` as JSON. Errors: InputError for what JSON has not: dates, and numbers that are not finite.
+Json json_of(const toml::node& node, const std::string& path) {
+  if (const auto* table = node.as_table()) {
+    Json out = Json::object();
+    for (const auto& [key, value] : *table) out[std::string(key.str())] = json_of(value, path + '.' + std::string(key.str()));
+    return out;
+  }
+  if (const auto* list = node.as_array()) {
+    Json out = Json::array();
+    for (std::size_t i = 0; i < list->size(); ++i) out.push_back(json_of((*list)[i], fmt::format("{}[{}]", path, i)));
+    return out;
+  }
+  if (const auto text = node.value_exact<std::string>()) return *text;
+  if (const auto truth = node.value_exact<bool>()) return *truth;
+  if (const auto whole = node.value_exact<std::int64_t>()) return *whole;
+  if (const auto real = node.value_exact<double>(); real && std::isfinite(*real)) return *real;
+  throw InputError({.problem = "cannot be handed on as JSON, which has neither dates nor numbers that are not finite", .key = path, .value = value_text(node)});
 }
 
 InputError from_parse_error(const toml::parse_error& e, const std::string& name, const std::string& text) {
@@ -118,17 +138,13 @@ CaseFile::~CaseFile() = default;
 CaseFile::CaseFile(CaseFile&&) noexcept = default;
 CaseFile& CaseFile::operator=(CaseFile&&) noexcept = default;
 
-CaseFile::CaseFile(std::filesystem::path path, std::span<const std::string> overrides) : path_(std::move(path)), document_(std::make_unique<Document>()) {
-  std::ifstream in(path_);
-  if (!in || std::filesystem::is_directory(path_))
-    throw InputError({.problem = "cannot be opened", .suggestion = "check the name; a case file ends in .toml (see examples/)", .file = path_.string()});
+CaseFile::CaseFile(std::filesystem::path path, std::span<const std::string> overrides) {
+  std::ifstream in(path);
+  if (!in || std::filesystem::is_directory(path))
+    throw InputError({.problem = "cannot be opened", .suggestion = "check the name; a case file ends in .toml (see examples/)", .file = path.string()});
   std::stringstream text;
   text << in.rdbuf();
-  try {
-    document_->root = toml::parse(text.str(), path_.string());
-  } catch (const toml::parse_error& e) {
-    throw from_parse_error(e, path_.string(), text.str());
-  }
+  *this = from_text(text.str(), path.string());
   for (const auto& o : overrides) apply_override(document_->root, o);
 }
 
@@ -185,9 +201,11 @@ std::optional<double> CaseFile::number(const std::string& path) const {
 Json CaseFile::json(const std::string& path) const {
   const auto* node = node_at(document_->root, path);
   if (!node) return Json::object();
-  std::ostringstream text;
-  node->visit([&](const auto& n) { text << toml::json_formatter(n, toml::format_flags::none); });
-  return Json::parse(text.str());
+  try {
+    return json_of(*node, path);
+  } catch (const InputError& e) {
+    throw located(e);
+  }
 }
 
 void CaseFile::accept(const std::string& path) { document_->accepted.insert(path); }
@@ -326,7 +344,7 @@ void CaseFile::Reader::operator()(const char* key, std::vector<int>& value, cons
   (*this)(key, list, info);
   value.clear();
   for (const double x : list) {
-    if (x != std::floor(x)) fail(*n, key, "a list of whole numbers", info);
+    if (x != std::floor(x) || std::abs(x) > 2e9) fail(*n, key, "a list of whole numbers", info);
     value.push_back(int(x));
   }
 }

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cerrno>
 
+#include "base/artefact.hpp"
 #include "base/identity.hpp"
 #include "base/provenance.hpp"
 
@@ -20,16 +21,10 @@ namespace {
 
 constexpr std::size_t head_bytes = 16;
 
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t h = 14695981039346656037ull;
-  for (const char c : bytes) h = (h ^ std::uint8_t(c)) * 1099511628211ull;
-  return h;
-}
-
 std::string frame(std::string_view payload) {
   ByteWriter out;
   out.value(std::uint64_t(payload.size()));
-  out.value(checksum(payload));
+  out.value(hash_of(payload));
   return out.bytes.append(payload);
 }
 
@@ -61,7 +56,7 @@ std::string frame_at(int file, std::uint64_t offset, std::uint64_t limit) {
   if (limit < offset + head_bytes || !read_at(file, offset, reinterpret_cast<char*>(head), head_bytes)) return {};
   if (head[0] == 0 || head[0] > limit - offset - head_bytes) return {};
   std::string payload(head[0], '\0');
-  if (!read_at(file, offset + head_bytes, payload.data(), payload.size()) || checksum(payload) != head[1]) return {};
+  if (!read_at(file, offset + head_bytes, payload.data(), payload.size()) || hash_of(payload) != head[1]) return {};
   return payload;
 }
 

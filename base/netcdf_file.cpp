@@ -102,6 +102,11 @@ void NetcdfWriter::variable(const std::string& name, const std::vector<std::stri
   const int v = define(name, dims, NC_INT, values.size(), attributes);
   if (!values.empty()) check(nc_put_var_int(at_, v, values.data()), part_, "writing " + name);
 }
+void NetcdfWriter::variable(const std::string& name, const std::vector<std::string>& dims, std::span<const std::int8_t> values, const Attributes& attributes) {
+  const std::lock_guard guard(hdf5_lock());
+  const int v = define(name, dims, NC_BYTE, values.size(), attributes);
+  if (!values.empty()) check(nc_put_var_schar(at_, v, values.data()), part_, "writing " + name);
+}
 void NetcdfWriter::variable(const std::string& name, const std::vector<std::string>& dims, std::span<const std::string> values, const Attributes& attributes) {
   const std::lock_guard guard(hdf5_lock());
   const int v = define(name, dims, NC_STRING, values.size(), attributes);

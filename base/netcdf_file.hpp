@@ -1,6 +1,7 @@
 #pragma once
 /// netCDF-4 files: every array artefact, with named dimensions, coordinates and units (xarray and ncdump read them).
 /// HDF5 is not thread-safe: one writer or reader at a time, which a lock in the implementation ensures.
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -31,6 +32,7 @@ class NetcdfWriter {
   void variable(const std::string& name, const std::vector<std::string>& dims, std::span<const double> values, const Attributes& attributes = {});
   void variable(const std::string& name, const std::vector<std::string>& dims, std::span<const float> values, const Attributes& attributes = {});
   void variable(const std::string& name, const std::vector<std::string>& dims, std::span<const int> values, const Attributes& attributes = {});
+  void variable(const std::string& name, const std::vector<std::string>& dims, std::span<const std::int8_t> values, const Attributes& attributes = {});
   void variable(const std::string& name, const std::vector<std::string>& dims, std::span<const std::string> values, const Attributes& attributes = {});
   /// A CF status variable: `flag_values` 0, 1, ... with their meanings.
   void flags(const std::string& name, const std::vector<std::string>& dims, std::span<const int> values, std::span<const std::string> meanings);

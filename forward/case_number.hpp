@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "base/errors.hpp"
+#include "base/options.hpp"
 
 namespace calomel {
 
@@ -13,6 +14,7 @@ template <class Case>
 struct FoundNumber {
   std::conditional_t<std::is_const_v<Case>, const double, double>* number = nullptr;
   std::conditional_t<std::is_const_v<Case>, const std::optional<double>, std::optional<double>>* optional = nullptr;
+  FieldInfo info = {};  ///< its unit, and the range that the case may set it to
 
   /// Errors: InputError where an optional one is not set.
   [[nodiscard]] double value(const std::string& key) const {

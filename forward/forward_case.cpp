@@ -63,7 +63,7 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     NumberVisitor v(key.rfind(path + '.', 0) == 0 ? key.substr(path.size() + 1) : "");
     const_cast<std::remove_const_t<std::remove_reference_t<decltype(options)>>&>(options).visit(v);  // a visit that only reads
     for (const auto& k : v.known) known.push_back(path + '.' + k);
-    if (v.number || v.optional) found = {v.number, v.optional};
+    if (v.number || v.optional) found = {v.number, v.optional, v.info};
   };
   ForwardCase::visit_tables(self, look);
   for (auto& s : self.sensors) look("sensor." + s.name, s);
@@ -80,6 +80,8 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     const bool own = dot != std::string::npos;
     if (own && (!m.entry->per_sensor || std::none_of(self.sensors.begin(), self.sensors.end(), [&](const auto& s) { return s.name == rest.substr(0, dot); }))) continue;
     found.number = m.values.find(rest);
+    for (const auto& k : m.entry->keys)
+      if (k.name == rest.substr(own ? dot + 1 : 0)) found.info.unit = k.unit, found.info.range = between(k.least, k.greatest);
   }
   if (!found.number && !found.optional)
     throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = name_suggestion(key, known)});
@@ -170,6 +172,14 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
   bind_parameters(file, c.parameters, [&](const Parameter& p) { return c.number(p.key); });
+  for (auto& p : c.parameters) {
+    const FieldInfo info = c.about(p.key);
+    p.unit = info.unit;
+    const Range range = between(info.range.low, info.range.high);  // a bound may lie on an end that a value may not
+    for (const auto& [word, bound] : {std::pair{"min", p.min}, {"max", p.max}})
+      if (!range.contains(bound))
+        throw file.located(InputError({.problem = fmt::format("{} cannot be that", p.key), .key = fmt::format("parameter.{}.{}", p.name, word), .value = number_text(bound) + (p.unit.empty() ? "" : ' ' + p.unit), .range = info.range.text()}));
+  }
   return c;
 }
 
@@ -181,6 +191,8 @@ double ForwardCase::number(const std::string& key) const {
         if (!k.off_at.empty() && key.starts_with("mechanism." + m.name + '.') && key.ends_with('.' + k.name)) return number(k.off_at);
   return v.value(key);
 }
+
+FieldInfo ForwardCase::about(const std::string& key) const { return find_number(*this, key).info; }
 
 void ForwardCase::set_number(const std::string& key, double value) { find_number(*this, key).set(value); }
 

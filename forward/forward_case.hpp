@@ -73,6 +73,8 @@ struct ForwardCase {
 
   /// The number at a dotted path ("material.mercury.density", "sensor.B.gain"). Errors: InputError naming the nearest.
   [[nodiscard]] double number(const std::string& key) const;
+  /// Its unit and the range that its key allows. Errors: InputError when there is no such number.
+  [[nodiscard]] FieldInfo about(const std::string& key) const;
   /// Sets it; the value is not checked against the key's range (a campaign explores extremes on purpose).
   void set_number(const std::string& key, double value);
   /// The case with the parameters set to `theta` (declared order).

@@ -28,6 +28,7 @@ struct ModelShape {
 /// One evaluation. Arrays are (condition, sensor, time) row-major, see ModelShape::at; empty when a model has none.
 struct Prediction {
   bool ok = true;
+  bool lost = false;                 ///< it failed because no answer came: the model has said nothing of this point, and another try may have one
   std::string message;               ///< why it failed: step, element, parameters
   std::vector<double> mean;          ///< ensemble mean over pulse energies [-]
   std::vector<double> energy_slope;  ///< secant of the strain by relative pulse energy [-]

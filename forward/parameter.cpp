@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <limits>
 
 #include "base/json.hpp"
@@ -38,6 +40,9 @@ void Parameter::validate() const {
 std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table) {
   std::vector<Parameter> all;
   for (const auto& name : file.names("parameter")) {
+    const bool taken = name == "chain" || name == "draw" || name == "beyond";
+    if (taken || name.empty() || !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; }))
+      throw file.located(InputError({.problem = taken ? "posterior.nc calls something else so" : "a parameter's name has letters, digits, _ and - alone", .key = "parameter", .value = '"' + name + '"', .suggestion = "take another name"}));
     Parameter p;
     p.name = name;
     p.key = table + '.' + name;

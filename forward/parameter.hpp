@@ -19,6 +19,7 @@ struct Parameter {
   std::string prior = "uniform";
   std::optional<double> nominal;  ///< default: the value that the case's tables give
   std::optional<double> mean, sd, mu, sigma, scale, alpha, beta;
+  std::string unit = {};  ///< of the number that it is, no key; empty or "1": a pure number, or not known
 
   template <class V>
   void visit(V& v) {
@@ -48,7 +49,8 @@ struct Parameter {
 /// {name: value} of the values in `theta`, (n) with n no more than the parameters.
 Json named(std::span<const Parameter> parameters, std::span<const double> theta);
 
-/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place.
+/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for a name that posterior.nc has for something
+/// else (chain, draw, beyond), and one of other characters than letters, digits, _ and -, which keys of runs and files cannot hold.
 std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
 
 /// Holds each parameter against its number in the case, which is its nominal value where it has none of its own. `number`: of a parameter.

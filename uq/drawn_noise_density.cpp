@@ -47,13 +47,6 @@ double DrawnNoiseDensity::log_density_and_gradient(std::span<const double> x, st
   return value;
 }
 
-double DrawnNoiseDensity::log_likelihood(const Eigen::VectorXd& q) const {
-  std::vector<double> logs;
-  const auto at = draws_[0].posterior.point(q);
-  for (const auto& d : draws_) logs.push_back(d.posterior.density(at).log_likelihood);
-  return log_mean(logs);
-}
-
 std::vector<double> DrawnNoiseDensity::weights(const Eigen::VectorXd& q) const {
   std::vector<double> logs;
   for (const auto& d : draws_) logs.push_back(d.posterior.log_density(q));

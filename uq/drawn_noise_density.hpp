@@ -20,8 +20,6 @@ class DrawnNoiseDensity final : public LogDensity {
   double log_density_and_gradient(std::span<const double> x, std::span<double> gradient) const override;
   void constrain(std::span<const double> x, std::span<double> values) const override { first_.constrain(x, values); }
 
-  /// ln (1/B sum_b L_b), what is told of the records at a draw.
-  [[nodiscard]] double log_likelihood(const Eigen::VectorXd& q) const;
   /// Share of each draw of the hyperparameters in the likelihood at q, (draws).
   [[nodiscard]] std::vector<double> weights(const Eigen::VectorXd& q) const;
 

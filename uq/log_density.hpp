@@ -22,12 +22,6 @@ namespace calomel {
 
 inline constexpr double never = -infinity;  ///< log density of what cannot be
 
-/// What constrain() gives a number for.
-struct Quantity {
-  std::string name;
-  std::string unit;  ///< empty for a pure number
-};
-
 class LogDensity {
  public:
   virtual ~LogDensity() = default;
@@ -47,13 +41,14 @@ class LogDensity {
   }
 
   /// What is reported; the coordinates themselves unless a density says otherwise.
-  [[nodiscard]] virtual std::vector<Quantity> quantities() const {
-    std::vector<Quantity> all;
-    for (const auto& name : coordinates()) all.push_back({name, ""});
-    return all;
-  }
+  [[nodiscard]] virtual std::vector<std::string> quantities() const { return coordinates(); }
   /// Their values at x into `values`: (quantities), in the order of quantities().
   virtual void constrain(std::span<const double> x, std::span<double> values) const { std::copy(x.begin(), x.end(), values.begin()); }
+  [[nodiscard]] std::vector<double> constrained(std::span<const double> x) const {
+    std::vector<double> values(quantities().size());
+    constrain(x, values);
+    return values;
+  }
 };
 
 }  // namespace calomel

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <string_view>
 
@@ -33,6 +32,7 @@ void write_group(NetcdfWriter& file, const PosteriorGroup& group) {
     for (const auto& [name, size] : {std::pair{"chain", group.chains}, std::pair{"draw", group.draws}}) {
       std::vector<int> numbers(size);
       std::iota(numbers.begin(), numbers.end(), 0);
+      if (std::string_view(name) == "draw" && !group.draw_numbers.empty()) numbers = group.draw_numbers;
       file.dimension(name, size);
       file.variable(name, {name}, numbers);
     }
@@ -46,7 +46,12 @@ void write_group(NetcdfWriter& file, const PosteriorGroup& group) {
   for (const auto& v : group.variables) {
     auto dims = own_dimensions(group);
     dims.insert(dims.end(), v.dims.begin(), v.dims.end());
-    file.variable(v.name, dims, v.values, with_unit(v.unit));
+    if (v.kind == PosteriorVariable::Kind::real)
+      file.variable(v.name, dims, v.values, with_unit(v.unit));
+    else if (v.kind == PosteriorVariable::Kind::whole)
+      file.variable(v.name, dims, std::vector<int>(v.values.begin(), v.values.end()), with_unit(v.unit));
+    else
+      file.variable(v.name, dims, std::vector<std::int8_t>(v.values.begin(), v.values.end()), {{"dtype", "bool"}});
   }
 }
 
@@ -67,7 +72,7 @@ PosteriorGroup read_group(const NetcdfReader& file, const std::string& name) {
     } else {
       const std::size_t own = dims.size() >= 2 && dims[0] == "chain" && dims[1] == "draw" ? 2 : 0;
       if (own == 0 && name != "observed_data") continue;  // not of this schema
-      group.variables.push_back({variable, file.attribute("units", full), {dims.begin() + std::ptrdiff_t(own), dims.end()}, file.doubles(full)});
+      group.variables.push_back({.name = variable, .unit = file.attribute("units", full), .dims = {dims.begin() + std::ptrdiff_t(own), dims.end()}, .values = file.doubles(full)});
     }
   }
   return group;
@@ -81,11 +86,9 @@ const PosteriorVariable* PosteriorGroup::variable(const std::string& wanted) con
   return nullptr;
 }
 
-PosteriorGroup group_of(const std::string& name, const Draws& draws, const std::vector<Quantity>& quantities) {
-  std::map<std::string, std::string> units;
-  for (const auto& q : quantities) units[q.name] = q.unit;
-  PosteriorGroup group{.name = name, .chains = draws.chains, .draws = draws.draws};
-  for (std::size_t k = 0; k < draws.names.size(); ++k) group.variables.push_back({draws.names[k], units[draws.names[k]], {}, draws.of(k)});
+PosteriorGroup group_of(const std::string& name, const Draws& draws) {
+  PosteriorGroup group{.name = name, .chains = draws.chains, .draws = draws.draws, .coordinates = {}, .variables = {}};
+  for (std::size_t k = 0; k < draws.names.size(); ++k) group.variables.push_back({.name = draws.names[k], .unit = "", .dims = {}, .values = draws.of(k)});
   return group;
 }
 
@@ -99,12 +102,21 @@ Draws draws_of(const PosteriorGroup& group) {
   return draws;
 }
 
-std::vector<PosteriorGroup> posterior_groups(const LogDensity& density, const SamplerResult& result) {
-  PosteriorGroup stats{.name = "sample_stats", .chains = result.quantities.chains, .draws = result.quantities.draws};
-  stats.variables = {{"lp", "", {}, result.log_density}, {"acceptance_rate", "", {}, result.acceptance}};
-  if (!result.energy.empty())
-    for (const auto& [name, values] : {std::pair{"energy", &result.energy}, {"diverging", &result.diverging}, {"tree_depth", &result.depth}}) stats.variables.push_back({name, "", {}, *values});
-  return {group_of("posterior", result.quantities, density.quantities()), group_of("unconstrained_posterior", result.coordinates), std::move(stats)};
+std::vector<PosteriorGroup> posterior_groups(const std::vector<Parameter>& parameters, const SamplerResult& result) {
+  using Kind = PosteriorVariable::Kind;
+  PosteriorGroup posterior = group_of("posterior", result.quantities);
+  for (auto& v : posterior.variables)
+    for (const auto& p : parameters)
+      if (p.name == v.name) v.unit = p.unit;
+  PosteriorGroup stats{.name = "sample_stats", .chains = result.quantities.chains, .draws = result.quantities.draws, .coordinates = {}, .variables = {}};
+  const auto add = [&](const char* name, const std::vector<double>& values, Kind kind) { stats.variables.push_back({.name = name, .unit = "", .dims = {}, .values = values, .kind = kind}); };
+  add("lp", result.log_density, Kind::real), add("acceptance_rate", result.acceptance, Kind::real);
+  if (!result.energy.empty()) {
+    std::vector<double> diverging = result.diverging;  // with thinning a draw has several transitions
+    for (auto& d : diverging) d = d > 0;
+    add("energy", result.energy, Kind::real), add("diverging", diverging, Kind::truth), add("tree_depth", result.depth, Kind::whole);
+  }
+  return {std::move(posterior), group_of("unconstrained_posterior", result.coordinates), std::move(stats)};
 }
 
 void write_posterior(const std::filesystem::path& path, const std::vector<PosteriorGroup>& groups, const Provenance& provenance) {

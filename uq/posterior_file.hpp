@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/options.hpp"
+#include "forward/parameter.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/draws.hpp"
-#include "uq/log_density.hpp"
 
 namespace calomel {
 
@@ -22,6 +22,7 @@ struct PosteriorVariable {
   std::string unit;               ///< empty for a pure number
   std::vector<std::string> dims;  ///< beyond chain and draw
   std::vector<double> values;
+  enum class Kind { real, whole, truth } kind = Kind::real;  ///< as what they are stored; a truth is a byte with the attribute dtype = "bool", as xarray does it
 };
 
 /// Values along a dimension: numbers or words, as many as it is long.
@@ -33,23 +34,25 @@ struct PosteriorCoordinate {
 };
 
 /// One of posterior, unconstrained_posterior, sample_stats, log_likelihood, posterior_predictive, prior, prior_predictive, observed_data.
-/// chain and draw are the first two dimensions of its variables, and coordinates 0, 1, ...; observed_data has neither (chains = 0).
+/// chain and draw are the first two dimensions of its variables, and coordinates; observed_data has neither (chains = 0).
 struct PosteriorGroup {
   std::string name;
   std::size_t chains = 0, draws = 0;
   std::vector<PosteriorCoordinate> coordinates;  ///< of every dimension beside chain and draw
   std::vector<PosteriorVariable> variables;
+  std::vector<int> draw_numbers = {};  ///< (draws) of the posterior's, where the group has not all of them; empty: 0, 1, ...
 
   [[nodiscard]] const PosteriorVariable* variable(const std::string& name) const;
 };
 
-/// The group called `name` of these draws; units as `quantities` gives them by name.
-PosteriorGroup group_of(const std::string& name, const Draws& draws, const std::vector<Quantity>& quantities = {});
+/// The group called `name` of these draws.
+PosteriorGroup group_of(const std::string& name, const Draws& draws);
 /// Back to draws: the variables of a group that have no other dimension than chain and draw.
 Draws draws_of(const PosteriorGroup& group);
 
-/// posterior (quantities), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate; energy, diverging, tree_depth of a sampler along trajectories) of a sampler's result.
-std::vector<PosteriorGroup> posterior_groups(const LogDensity& density, const SamplerResult& result);
+/// posterior (quantities, with the units of the parameters of their names), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate; energy, diverging, tree_depth of a
+/// sampler along trajectories) of a sampler's result.
+std::vector<PosteriorGroup> posterior_groups(const std::vector<Parameter>& parameters, const SamplerResult& result);
 
 /// Writes the groups in this order, each with inference_library = "calomel" and its version; the provenance stands at the root. The file depends on its content
 /// alone (no time of creation). Errors: InputError when it cannot be written; ContractFailure for a group of another name, a size that does not fit or a

@@ -5,7 +5,6 @@
 #include "uq/convergence/assess.hpp"
 #include "forward/campaign/design.hpp"
 #include "uq/posterior_density.hpp"
-#include "uq/sampler/modes.hpp"
 
 namespace calomel {
 
@@ -13,6 +12,7 @@ namespace {
 
 constexpr std::size_t design_points = 128;
 constexpr double inner = 0.9;  ///< half width of the design, in the box's
+constexpr double far_above = 1;  ///< in the log density: another mode, or a search that ended early
 
 }  // namespace
 
@@ -23,25 +23,29 @@ SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode)
   return {.mean = posterior.q(mode.at.theta, mode.at.beyond), .covariance = by_u.asDiagonal() * mode.covariance * by_u.asDiagonal(), .points = {}};
 }
 
-SamplerStart start_at_modes(const LogPosterior& posterior, const std::vector<LocalMode>& modes, std::uint64_t seed, int threads) {
+std::vector<LaplaceMode> modes_in_box(const LogPosterior& posterior, const std::vector<LocalMode>& modes, std::uint64_t seed, int threads) {
   const EmulatorBox& box = posterior.box();
   const Eigen::MatrixXd unit = sobol_points(std::size_t(box.size()), design_points, seed);
   Eigen::MatrixXd design(posterior.dimension(), unit.cols()), starts(posterior.dimension(), Eigen::Index(modes.size()));
   for (Eigen::Index i = 0; i < unit.cols(); ++i) design.col(i) = posterior.q(box.theta(inner * (2 * unit.col(i).array() - 1).matrix()), 0);
   for (std::size_t i = 0; i < modes.size(); ++i) starts.col(Eigen::Index(i)) = posterior.q(modes[i].at.theta, modes[i].at.beyond);
-  const auto found = density_modes(PosteriorDensity(posterior), design, starts, threads);
-  return found.size() > 1 ? start_at_modes(found) : start_at_mode(posterior, modes[0]);
+  return density_modes(PosteriorDensity(posterior), design, starts, threads);
 }
 
-SamplerResult short_chains(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
+SamplerStart start_at_modes(const LogPosterior& posterior, const std::vector<LocalMode>& modes, const std::vector<LaplaceMode>& found) {
+  const double at_first = posterior.log_density(posterior.q(modes[0].at.theta, modes[0].at.beyond));
+  return found.size() > 1 || found[0].log_density > at_first + far_above ? start_at_modes(found) : start_at_mode(posterior, modes[0]);
+}
+
+SamplerResult short_chains(const LogPosterior& posterior, const SamplerStart& start, std::uint64_t seed) {
   const PosteriorDensity density(posterior);
   SamplerOptions options = default_sampler_options("dram");
   options.warmup = 1000, options.draws = 1500;  // some 800 independent draws
-  return run_sampler(density, start_at_mode(posterior, mode), options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
+  return run_sampler(density, start, options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
 }
 
 Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
-  const auto summaries = assess(short_chains(posterior, mode, seed).quantities).parameters;
+  const auto summaries = assess(short_chains(posterior, start_at_mode(posterior, mode), seed).quantities).parameters;
   const auto n = Eigen::Index(posterior.free().size());
   Moments m{Eigen::VectorXd(n), Eigen::VectorXd(n)};
   for (Eigen::Index i = 0; i < n; ++i) m.mean[i] = summaries[std::size_t(i)].mean, m.sd[i] = summaries[std::size_t(i)].sd;

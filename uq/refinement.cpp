@@ -22,11 +22,19 @@ constexpr double narrowest = 0.4;       ///< of its width, in one refinement: de
 /// Draws from the posterior, evenly spaced over its chains: u, (n_parameters, n).
 Eigen::MatrixXd posterior_draws(const PosteriorFit& fit, std::uint64_t seed) {
   const LogPosterior& posterior = *fit.posterior;
-  const Draws chains = short_chains(posterior, fit.modes[0], seed).coordinates;
+  const auto found = modes_in_box(posterior, fit.modes, seed, 1);
+  const Draws chains = short_chains(posterior, start_at_modes(posterior, fit.modes, found), seed).coordinates;
   const auto all = Eigen::Index(chains.chains * chains.draws), d = posterior.dimension(), step = std::max<Eigen::Index>(1, all / draws_taken);
   Eigen::MatrixXd u(posterior.box().size(), (all + step - 1) / step);
   for (Eigen::Index i = 0; i < u.cols(); ++i) u.col(i) = posterior.point(Eigen::Map<const Eigen::VectorXd>(chains.values.data() + i * step * d, d)).u;
   return u;
+}
+
+/// n of the draws, as far apart in their order as they can be.
+Eigen::MatrixXd evenly(const Eigen::MatrixXd& draws, Eigen::Index n) {
+  std::vector<Eigen::Index> taken;
+  for (Eigen::Index i = 0; i < n; ++i) taken.push_back((2 * i + 1) * draws.cols() / (2 * n));
+  return draws(Eigen::all, taken);
 }
 
 Eigen::MatrixXd without_those_near(const Eigen::MatrixXd& draws, const std::vector<Eigen::VectorXd>& points) {
@@ -89,7 +97,8 @@ RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int m
   RefinedFit out{.fit = std::move(first), .check = {}, .refinements = {}, .ended = {}};
   std::optional<PosteriorInputs> now(in);  // it holds references, so that it is made anew, not assigned
   for (int made = 0;; ++made) {
-    out.check = check_by_true_model(*now, out.fit, in.emulator.check_coarse, in.emulator.check_fine);
+    const Eigen::Index checks = std::max(1, in.emulator.check_coarse + in.emulator.check_fine);
+    out.check = check_by_true_model(*now, out.fit, evenly(posterior_draws(out.fit, now->seed ^ check_stream), checks), in.emulator.check_coarse, in.emulator.check_fine);
     if (told) told(out.check);
     const bool any = std::any_of(out.check.runs.begin(), out.check.runs.end(), [](const auto& r) { return r.done; });
     if (out.check.holds) out.ended = "the true model lies where the emulator says";

@@ -23,7 +23,7 @@ struct RefinedFit {
   std::string ended;        ///< why no more were made, as the end of a sentence
 };
 
-/// Holds the true model against the emulator; where it does not lie there, adds the runs of the check and `emulator.round_coarse` and `round_fine` runs at draws from the
+/// Holds the true model against the emulator, at draws of short chains from all modes in the box; where it does not lie there, adds the runs of the check and `emulator.round_coarse` and `round_fine` runs at draws from the
 /// posterior (where the emulator's variance is greatest among them), draws the box in about the mode where it is far wider than the posterior, since a polynomial of
 /// order two follows less the wider it is, and fits anew, `most` times at most. Each fit has streams of its own (in.seed + 100 000 times its number), so that no check repeats
 /// points that the emulator was taught by. Runs come from `in.run` alone: with a store behind it a call that was cut off ends with the same fit.

@@ -17,10 +17,11 @@ Regions regions(const Draws& draws, const std::vector<std::string>& names) {
     out.names.push_back(name), values.push_back(draws.of(std::size_t(at - draws.names.begin())));
   }
   const auto d = Eigen::Index(out.names.size()), n = Eigen::Index(draws.chains * draws.draws);
-  expect(d > 0 && n > 1, "regions are of draws of some quantity");
+  expect(d > 0 && n > 0, "regions are of draws of some quantity");
   Eigen::MatrixXd x(d, n);
   for (Eigen::Index k = 0; k < d; ++k) x.row(k) = Eigen::Map<const Eigen::RowVectorXd>(values[std::size_t(k)].data(), n);
   out.mean = x.rowwise().mean();
+  if (n < 2) return out;
   const Eigen::MatrixXd centred = x.colwise() - out.mean;
   out.covariance = centred * centred.transpose() / double(n - 1);
   // Distances in units of each quantity's own deviation: they differ by ten orders of magnitude.

@@ -18,10 +18,10 @@ struct Regions {
     std::vector<double> low, high;                ///< (names), quantiles (1 - share)/2 and (1 + share)/2
     double square_radius = 0;                     ///< quantile `share` of the draws' squared Mahalanobis distances
   };
-  std::vector<Share> shares;  ///< 50 and 90 %
+  std::vector<Share> shares;  ///< 50 and 90 %; none of a single draw, which has no covariance either
 };
 
-/// Names that `draws` does not have are left out. Errors: ContractFailure where none is left, or there are fewer than two draws.
+/// Names that `draws` does not have are left out. Errors: ContractFailure where none is left, or there is no draw.
 [[nodiscard]] Regions regions(const Draws& draws, const std::vector<std::string>& names);
 
 }  // namespace calomel

@@ -6,9 +6,6 @@
 
 namespace calomel {
 
-namespace {
-}
-
 double TrueModelDensity::log_density(std::span<const double> x) const {
   const LogPosterior& posterior = *fit_.posterior;
   const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(x.data(), Eigen::Index(x.size()));

@@ -31,14 +31,14 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study) {
     if (sd <= 0 || !absent(key)) return;
     Parameter p{.name = name, .key = key, .prior = "lognormal"};
     p.nominal = median, p.mu = std::log(median), p.sigma = sd;
-    p.min = median * std::exp(-widest * sd), p.max = median * std::exp(widest * sd);
+    p.min = median * std::exp(-widest * sd), p.max = median * std::exp(widest * sd), p.unit = study.forward.about(key).unit;
     parameters.push_back(std::move(p));
   };
   nuisance("regularising_viscosity", viscosity_key, study.emulator.viscosity, study.emulator.viscosity_sd, widest_viscosity);
   nuisance("young", young_key, study.forward.steel.young, study.errors.young_sd, widest_young);
   const double film = study.errors.wall_film, film_sd = study.errors.wall_film_sd;
   if (film_sd > 0 && absent(film_key) && study.on_mesh() && study.forward.geometry.parts() && study.forward.mercury.law != "linear")
-    parameters.push_back({.name = "wall_film", .key = film_key, .min = film - widest_film * film_sd, .max = film + widest_film * film_sd, .prior = "normal", .nominal = study.forward.mercury.wall_film, .mean = film, .sd = film_sd});
+    parameters.push_back({.name = "wall_film", .key = film_key, .min = film - widest_film * film_sd, .max = film + widest_film * film_sd, .prior = "normal", .nominal = study.forward.mercury.wall_film, .mean = film, .sd = film_sd, .unit = study.forward.about(film_key).unit});
   return parameters;
 }
 

@@ -36,7 +36,7 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study);
 double mesh_error(const StudyCase& study);
 
 /// Elements of the emulator's finest mesh through the front of the pulse (sound speed times pulse length); nothing where the load has no such front or the mesh
-/// comes from a file. Below front_resolved the posterior's deviations were found too small, by 1.3 to 1.8 (docs/benchmarks/posterior.md).
+/// comes from a file. Below front_resolved the posterior's deviations were found too small, by 1.4 to 1.8 (docs/proof/coverage.md).
 std::optional<double> elements_per_front(const StudyCase& study);
 inline constexpr double front_resolved = 1.5;
 

@@ -16,8 +16,18 @@ Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
   return {.stage = stage, .options = inputs.study().model_options(), .seed = inputs.command().seed, .inputs = inputs.study().model_inputs()};
 }
 
+/// Of the tables of the kinds those that this kind reads.
+Json sampler_options(const SamplerOptions& sampler) {
+  Json options = echo(sampler);
+  for (const auto& kind : samplers().names())
+    if (kind != sampler.kind && !(kind == "dram" && sampler.kind == "delayed_acceptance")) options.erase(kind);
+  if (sampler.kind == "smc") options["smc"].erase("evaluations");  // a budget changes no draw
+  return options;
+}
+
 Json posterior_options(const StudyCase& study) {
-  Json options{{"product", study.map.product}, {"emulator", echo(study.emulator)}, {"errors", echo(study.errors)}, {"sampler", echo(study.sampler)}};
+  Json options{{"product", study.map.product}, {"sampler", sampler_options(study.sampler)}};
+  if (!study.external || !study.external->is_log_density()) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
   if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
@@ -94,8 +104,7 @@ Provenance of_density(const StudyInputs& inputs, std::string stage) {
 Provenance posterior_provenance(const StudyInputs& inputs) {
   const auto& external = inputs.study().external;
   Provenance p = external && external->is_log_density() ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
-  p.options["posterior"] = echo(inputs.study().posterior);
-  p.options["sampler"]["smc"].erase("evaluations");  // a budget changes no draw
+  if (!external || !external->is_log_density()) p.options["posterior"] = echo(inputs.study().posterior);
   add_basin(p, inputs);
   return p;
 }

@@ -31,6 +31,16 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
   return e;
 }
 
+/// Before the model is asked for anything. Errors: InputError for a sampler that cannot sample this case.
+void expect_sampler_fits(const StudyCase& study) {
+  const SamplerOptions& sampler = study.sampler;
+  const bool log_density = study.external && study.external->is_log_density();
+  if (sampler.kind == "delayed_acceptance" && study.external && (log_density || !study.file.has("surrogate")))
+    throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself", .key = "sampler.kind", .value = "\"delayed_acceptance\"",
+                      .suggestion = log_density ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
+  if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
+}
+
 }  // namespace
 
 StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides) {
@@ -60,6 +70,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
   if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
+  study.file.locating([&] { expect_sampler_fits(study); });
   constexpr int quick_runs = 10000;  // of a model whose runs take milliseconds
   if (!study.on_mesh()) study.diagnosis.max_runs = quick_runs;
   study.file.read("diagnosis", study.diagnosis);
@@ -72,6 +83,13 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   NoKeys none;
   study.file.read("report", none);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
+  if (study.recordings && !study.on_mesh()) {
+    auto& records = *study.recordings;
+    if (study.file.has("recordings.unit") && records.unit != study.unit())
+      throw study.file.located(InputError({.problem = "the model's values are in " + study.unit() + " (case.sensor_unit), and records are in the same unit", .key = "recordings.unit", .value = '"' + records.unit + '"',
+                                           .suggestion = "set case.sensor_unit to what both are in, or take recordings.unit out"}));
+    records.unit = study.unit(), records.as_it_is = true;
+  }
   return study;
 }
 
@@ -98,7 +116,7 @@ Json StudyCase::echo() const {
 
 Json StudyCase::model_options() const {
   if (line) return line->echo();
-  if (external) return external->echo();
+  if (external) return external->model_options();
   Json options = forward.echo();
   for (const char* changes_nothing : {"checkpoint", "energy_balance"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
   if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any

@@ -1,5 +1,6 @@
 #pragma once
 /// One case file read once, whole: every table that any verb of this program takes, each held against its ranges.
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -72,6 +73,10 @@ struct StudyCase {
   /// Errors: InputError with file, line and column for whatever is wrong, a table that nobody knows included.
   static StudyCase read(const std::filesystem::path& path, std::span<const std::string> overrides);
 
+  /// `case.name`, or the file's; when a run ends [s]; and the unit of the records, of whichever model.
+  [[nodiscard]] const std::string& name() const { return line ? line->name : external ? external->name : forward.name; }
+  [[nodiscard]] double time_end() const { return line ? line->time.end : external ? external->time.start + external->time.step * std::max(external->time.count - 1, 0) : forward.time.end; }
+  [[nodiscard]] std::string unit() const { return line ? line->unit : external ? external->unit : forward.sensor_unit; }
   /// The case's own parameters, of whichever model.
   [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : external ? external->parameters : forward.parameters; }
   /// Whether the model is the explicit solver on a mesh.

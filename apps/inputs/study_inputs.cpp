@@ -6,6 +6,7 @@
 
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
+#include "apps/interrupt.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
 
@@ -31,11 +32,14 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
 
 StudyInputs::StudyInputs(const CommandLine& command)
     : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
-  if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose")
+  if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose" && command.verb != "report")
     throw study_.file.located(
-        InputError({.problem = "a line is checked, simulated and diagnosed in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate or diagnose"}));
+        InputError({.problem = "a line is checked, simulated, diagnosed and reported in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate, diagnose or report"}));
   if (!study_.on_mesh() && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model", .key = "model.kind", .suggestion = "leave out --power"}));
-  if (command.verb != "check" && command.verb != "report") make_directory(command.out);
+  if (study_.external) study_.external->server.stop = &stop_requested();
+  if (command.verb == "check" || command.verb == "report") return;
+  make_directory(command.out);
+  if (command.verb != "serve") lock_.emplace(command.out);
 }
 
 const BuiltInModel& StudyInputs::model() {

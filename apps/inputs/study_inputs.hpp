@@ -6,6 +6,7 @@
 #include "apps/command_line.hpp"
 #include "apps/inputs/study_case.hpp"
 #include "apps/notes.hpp"
+#include "base/directory_lock.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/external/external_model.hpp"
 #include "forward/level_runs.hpp"
@@ -17,7 +18,7 @@ namespace calomel {
 
 class StudyInputs {
  public:
-  /// Reads the case and, but for check and report, makes --out: a place that cannot be written is told before the work. `command` outlives the object.
+  /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or that another call works in, is told before the work. `command` outlives the object.
   /// Errors: InputError for anything wrong with the case or the output directory.
   explicit StudyInputs(const CommandLine& command);
   StudyInputs(const StudyInputs&) = delete;
@@ -55,6 +56,7 @@ class StudyInputs {
  private:
   const CommandLine& command_;
   StudyCase study_;
+  std::optional<DirectoryLock> lock_;  ///< of --out, by a verb that writes there
   Notes notes_;
   std::unique_ptr<BuiltInModel> model_;
   std::unique_ptr<LineModel> line_;

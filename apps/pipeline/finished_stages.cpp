@@ -19,9 +19,11 @@ bool FinishedStages::to_be_set_aside(const Provenance& now, Asked asked) {
   }
 }
 
-bool FinishedStages::due(const Provenance& now, const std::vector<std::string>& files, Asked asked) {
-  if (to_be_set_aside(now, asked))
+bool FinishedStages::due(const Provenance& now, const std::vector<std::string>& files, Asked asked, const std::string& unfinished) {
+  if (to_be_set_aside(now, asked)) {
     for (const auto& f : files) set_aside(out_ / f);
+    if (!unfinished.empty()) set_aside(out_ / unfinished);
+  }
   return !std::all_of(files.begin(), files.end(), [&](const auto& f) { return std::filesystem::exists(out_ / f); });
 }
 

@@ -23,7 +23,7 @@ Predicting predicting(const PosteriorFit& fit, const std::vector<Parameter>& par
     for (const auto& term : fit.hypotheses[j].errors.terms()) variance += (fit.hypotheses.size() > 1 ? density.weights[j] : 1.0) * term.covariance.diagonal();
   return {.parameters = parameters,
           .priors = fit.posterior->priors(),
-          .log_likelihood = [&fit](const Eigen::VectorXd& q) { return fit.posterior->density(fit.posterior->point(q)).log_likelihood; },
+          .log_prior = [&fit](const Eigen::VectorXd& q) { return fit.posterior->log_density(q) - fit.posterior->density(fit.posterior->point(q)).log_likelihood; },
           .history = [&fit](const Eigen::VectorXd& q) {
             const auto at = fit.posterior->point(q);
             return fit.history(at.u, at.beyond);
@@ -36,8 +36,10 @@ PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::
   PosteriorGroup prior{.name = "prior", .chains = 1, .draws = prior_draws, .coordinates = {}, .variables = {}};
   RandomStream random(seed, 0x9107);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
-    PosteriorVariable v{.name = parameters[k].name, .unit = "", .dims = {}, .values = {}};
-    for (std::size_t i = 0; i < prior_draws; ++i) v.values.push_back(priors[k].quantile(std::clamp(random.uniform(), 1e-12, 1 - 1e-12)));
+    const auto& p = parameters[k];
+    PosteriorVariable v{.name = p.name, .unit = p.unit, .dims = {}, .values = {}};
+    const double below = priors[k].probability_below(p.min), within = priors[k].probability_below(p.max) - below;
+    for (std::size_t i = 0; i < prior_draws; ++i) v.values.push_back(std::clamp(priors[k].quantile(std::clamp(below + within * random.uniform(), 1e-12, 1 - 1e-12)), p.min, p.max));
     prior.variables.push_back(std::move(v));
   }
   return prior;
@@ -85,6 +87,7 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
   for (std::size_t c = 0; c < predictive.chains; ++c)
     for (std::size_t i = 0; i < predictive.draws; ++i) {
       const std::size_t draw = (i + 1) * result.coordinates.draws / predictive.draws - 1;
+      if (c == 0) predictive.draw_numbers.push_back(int(draw));
       const Eigen::VectorXd y = of.history(point_at(c, draw));
       strain.values.insert(strain.values.end(), y.begin(), y.end());
     }
@@ -97,16 +100,12 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
   observed.variables.push_back({.name = "strain_high", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.high)});
   if (of.grid) observed.variables.push_back({.name = "error_sd", .unit = unit, .dims = dims("record_time"), .values = error_sd(problem, *of.grid, of.error_variance)});
 
-  std::vector<PosteriorGroup> out;
-  if (of.log_likelihood) out.push_back({.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}});
-  if (of.log_likelihood) {
-    PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = {}};
-    for (std::size_t c = 0; c < result.coordinates.chains; ++c)
-      for (std::size_t i = 0; i < result.coordinates.draws; ++i) records.values.push_back(of.log_likelihood(point_at(c, i)));
-    out[0].variables.push_back(std::move(records));
-  }
-  out.push_back(std::move(predictive)), out.push_back(std::move(observed)), out.push_back(prior_group(of.parameters, of.priors, seed));
-  return out;
+  PosteriorGroup likelihood{.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}};
+  PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = result.log_density};
+  for (std::size_t c = 0; c < likelihood.chains; ++c)
+    for (std::size_t i = 0; i < likelihood.draws; ++i) records.values[c * likelihood.draws + i] -= of.log_prior(point_at(c, i));
+  likelihood.variables.push_back(std::move(records));
+  return {std::move(likelihood), std::move(predictive), std::move(observed), prior_group(of.parameters, of.priors, seed)};
 }
 
 }  // namespace calomel

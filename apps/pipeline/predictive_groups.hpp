@@ -15,7 +15,7 @@ namespace calomel {
 struct Predicting {
   std::vector<Parameter> parameters;
   std::vector<Prior> priors;  ///< as the parameters
-  std::function<double(const Eigen::VectorXd& q)> log_likelihood;    ///< empty: no such group
+  std::function<double(const Eigen::VectorXd& q)> log_prior;         ///< the log density in q without the log likelihood, which is what is left of a draw's own
   std::function<Eigen::VectorXd(const Eigen::VectorXd& q)> history;  ///< (values of the model)
   Eigen::VectorXd error_variance{};  ///< of all that stands between a history and a mean record, on `grid`; empty: not told
   const Decimation* grid = nullptr;
@@ -30,7 +30,7 @@ std::vector<double> error_sd(const Problem& problem, const Decimation& grid, con
 /// The groups log_likelihood (every draw), posterior_predictive (histories at evenly spaced draws of every chain), observed_data (the recorded means as
 /// `strain`, their bands as `strain_low` and `strain_high`, and `error_sd`) and prior_group.
 std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Problem& problem, const SamplerResult& result, std::uint64_t seed);
-/// Draws from the priors, by `seed`.
+/// Draws from the priors between the parameters' bounds, by `seed`.
 PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::vector<Prior>& priors, std::uint64_t seed);
 
 }  // namespace calomel

@@ -5,9 +5,15 @@
 
 namespace calomel {
 
-Json modes_json(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes) {
+Json modes_json(const LogDensity& density, const std::vector<LaplaceMode>& modes) {
+  const auto names = density.quantities();
   Json all = Json::array();
-  for (const auto& m : modes) all.push_back({{"theta", named(posterior.parameters(), posterior.theta(m.x))}, {"share", m.weight}});
+  for (const auto& m : modes) {
+    const auto values = density.constrained({m.x.data(), std::size_t(m.x.size())});
+    Json theta = Json::object();
+    for (std::size_t k = 0; k < names.size(); ++k) theta[names[k]] = values[k];
+    all.push_back({{"theta", std::move(theta)}, {"share", m.weight}});
+  }
   return all;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 /// What posterior.json tells of the emulator's hyperparameters, its refinements, regions of the draws, and posteriors under other errors.
 #include "base/options.hpp"
-#include "inverse/posterior/model_posterior.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/drawn_noise_density.hpp"
 #include "uq/refinement.hpp"
@@ -11,7 +10,7 @@
 namespace calomel {
 
 /// [{theta: {name: value}, share}], the greatest share first: by Laplace's approximation.
-Json modes_json(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes);
+Json modes_json(const LogDensity& density, const std::vector<LaplaceMode>& modes);
 /// {draws: 0, reason}: the estimate alone was taken.
 Json hyperparameters_json(const std::string& why_none);
 /// {draws, noise_ratio: [draw][level], noise_scale: [draw], weights: [draw], effective_draws, sd_ratio: {name: ratio}, sd_ratio_alike: {name: ratio}, mean_shift_sds: {name: shift}, plug_in_draws, sentence}.

@@ -21,12 +21,6 @@ SampledEmulator::SampledEmulator(const PosteriorInputs& in, const PosteriorFit& 
   if (!drawn_.empty()) averaged_.emplace(drawn_);
 }
 
-Predicting SampledEmulator::predicting(const std::vector<Parameter>& parameters) const {
-  Predicting out = calomel::predicting(fit_, parameters);
-  if (averaged_) out.log_likelihood = [this](const Eigen::VectorXd& q) { return averaged_->log_likelihood(q); };
-  return out;
-}
-
 Json SampledEmulator::hyperparameters(const SamplerResult& result, const std::string& why_none) const {
   if (!averaged_) return hyperparameters_json(asked_ ? "the runs carry no noise about the emulator" : why_none);
   return hyperparameters_json(drawn_, noise_widening(*averaged_, *fit_.posterior, result.coordinates, result.quantities), result.quantities.names);

@@ -12,7 +12,6 @@
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
-#include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/design.hpp"
 #include "inverse/posterior/direct_start.hpp"
@@ -28,6 +27,23 @@ constexpr double search_share = 0.01;                              ///< of the c
 constexpr std::size_t fewest_points = 64, most_points = 1024;      ///< of its design
 constexpr double edge = 0.02;                                      ///< share of the bounds' distance at either end that the design leaves out
 
+/// The density, which is zero everywhere once the user asked to stop: so that a search ends.
+class UntilStopped final : public LogDensity {
+ public:
+  explicit UntilStopped(const LogDensity& density) : density_(density) {}
+  [[nodiscard]] const std::vector<std::string>& coordinates() const override { return density_.coordinates(); }
+  [[nodiscard]] double log_density(std::span<const double> x) const override { return stop_requested() ? never : density_.log_density(x); }
+  [[nodiscard]] bool has_gradient() const override { return density_.has_gradient(); }
+  double log_density_and_gradient(std::span<const double> x, std::span<double> gradient) const override {
+    if (!stop_requested()) return density_.log_density_and_gradient(x, gradient);
+    std::fill(gradient.begin(), gradient.end(), 0.0);
+    return never;
+  }
+
+ private:
+  const LogDensity& density_;
+};
+
 /// All modes from a design over the bounds, the nominal values, and, of records, the ends of least squares by the model itself.
 std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posterior, const LogDensity& density) {
   const auto& command = call.inputs.command();
@@ -42,7 +58,14 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
     starts = find_direct_start(*posterior_inputs_without_start(call.inputs)).ends;
   Eigen::MatrixXd q(d, Eigen::Index(starts.size()));
   for (std::size_t i = 0; i < starts.size(); ++i) q.col(Eigen::Index(i)) = posterior.q(starts[i]);
-  return density_modes(density, (place / (1 - place)).log().matrix(), q, command.threads);
+  try {
+    auto modes = density_modes(UntilStopped(density), (place / (1 - place)).log().matrix(), q, command.threads);
+    if (stop_requested()) throw Interrupted();
+    return modes;
+  } catch (const NumericsError&) {
+    if (stop_requested()) throw Interrupted();
+    throw;
+  }
 }
 
 std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
@@ -61,40 +84,34 @@ ExitStatus sample_model_stage(StageCall& call) {
   const auto& notes = inputs.notes();
   auto errors = errors_of(inputs);
   const auto provenance = posterior_provenance(inputs);
-  if (!call.finished.due(provenance, {"posterior.json", "posterior.nc"}, Asked::by_user)) {
-    notes.say(reused_line("sample"));
-    return read_json(inputs.artefact("posterior.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
-  }
+  if (const auto status = finished_sample(call, provenance)) return *status;
   const auto& model = inputs.external();
   const auto& parameters = model.shape().parameters;
   const auto grid = errors ? std::optional(errors->grid()) : std::nullopt;
   const Eigen::VectorXd error_variance = errors ? Eigen::VectorXd(errors->covariance().diagonal()) : Eigen::VectorXd();
   const ModelPosterior posterior(model, std::move(errors));
   const ModelDensity density(posterior);
-  const auto modes = modes_of(call, posterior, density);
-  const SamplerStart start = start_at_modes(modes);
   const Clock clock;
-  (void)posterior.log_density(modes[0].x);
+  (void)posterior.log_density(posterior.q(nominal(model.shape())));
   const auto& s = study.sampler;
   const double calls = usual_evaluations(s, std::size_t(posterior.dimension()));
   const double wait = clock.seconds() * calls / std::min(s.chains, command.threads);
   if (wait > long_wait)
     notes.warn({fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or ask for fewer sampler.draws", wait / 60, calls)});
+  const auto modes = modes_of(call, posterior, density);
+  const SamplerStart start = start_at_modes(modes);
 
-  if (modes.size() > 1) notes.say(stage_line("sample", modes_sentence(posterior, modes)));
+  if (modes.size() > 1) notes.say(stage_line("sample", modes_sentence(density, modes)));
   const auto progress = stage_progress("sample", command.quiet);
-  const auto journal = inputs.artefact("posterior.journal");
-  const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
-                       .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
-  const auto result = run_sampler(density, start, s, run);
+  const auto result = run_sampler(density, start, s, saved_run(call, provenance, progress));
   const Convergence convergence = assessed(result, s.thin);
   const auto alarms = absorption(parameters, convergence);
 
-  auto groups = posterior_groups(density, result);
+  auto groups = posterior_groups(parameters, result);
   if (posterior.is_log_density())
     groups.push_back(prior_group(parameters, posterior.priors(), command.seed));
   else
-    for (auto& g : predictive_groups({.parameters = parameters, .priors = posterior.priors(), .log_likelihood = {},
+    for (auto& g : predictive_groups({.parameters = parameters, .priors = posterior.priors(), .log_prior = [&](const Eigen::VectorXd& q) { return posterior.log_prior(q); },
                                       .history = [&](const Eigen::VectorXd& q) {
                                         auto y = posterior.history(posterior.theta(q));
                                         y.resize(model.shape().values(), std::numeric_limits<double>::quiet_NaN());
@@ -109,11 +126,9 @@ ExitStatus sample_model_stage(StageCall& call) {
   json["final"] = convergence.converged, json["chains_converged"] = convergence.converged;
   json["true_model_check"] = {{"needed", false}, {"holds", true}, {"sentence", "every draw is by the model itself"}};
   json["absorption"] = alarms, json["warnings"] = Json::array();
-  json["modes"] = modes_json(posterior, modes);
+  json["modes"] = modes_json(density, modes);
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
-  write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
-  write_json(inputs.artefact("posterior.json"), json);
-  remove_journal(journal);
+  write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (posterior.failed() > 0) notes.warn({fmt::format("the model gave no answer {} times; its density counts as zero there", posterior.failed())});
   notes.warn(alarms);

@@ -15,11 +15,9 @@
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
-#include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/posterior_moments.hpp"
-#include "inverse/posterior/prior.hpp"
 #include "uq/posterior_file.hpp"
 #include "uq/refinement.hpp"
 #include "uq/regions.hpp"
@@ -37,10 +35,7 @@ ExitStatus sample_stage(StageCall& call) {
   (void)inputs.problem();  // before any long work, so that wrong recordings are told at once
   need_basin(call);
   const auto provenance = posterior_provenance(inputs);
-  if (!call.finished.due(provenance, {"posterior.json", "posterior.nc"}, Asked::by_user)) {
-    notes.say(reused_line("sample"));
-    return read_json(inputs.artefact("posterior.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
-  }
+  if (const auto status = finished_sample(call, provenance)) return *status;
   const auto progress = stage_progress("sample", command.quiet);
   const CasePosterior& made = call.posterior.get(progress);
   const auto& parameters = made.inputs->parameters;
@@ -54,17 +49,17 @@ ExitStatus sample_stage(StageCall& call) {
   const bool second_stage = study.sampler.kind == "delayed_acceptance";
   const SampledEmulator sampled(*made.inputs, fit, second_stage ? 0 : study.posterior.hyperparameter_draws, command.seed, command.threads);
   const LogDensity& density = sampled.density();
-  const auto journal = inputs.artefact("posterior.journal");
-  const SamplerRun run{.seed = command.seed, .threads = command.threads, .journal = journal, .provenance = provenance,
-                       .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
+  const SamplerRun run = saved_run(call, provenance, progress);
   const TrueModelDensity exact(*made.inputs, fit);
-  const SamplerStart begin = start_at_modes(*fit.posterior, fit.modes, command.seed, command.threads);
+  const auto modes = modes_in_box(*fit.posterior, fit.modes, command.seed, command.threads);
+  if (modes.size() > 1) notes.say(stage_line("sample", modes_sentence(density, modes)));
+  const SamplerStart begin = start_at_modes(*fit.posterior, fit.modes, modes);
   const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);
 
-  auto groups = posterior_groups(density, result);
-  for (auto& g : predictive_groups(sampled.predicting(parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
+  auto groups = posterior_groups(parameters, result);
+  for (auto& g : predictive_groups(predicting(fit, parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
   const bool trusted = convergence.converged && fit.settled && check.holds;
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
@@ -74,6 +69,7 @@ ExitStatus sample_stage(StageCall& call) {
   json["chains_converged"] = convergence.converged, json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);
   json["mode"] = fit_json(fit, parameters);
+  json["modes"] = modes_json(density, modes);
   json["true_model_check"] = check_json(check, parameters);
   json["refinement"] = refinement_json(refined, study.posterior.refinements);
   json["hyperparameters"] = sampled.hyperparameters(result, second_stage ? "delayed acceptance walks on the posterior with their estimate" : "their estimate alone (posterior.hyperparameter_draws)");
@@ -83,9 +79,7 @@ ExitStatus sample_stage(StageCall& call) {
   for (const auto& form : study.posterior.compare) json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler, {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
   json["absorption"] = alarms, json["warnings"] = made.inputs->warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
-  write_posterior(inputs.artefact("posterior.nc"), groups, provenance);
-  write_json(inputs.artefact("posterior.json"), json);
-  remove_journal(journal);
+  write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));
   notes.warn(alarms);

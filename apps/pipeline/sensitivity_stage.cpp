@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
@@ -12,7 +11,9 @@
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
+#include "base/not_finite.hpp"
 #include "forward/campaign/archive.hpp"
+#include "forward/numbered_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "forward/total_runs.hpp"
 #include "inverse/posterior/prior.hpp"
@@ -21,22 +22,31 @@ namespace calomel {
 
 namespace {
 
-/// u with the prior's quantile(u) = x.
-double probability_below(const Prior& prior, double x) {
-  double low = 0, high = 1;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (middle > 0 && prior.quantile(std::max(middle, 1e-300)) < x ? low : high) = middle;
+/// A model outside whose runs are kept: a call that was cut off goes on where it was.
+class KeptModel final : public ForwardModel {
+ public:
+  KeptModel(const ForwardModel& model, NumberedRuns& runs) : model_(model), runs_(runs) {}
+  [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override { return model_.evaluate(theta); }
+  [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override {
+    Eigen::MatrixXf out = Eigen::MatrixXf::Constant(Eigen::Index(shape().values()), thetas.cols(), float(nan));
+    const auto records = runs_.run(thetas, {}, threads, {}, &stop_requested());
+    for (std::size_t i = 0; i < records.size(); ++i)
+      if (records[i].done) out.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(records[i].mean.data(), out.rows());
+    return out;
   }
-  return 0.5 * (low + high);
-}
+
+ private:
+  const ForwardModel& model_;
+  NumberedRuns& runs_;
+};
 
 /// Points of the unit cube as parameters: evenly between the bounds, or by the priors there.
 std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::vector<Parameter>& parameters, bool by_prior) {
   const auto priors = priors_of(parameters);
   std::vector<std::pair<double, double>> range;
   for (std::size_t k = 0; k < parameters.size(); ++k)
-    range.emplace_back(by_prior ? probability_below(priors[k], parameters[k].min) : parameters[k].min, by_prior ? probability_below(priors[k], parameters[k].max) : parameters[k].max);
+    range.emplace_back(by_prior ? priors[k].probability_below(parameters[k].min) : parameters[k].min, by_prior ? priors[k].probability_below(parameters[k].max) : parameters[k].max);
   return [=](const Eigen::MatrixXd& unit) {
     Eigen::MatrixXd out = unit;
     for (Eigen::Index k = 0; k < unit.rows(); ++k) {
@@ -63,6 +73,16 @@ TotalsOfRuns totals_of(StudyInputs& inputs, const Eigen::MatrixXd& thetas) {
   return out;
 }
 
+/// What is evaluated, and that it answers where runs failed too.
+std::string surrogate_sentence(const KnownRuns& runs) {
+  const Eigen::Index all = runs.means.cols();
+  Eigen::Index failed = 0;
+  for (Eigen::Index i = 0; i < all; ++i) failed += !runs.means.col(i).allFinite();
+  std::string s = "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model";
+  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate answers there all the same", failed, all);
+  return s;
+}
+
 /// What the shares of a total are and how far to believe them.
 std::string total_line(const QuantitySensitivity& q, const std::vector<Parameter>& parameters) {
   std::string line = fmt::format("sensitivity: {}{}:", q.name, q.condition.empty() ? "" : " of " + q.condition);
@@ -83,6 +103,7 @@ std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parame
   }
   for (const auto& q : s.quantities)
     if (std::any_of(std::begin(run_totals), std::end(run_totals), [&](const auto& t) { return q.name == t.name; })) lines.push_back(total_line(q, parameters));
+  if (!s.doubt.empty()) lines.push_back("sensitivity: not to be trusted: " + s.doubt);
   lines.push_back(fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
   return lines;
 }
@@ -98,7 +119,7 @@ ExitStatus sensitivity_stage(StageCall& call) {
   const auto provenance = sensitivity_provenance(inputs, by_surrogate);
   if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Asked::by_user)) {
     inputs.notes().say(reused_line("sensitivity"));
-    return upstream;
+    return read_json(inputs.artefact("sensitivity.json")).value("status", "done") == "done" ? upstream : ExitStatus::not_to_be_trusted;
   }
   std::unique_ptr<Surrogate> surrogate;
   std::optional<KnownRuns> runs;
@@ -109,7 +130,9 @@ ExitStatus sensitivity_stage(StageCall& call) {
     runs = KnownRuns{.thetas = archive.theta, .means = archive.mean.cast<double>()};
     if (study.sensitivity.run_totals) totals = totals_of(inputs, archive.theta);
   }
-  const ForwardModel& model = surrogate ? static_cast<const ForwardModel&>(*surrogate) : inputs.any_model();
+  std::optional<KeptModel> kept;
+  if (!by_surrogate) kept.emplace(inputs.any_model(), inputs.numbered_runs());
+  const ForwardModel& model = surrogate ? static_cast<const ForwardModel&>(*surrogate) : *kept;
   const auto& parameters = study.parameters();
   const auto progress = stage_progress("sensitivity", command.quiet);
   const SensitivityInputs in{.model = model,
@@ -121,13 +144,14 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .totals = std::move(totals),
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
-  const Sensitivity s = analyse_sensitivity(in);
-  const std::string source = by_surrogate ? "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model" : "all by the model itself";
+  Sensitivity s = analyse_sensitivity(in);
+  if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
+  const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);
-  std::ofstream(inputs.artefact("sensitivity.csv")) << sensitivity_csv(s, parameters);
+  write_atomically(inputs.artefact("sensitivity.csv"), sensitivity_csv(s, parameters));
   write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, source, provenance));
   inputs.notes().say(lines_of(s, parameters));
-  return upstream;
+  return s.doubt.empty() ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }
 
 }  // namespace calomel

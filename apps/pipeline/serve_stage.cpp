@@ -5,9 +5,11 @@
 #include <map>
 #include <mutex>
 
+#include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "base/json.hpp"
 #include "base/linear_algebra.hpp"
+#include "base/provenance.hpp"
 #include "forward/external/umbridge_server.hpp"
 #include "forward/surrogate/surrogate.hpp"
 
@@ -15,7 +17,8 @@ namespace calomel {
 
 namespace {
 
-constexpr int most_pulses = 1000;  ///< of an ensemble that a request may ask for
+constexpr int most_pulses = 1000;          ///< of an ensemble that a request may ask for
+constexpr std::size_t most_models = 4;     ///< of as many numbers of pulses that are kept
 
 /// The pulses that a request's config asks for; 1 where it asks for none. Errors: InputError for any other key.
 int pulses_of(const Json& config) {
@@ -38,28 +41,35 @@ std::vector<double> answer_of(Prediction prediction) {
   return std::move(prediction.mean);
 }
 
-/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. Models of so many pulses are made once.
+/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. A few models of so many pulses are kept: each has its mesh.
 class MeshModels {
  public:
   MeshModels(const ForwardCase& forward, EnsembleOptions ensemble) : forward_(forward), ensemble_(ensemble) {}
-  const BuiltInModel& of(int pulses) {
+  std::shared_ptr<const BuiltInModel> of(int pulses) {
     const std::lock_guard guard(lock_);
-    auto& model = models_[pulses];
-    if (!model) {
-      EnsembleOptions ensemble = ensemble_;
-      ensemble.pulses = pulses;
-      if (pulses == 1) ensemble.energy_sd = 0;
-      model = std::make_unique<BuiltInModel>(forward_, ensemble, 1);
-    }
-    return *model;
+    if (const auto held = models_.find(pulses); held != models_.end()) return held->second;
+    EnsembleOptions ensemble = ensemble_;
+    ensemble.pulses = pulses;
+    if (pulses == 1) ensemble.energy_sd = 0;
+    if (models_.size() >= most_models) models_.clear();
+    return models_[pulses] = std::make_shared<const BuiltInModel>(forward_, ensemble, 1);
   }
 
  private:
   const ForwardCase& forward_;
   EnsembleOptions ensemble_;
   std::mutex lock_;
-  std::map<int, std::unique_ptr<BuiltInModel>> models_;
+  std::map<int, std::shared_ptr<const BuiltInModel>> models_;
 };
+
+/// A case file could not say it, so the model does not take it: a negative density, for one.
+void expect_possible(const ForwardCase& forward, const std::vector<double>& theta) {
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    const auto& p = forward.parameters[k];
+    const FieldInfo info = forward.about(p.key);
+    if (!info.range.contains(theta[k])) throw InputError({.problem = fmt::format("{} cannot be that", p.key), .key = p.name, .value = number_text(theta[k]), .range = info.range.text()});
+  }
+}
 
 ServedModel described(const std::string& name, const ModelShape& shape) {
   ServedModel out{.name = name, .input_sizes = {shape.parameters.size()}, .output_sizes = {shape.values()}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
@@ -70,8 +80,11 @@ ServedModel served(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.on_mesh()) {
     const auto models = std::make_shared<MeshModels>(study.forward, inputs.ensemble());
-    ServedModel out = described("forward", models->of(1).shape());
-    out.evaluate = [models](const Blocks& input, const Json& config) { return Blocks{answer_of(models->of(pulses_of(config)).evaluate(input[0]))}; };
+    ServedModel out = described("forward", models->of(1)->shape());
+    out.evaluate = [models, &forward = study.forward](const Blocks& input, const Json& config) {
+      expect_possible(forward, input[0]);
+      return Blocks{answer_of(models->of(pulses_of(config))->evaluate(input[0]))};
+    };
     return out;
   }
   const ForwardModel* model = &inputs.any_model();
@@ -109,8 +122,17 @@ void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
       throw InputError({.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
 }
 
-std::optional<ServedModel> served_surrogate(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
+/// The surrogate that stands in --out, where it is this case's: one of another case is left out, and that is told.
+std::optional<ServedModel> served_surrogate(StudyInputs& inputs) {
+  const auto file = inputs.artefact("surrogate.nc");
+  if (!std::filesystem::exists(file) || !std::filesystem::exists(inputs.artefact("campaign.nc"))) return std::nullopt;
+  try {
+    (void)reusable(inputs.artefact("campaign.json"), campaign_provenance(inputs));
+    (void)reusable(inputs.artefact("train.json"), train_provenance(inputs));
+  } catch (const InputError& e) {
+    inputs.notes().warn({fmt::format("the surrogate in {} is not offered: {}", inputs.command().out.string(), e.what())});
+    return std::nullopt;
+  }
   const std::shared_ptr<const Surrogate> surrogate = load_surrogate(file);
   ServedModel out = described("surrogate", surrogate->shape());
   out.evaluate = [surrogate](const Blocks& input, const Json& config) {
@@ -139,11 +161,11 @@ ExitStatus serve_stage(StageCall& call) {
   auto& inputs = call.inputs;
   const auto& command = inputs.command();
   std::vector<ServedModel> models{served(inputs)};
-  if (auto surrogate = served_surrogate(inputs.artefact("surrogate.nc"))) models.push_back(std::move(*surrogate));
+  if (auto surrogate = served_surrogate(inputs)) models.push_back(std::move(*surrogate));
   std::vector<std::string> names;
   for (const auto& m : models) names.push_back(fmt::format("{} ({} -> {})", m.name, m.input_sizes[0], m.output_sizes[0]));
   UmbridgeServer server(std::move(models), {.host = command.host, .port = command.port, .threads = command.threads});
-  inputs.notes().say(fmt::format("serve: {} at http://{}:{}, {} at a time; stop with Ctrl-C", join(names), command.host, server.port(), command.threads));
+  inputs.notes().say(fmt::format("serve: {} at http://{}:{}, {} at a time; stop with Ctrl-C", join(names), command.host.find(':') == std::string::npos ? command.host : '[' + command.host + ']', server.port(), command.threads));
   server.run(stop_requested());
   inputs.notes().say(fmt::format("serve: stopped after {} requests", server.answered()));
   return ExitStatus::done;

@@ -24,7 +24,7 @@ std::string emulator_sentence(const std::string& message) { return "the emulator
 
 std::string front_sentence(double elements_per_front, double finest_size) {
   return fmt::format(
-      "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.3 to 1.8 times the deviations told here; with "
+      "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.4 to 1.8 times the deviations told here; with "
       "elements of {:.3g} mm (emulator.element_sizes) they were not",
       1e3 * finest_size, elements_per_front, 0.5e3 * finest_size * elements_per_front);
 }
@@ -34,12 +34,13 @@ std::string absorption_sentence(const std::string& parameter, double prior_sds) 
                      prior_sds > 0 ? "above" : "below");
 }
 
-std::string modes_sentence(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes) {
+std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes) {
+  const auto names = density.quantities();
   std::string places;
   for (const auto& m : modes) {
-    const auto theta = posterior.theta(m.x);
+    const auto values = density.constrained({m.x.data(), std::size_t(m.x.size())});
     places += places.empty() ? "" : "; ";
-    for (std::size_t k = 0; k < theta.size(); ++k) places += fmt::format("{}{} = {:.4g}", k ? ", " : "", posterior.parameters()[k].name, theta[k]);
+    for (std::size_t k = 0; k < values.size(); ++k) places += fmt::format("{}{} = {:.4g}", k ? ", " : "", names[k], values[k]);
     places += fmt::format(" (share about {:.2g})", m.weight);
   }
   return fmt::format("the density has {} modes: {}. Chains begin in all of them", modes.size(), places);

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "inverse/posterior/model_posterior.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/posterior/true_model_check.hpp"
 #include "uq/convergence/assess.hpp"
@@ -25,8 +24,8 @@ std::string front_sentence(double elements_per_front, double finest_size);
 /// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
 std::string absorption_sentence(const std::string& parameter, double prior_sds);
 
-/// How many modes a model's posterior has, where they lie and their shares.
-std::string modes_sentence(const ModelPosterior& posterior, const std::vector<LaplaceMode>& modes);
+/// How many modes a density has, where they lie and their shares.
+std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes);
 
 /// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);

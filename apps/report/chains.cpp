@@ -113,7 +113,7 @@ Json chains_json(const Study& study, const ReportInput& input) {
   const double expected = double(draws.draws) / double(bins);
   for (const std::size_t k : shown_quantities(draws, input)) {
     const auto values = draws.of(k);
-    const double ess = ess_bulk({values, draws.chains}), r_hat = split_r_hat({values, draws.chains});
+    const double ess = ess_bulk({values, draws.chains, draws.walkers}), r_hat = split_r_hat({values, draws.chains, draws.walkers});
     Json trace = Json::array();
     for (std::size_t c = 0; c < shown; ++c) {
       Json line = Json::array();

@@ -35,8 +35,11 @@ std::optional<double> mismatch(const Json& part) {
 bool seen(const std::optional<double>& q) { return q && *q < significant; }
 std::string seen_word(const std::optional<double>& q) { return !q ? "" : seen(q) ? "yes" : "no"; }
 
-std::string microseconds(double seconds) { return fmt::format("{:.0f}", 1e6 * seconds); }
-std::string kilohertz(double hertz) { return fmt::format("{:.3g}", 1e-3 * hertz); }
+/// In the page's unit of time, without it.
+std::string time_number(double seconds, const DisplayUnit& unit) { return fmt::format("{:.{}f}", unit.factor * seconds, unit.factor < 1e6 ? 1 : 0); }
+/// Of frequencies beside such times.
+DisplayUnit frequency_unit(const DisplayUnit& time) { return time.factor == 1e6 ? DisplayUnit{"kHz", 1e-3} : DisplayUnit{"Hz", 1}; }
+std::string frequency_number(double hertz, const DisplayUnit& unit) { return fmt::format("{:.3g}", unit.factor * hertz); }
 
 /// "none" and "unknown" in words; a mechanism by its plain name with its own in brackets.
 std::string title_of(const Json& entry) {
@@ -78,7 +81,7 @@ std::string where_and_when(const Study& study) {
   std::string s;
   if (const auto gauge = text_at(region, "first_sensor"); !gauge.empty()) {
     const double from = number_at(region, "first_time_s").value_or(0);
-    s = from > 0 ? fmt::format("The mismatch is first seen at gauge {} from {} \u00b5s on.", gauge, microseconds(from)) : fmt::format("Gauge {} shows the mismatch from the start of its record.", gauge);
+    s = from > 0 ? fmt::format("The mismatch is first seen at gauge {} from {} {} on.", gauge, time_number(from, study.time), study.time.name) : fmt::format("Gauge {} shows the mismatch from the start of its record.", gauge);
   } else {
     s = "No single stretch of time of one gauge stands out.";
   }
@@ -143,14 +146,15 @@ void add_map_rows(Table& t, const Study& study, const char* parts_key, const cha
 
 Table mismatch_map_table(const Study& study) {
   Table t{.id = "diagnosis_map", .caption = "Mismatch by gauge and stretch of time."};
-  t.columns = {{"gauge", "Gauge", 4, true}, {"begin_s", "From [\u00b5s]", 4, false, 1e6}, {"end_s", "To [\u00b5s]", 4, false, 1e6}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
+  t.columns = {{"gauge", "Gauge", 4, true}, {"begin_s", "From [" + study.time.name + "]", 4, false, study.time.factor}, {"end_s", "To [" + study.time.name + "]", 4, false, study.time.factor}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
   add_map_rows(t, study, "windows", "map", {"begin_s", "end_s"});
   return t;
 }
 
 Table band_table(const Study& study) {
   Table t{.id = "diagnosis_bands", .caption = "Mismatch by gauge and band of frequencies."};
-  t.columns = {{"gauge", "Gauge", 4, true}, {"low_hz", "From [kHz]", 3, false, 1e-3}, {"high_hz", "To [kHz]", 3, false, 1e-3}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
+  const DisplayUnit f = frequency_unit(study.time);
+  t.columns = {{"gauge", "Gauge", 4, true}, {"low_hz", "From [" + f.name + "]", 3, false, f.factor}, {"high_hz", "To [" + f.name + "]", 3, false, f.factor}, {"mismatch", "Mismatch [times the errors]", -1}, {"q_value", "q-value", 2}, {"seen", "More than chance", 4, true}};
   add_map_rows(t, study, "bands", "band_map", {"low_hz", "high_hz"});
   return t;
 }
@@ -298,6 +302,7 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
 
 Json diagnosis_drawings(const Study& study) {
   if (!study.diagnosis) return nullptr;
+  const DisplayUnit frequency = frequency_unit(study.time);
   const Json &d = summary_of(study), &l = location_of(study);
   const auto part = [](const Json& p) {
     const auto m = mismatch(p);
@@ -319,12 +324,12 @@ Json diagnosis_drawings(const Study& study) {
   for (const auto& [name, g] : by_sensor) gauges.push_back(g);
   for (const auto& w : list_at(l, "windows")) {
     Json p = part(w);
-    p["label"] = microseconds(number_at(w, "begin_s").value_or(0)) + "\u2013" + microseconds(number_at(w, "end_s").value_or(0));
+    p["label"] = time_number(number_at(w, "begin_s").value_or(0), study.time) + "\u2013" + time_number(number_at(w, "end_s").value_or(0), study.time);
     columns.push_back(std::move(p));
   }
   for (const auto& b : list_at(l, "bands")) {
     Json p = part(b);
-    p["label"] = kilohertz(number_at(b, "low_hz").value_or(0)) + "\u2013" + kilohertz(number_at(b, "high_hz").value_or(0));
+    p["label"] = frequency_number(number_at(b, "low_hz").value_or(0), frequency) + "\u2013" + frequency_number(number_at(b, "high_hz").value_or(0), frequency);
     bands.push_back(std::move(p));
   }
   const auto cells = [&](const char* key) {
@@ -339,7 +344,7 @@ Json diagnosis_drawings(const Study& study) {
   };
   for (const auto& r : list_at(d, "ranking"))
     bars.push_back({{"label", title_of(r)}, {"probability", rounded(number_at(r, "probability").value_or(0), 4)}, {"strong", in_verdict(study, text_at(r, "name"))}});
-  const Json times{{"axis", "time [\u00b5s]"}, {"columns", columns}, {"cells", cells("map")}}, by_frequency{{"axis", "frequency [kHz]"}, {"columns", bands}, {"cells", cells("band_map")}};
+  const Json times{{"axis", "time [" + study.time.name + "]"}, {"columns", columns}, {"cells", cells("map")}}, by_frequency{{"axis", "frequency [" + frequency.name + "]"}, {"columns", bands}, {"cells", cells("band_map")}};
   return {{"gauges", gauges}, {"rows", rows}, {"times", times}, {"bands", by_frequency}, {"bars", bars}};
 }
 

@@ -74,7 +74,7 @@ Table floor_window_table(const Study& study, const ReportInput& input) {
   const auto unit = display_unit(input);
   Table t{.id = "floor_by_window", .caption = "Repeatability floor by stretch of the record: standard deviation of the ensemble mean [" + unit.name + "]."};
   const Json &records = list_at(study.floor, "sensors"), &begin = list_at(study.floor, "window_begin_s"), &end = list_at(study.floor, "window_end_s");
-  t.columns = {{"begin_s", "From [\u00b5s]", 4, false, 1e6}, {"end_s", "To [\u00b5s]", 4, false, 1e6}};
+  t.columns = {{"begin_s", "From [" + study.time.name + "]", 4, false, study.time.factor}, {"end_s", "To [" + study.time.name + "]", 4, false, study.time.factor}};
   for (const auto& r : records) t.columns.push_back({key_of(record_name(r, records)), record_name(r, records), -1, false, unit.factor});
   for (std::size_t w = 0; w < std::min(begin.size(), end.size()); ++w) {
     std::vector<Cell> cells{begin[w].get<double>(), end[w].get<double>()};

@@ -62,11 +62,11 @@ function draw_histories(place, controls, data) {
       const own = used.filter(s => sensor[s.key]);
       const options = {
         labels: ['time'].concat(own.map(s => s.label)), customBars: true, fillAlpha: 0.22, series: {}, labelsDiv: element('div', { hidden: '' }),
-        xlabel: 'time [\u00b5s]', ylabel: data.unit, xLabelHeight: 16, yLabelWidth: 16, axisLabelFontSize: 12, gridLineColor: '#e4e8ec', axisLineColor: '#8c959f',
+        xlabel: `time [${data.time_unit}]`, ylabel: data.unit, xLabelHeight: 16, yLabelWidth: 16, axisLabelFontSize: 12, gridLineColor: '#e4e8ec', axisLineColor: '#8c959f',
         axes: { y: { axisLabelWidth: 52, pixelsPerLabel: 28 }, x: { pixelsPerLabel: 70 } },
         visibility: own.map(s => !s.hidden), connectSeparatedPoints: false, xRangePad: 0, yRangePad: 6, highlightCircleSize: 3, animatedZooms: false, legend: 'never',
         highlightCallback: (event, x, points) => {
-          readout.textContent = `${number(x)} \u00b5s:  ` + points.filter(p => isFinite(p.yval)).map(p => `${p.name} ${number(p.yval)}`).join(';  ') + ` [${data.unit}]`;
+          readout.textContent = `${number(x)} ${data.time_unit}:  ` + points.filter(p => isFinite(p.yval)).map(p => `${p.name} ${number(p.yval)}`).join(';  ') + ` [${data.unit}]`;
         },
         unhighlightCallback: () => { readout.textContent = ''; },
       };
@@ -91,10 +91,10 @@ function draw_histories(place, controls, data) {
   const range = element('span', { class: 'range' }, controls);
   const inputs = [['from', first], ['to', last]].map(([name, value]) => {
     const label = element('label', {}, range, `${name} `);
-    const input = element('input', { type: 'number', step: 'any', value: String(value), 'aria-label': `show ${name} time in microseconds` }, label);
+    const input = element('input', { type: 'number', step: 'any', value: String(value), 'aria-label': `show ${name} time in ${data.time_unit}` }, label);
     return input;
   });
-  element('span', {}, range, ' \u00b5s ');
+  element('span', {}, range, ` ${data.time_unit} `);
   const zoom = (low, high) => graphs[0].graph.updateOptions({ dateWindow: [low, high] });
   inputs.forEach(input => input.addEventListener('change', () => {
     const [low, high] = inputs.map(i => Number(i.value));

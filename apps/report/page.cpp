@@ -153,7 +153,7 @@ std::string no_calibration(const ReportInput& input, const std::string& lead) {
 
 std::string target_section(const ReportInput& input) {
   std::string s;
-  if (input.outer.empty() && input.sensors.empty()) return missing("The case gives neither a surface nor sensors, so there is nothing to draw.", "");
+  if (input.outer.empty() && input.sensors.empty()) return missing("Of this model neither a surface nor the places of its sensors are known, so there is nothing to draw.", "");
   s += "<div class=\"target\"><div id=\"target-view\" class=\"target-view\" role=\"img\" aria-label=\"The target with its sensors; the table below gives the positions\"></div>"
        "<p class=\"note\" id=\"target-note\">Drag to turn, scroll to zoom. Arrows show the direction in which each sensor measures strain.</p></div>\n";
   if (input.outer.empty()) s += missing("The model gives no surface (an outside model has none), so only the sensors are drawn.", "");

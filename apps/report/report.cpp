@@ -65,7 +65,7 @@ void expect_something_to_report(const std::filesystem::path& out_dir, const std:
 
 void write_report(const std::filesystem::path& out_dir, const ReportInput& input) {
   expect_something_to_report(out_dir, input.case_file);
-  const Study study = read_study(out_dir);
+  const Study study = read_study(out_dir, input.time_end);
   std::map<std::string, std::string> parts{{"title", escape_html(input.case_name)},
                                            {"header", header_html(study, input)},
                                            {"first_link", study.diagnosis ? "<li><a href=\"#diagnosis\">Left out</a></li>\n" : ""},
@@ -94,7 +94,7 @@ void write_report(const std::filesystem::path& out_dir, const ReportInput& input
 
 std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path& out_dir, const ReportInput& input) {
   expect_something_to_report(out_dir, input.case_file);
-  const Study study = read_study(out_dir);
+  const Study study = read_study(out_dir, input.time_end);
   const auto folder = out_dir / "report_csv";
   make_directory(folder);
   std::vector<std::filesystem::path> paths;

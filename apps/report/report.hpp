@@ -41,6 +41,7 @@ struct ReportInput {
   std::vector<Parameter> parameters;         ///< in declared order; bounds, key, nominal
   std::map<std::string, std::string> units;  ///< parameter name -> unit, e.g. "Pa"
   std::string unit = "strain";               ///< of the data; strain is shown in microstrain, any other as it is
+  double time_end = 0;                       ///< of the simulation [s]: long ones are shown in ms or s
   ReportSurface outer;                       ///< outer steel surface; empty for an outside model
   ReportSurface wetted;                      ///< mercury surface; may be empty
   std::vector<ReportSensor> sensors;

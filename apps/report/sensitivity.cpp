@@ -38,9 +38,9 @@ std::string plain_quantity(const std::string& name) {
 }
 
 /// The unit in which effects on a quantity are shown, and what a number of its own unit is multiplied by.
-DisplayUnit shown_in(const Json& quantity, const DisplayUnit& of_records) {
+DisplayUnit shown_in(const Json& quantity, const DisplayUnit& of_records, const DisplayUnit& of_times) {
   const std::string unit = text_at(quantity, "unit");
-  return unit == "s" ? DisplayUnit{"\u00b5s", 1e6} : is_run_total(text_at(quantity, "name")) ? DisplayUnit{unit, 1} : of_records;
+  return unit == "s" ? of_times : is_run_total(text_at(quantity, "name")) ? DisplayUnit{unit, 1} : of_records;
 }
 
 std::vector<std::string> names_of(const Json& indices) {
@@ -272,7 +272,7 @@ Table morris_table(const Study& study, const ReportInput& input) {
                {"sigma", "Standard deviation", 3}};
   const auto unit = display_unit(input);
   for (const auto& q : list_at(summary_of(study), "quantities")) {
-    const auto shown = shown_in(q, unit);
+    const auto shown = shown_in(q, unit, study.time);
     for (const auto& e : list_at(q, "morris")) {
       std::vector<Cell> row{plain_quantity(text_at(q, "name")), record_label(q), shown.name, text_at(e, "parameter")};
       for (const char* key : {"mu", "mu_star", "mu_star_se", "sigma"}) {
@@ -327,7 +327,7 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
   const auto& s = *study.sensitivity;
   const auto unit = display_unit(input);
   const auto names = names_of(list_at(s.summary, "total_order"));
-  Json out{{"parameters", names}, {"rows", Json::array()}, {"unit", unit.name}, {"map", nullptr}, {"curves", nullptr}, {"morris", Json::array()}};
+  Json out{{"parameters", names}, {"rows", Json::array()}, {"unit", unit.name}, {"time_unit", study.time.name}, {"map", nullptr}, {"curves", nullptr}, {"morris", Json::array()}};
   if (has_curves(study)) {
     const std::size_t n = s.time.size(), records = s.conditions.size() * s.sensors.size();
     const Windows coarse{n, std::min(n, map_windows)}, fine{n, std::min(n, curve_windows)};
@@ -342,8 +342,8 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
     }
     const double half = 0.5 * (s.time.back() - s.time.front()) / double(n - 1);  // a sample stands for the time about it
     for (std::size_t w = 0; w < coarse.count; ++w)
-      begin.push_back(rounded(1e6 * (s.time[coarse.begin(w)] - half), 6)), end.push_back(rounded(1e6 * (s.time[coarse.begin(w + 1) - 1] + half), 6));
-    for (std::size_t w = 0; w < fine.count; ++w) time.push_back(rounded(0.5e6 * (s.time[fine.begin(w)] + s.time[fine.begin(w + 1) - 1]), 6));
+      begin.push_back(rounded(study.time.factor * (s.time[coarse.begin(w)] - half), 6)), end.push_back(rounded(study.time.factor * (s.time[coarse.begin(w + 1) - 1] + half), 6));
+    for (std::size_t w = 0; w < fine.count; ++w) time.push_back(rounded(0.5 * study.time.factor * (s.time[fine.begin(w)] + s.time[fine.begin(w + 1) - 1]), 6));
     const std::size_t d = s.parameters.size();
     out["parameters"] = s.parameters;
     out["map"] = {{"begin", begin}, {"end", end}, {"total", by_parameter(map, &Windowed::total, d)}};
@@ -354,7 +354,7 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
     auto shown = unit;
     for (const auto& q : list_at(s.summary, "quantities")) {
       if (text_at(q, "name") != name || (is_run_total(name) && text_at(q, "source").empty())) continue;  // a total without shares has no effects to look at
-      shown = shown_in(q, unit);
+      shown = shown_in(q, unit, study.time);
       for (const auto& e : list_at(q, "morris"))
         if (const auto mu = number_at(e, "mu_star"), sigma = number_at(e, "sigma"); mu && sigma) {
           const auto k = std::size_t(std::find(names.begin(), names.end(), text_at(e, "parameter")) - names.begin());

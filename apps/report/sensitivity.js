@@ -43,7 +43,7 @@ function draw_sensitivity_map(place, data) {
     svg('line', { x1: sx(t), x2: sx(t), y1: base, y2: base + 5, stroke: '#8c959f' }, root);
     svg('text', { x: sx(t), y: base + 19, 'text-anchor': 'middle' }, root, number(t));
   }
-  svg('text', { x: left + width, y: base + 40, 'text-anchor': 'end' }, root, 'time [\u00b5s]');
+  svg('text', { x: left + width, y: base + 40, 'text-anchor': 'end' }, root, `time [${data.time_unit}]`);
   // The scale of the colours.
   const scale = 240, y = base + 32;
   for (let i = 0; i < 60; ++i) svg('rect', { x: left + scale * i / 60, y, width: scale / 60 + 0.6, height: 12, fill: share_colour((i + 0.5) / 60) }, root);
@@ -88,7 +88,7 @@ function draw_sensitivity_curves(place, controls, data) {
       svg('text', { x: lx + 42, y: ly }, root, data.parameters[k]);
     });
     const sd = c.sd[r], most = Math.max(...sd.filter(x => x !== null), 1e-300);
-    const foot = axes(root, below, { span: xs, label: 'time [\u00b5s]', about: 9 }, { span: [0, 1.08 * most], about: 3, label: `sd [${data.unit}]` });
+    const foot = axes(root, below, { span: xs, label: `time [${data.time_unit}]`, about: 9 }, { span: [0, 1.08 * most], about: 3, label: `sd [${data.unit}]` });
     const top = sd.map((x, i) => `${at[i].toFixed(1)},${foot.sy(x === null ? 0 : x).toFixed(1)}`);
     svg('polygon', { points: [`${at[0]},${foot.sy(0)}`, ...top, `${at[at.length - 1]},${foot.sy(0)}`].join(' '), fill: '#5b7c99', 'fill-opacity': 0.3, stroke: '#33526e', 'stroke-width': 1 }, root);
   };

@@ -168,6 +168,9 @@ std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, 
   return h;
 }
 
+/// Chains that move together, by posterior.json.
+std::size_t walkers_of(const Study& study) { return study.sample ? std::size_t(number_at(part_at(*study.sample, "sampler"), "walkers").value_or(1)) : 1; }
+
 void read_draws(const std::filesystem::path& path, Study& study) {
   if (!std::filesystem::exists(path)) return;
   const auto groups = read_posterior(path);
@@ -176,7 +179,7 @@ void read_draws(const std::filesystem::path& path, Study& study) {
     return found == groups.end() ? nullptr : &*found;
   };
   if (const auto* g = group("posterior"))
-    study.posterior = draws_of(*g);
+    study.posterior = draws_of(*g), study.posterior->walkers = walkers_of(study);
   else
     (void)read_posterior(path, {"posterior"});  // says what the file is not
   if (const auto* g = group("prior")) study.prior = draws_of(*g);
@@ -226,8 +229,16 @@ std::optional<CampaignRuns> campaign_runs(const std::filesystem::path& path) {
 }
 }  // namespace
 
-Study read_study(const std::filesystem::path& out_dir) {
+DisplayUnit time_unit(double end) {
+  constexpr double many = 20e3;  // of a unit
+  for (const auto& unit : {DisplayUnit{"\u00b5s", 1e6}, DisplayUnit{"ms", 1e3}})
+    if (unit.factor * end <= many) return unit;
+  return {"s", 1};
+}
+
+Study read_study(const std::filesystem::path& out_dir, double time_end) {
   Study study;
+  study.time = time_unit(time_end);
   for (const auto& [method, label] : {std::pair{"enc", "ENC"}, std::pair{"spe", "SPE"}, std::pair{"map", "MAP"}})
     if (auto summary = json_if_there(out_dir / (std::string(method) + ".json")))
       study.calibrations.push_back({method, label, std::move(*summary), calibration_histories(out_dir / (std::string(method) + ".nc"))});

@@ -56,7 +56,16 @@ struct SensitivityArtefacts {
   std::vector<double> first_order, total_order;  ///< [-], NaN where a value does not vary
 };
 
+/// A unit in which the page shows numbers, and the factor to it from the artefacts' unit.
+struct DisplayUnit {
+  std::string name;
+  double factor;
+};
+/// Of times up to `end` [s]: microseconds up to 20 ms, milliseconds up to 20 s, else seconds.
+DisplayUnit time_unit(double end);
+
 struct Study {
+  DisplayUnit time = time_unit(0);  ///< of all times
   std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
   Json floor;  ///< repeatability floor of campaign.json, else of floor.json; null where there is none
@@ -77,8 +86,8 @@ struct Study {
   }
 };
 
-/// Errors: InputError naming a file that is there but cannot be read.
-Study read_study(const std::filesystem::path& out_dir);
+/// time_end: of the simulation [s], which decides in which unit times are shown. Errors: InputError naming a file that is there but cannot be read.
+Study read_study(const std::filesystem::path& out_dir, double time_end = 0);
 
 /// The number at `key`, when `json` is an object that has one.
 std::optional<double> number_at(const Json& json, const std::string& key);

@@ -6,11 +6,7 @@
 
 namespace calomel {
 
-/// Unit in which the page shows the data and the factor to it from the artefacts' unit.
-struct DisplayUnit {
-  std::string name;
-  double factor;
-};
+/// Unit in which the page shows the data.
 DisplayUnit display_unit(const ReportInput& input);
 
 /// A parameter's name with its unit, "density [kg/m3]".

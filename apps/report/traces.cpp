@@ -224,15 +224,15 @@ std::vector<double> plot_times(const std::vector<Series>& series) {
   return times;
 }
 
-Json traces_json(const Traces& traces, const ReportInput& input, std::size_t most) {
+Json traces_json(const Traces& traces, const ReportInput& input, const DisplayUnit& times, std::size_t most) {
   if (traces.series.empty()) return nullptr;
   const auto unit = display_unit(input);
   const auto grid = plot_times(traces.series);
   const Thinning thinning(grid.size(), most);
 
-  Json json{{"unit", unit.name}, {"thinned", thinning.active()}, {"samples", grid.size()}};
+  Json json{{"unit", unit.name}, {"time_unit", times.name}, {"thinned", thinning.active()}, {"samples", grid.size()}};
   json["time"] = Json::array();
-  for (const double t : thinning.times(grid)) json["time"].push_back(rounded(t * 1e6, 7));
+  for (const double t : thinning.times(grid)) json["time"].push_back(rounded(t * times.factor, 7));
   json["series"] = Json::array();
   for (const auto& s : traces.series)
     if (!s.edge) json["series"].push_back({{"key", s.key}, {"label", s.label}, {"hidden", s.hidden}});
@@ -300,18 +300,18 @@ Json misfit_lines(const Json& diagnosis) {
 }
 }  // namespace
 
-Json histories_json(const Study& study, const ReportInput& input, std::size_t most) { return traces_json(collect(study, input), input, most); }
+Json histories_json(const Study& study, const ReportInput& input, std::size_t most) { return traces_json(collect(study, input), input, study.time, most); }
 
 std::string histories_csv(const Study& study, const ReportInput& input) { return traces_csv(collect(study, input), input); }
 
 Json diagnosis_histories_json(const Study& study, const ReportInput& input, std::size_t most) {
-  Json json = traces_json(collect_diagnosis(study, input), input, most);
+  Json json = traces_json(collect_diagnosis(study, input), input, study.time, most);
   if (!json.is_null()) json["scores"] = misfit_lines(study.diagnosis->summary);
   return json;
 }
 
 Json predictive_histories_json(const Study& study, const ReportInput& input, std::size_t most) {
-  Json json = traces_json(collect_predictive(study, input), input, most);
+  Json json = traces_json(collect_predictive(study, input), input, study.time, most);
   if (!json.is_null()) json["scores"] = predicted_lines(*study.predictive);
   return json;
 }

@@ -13,7 +13,6 @@ namespace calomel {
 namespace {
 
 constexpr int sobol_bits = 30;  // of GSL's generator: its points are whole multiples of 2^-30
-constexpr std::size_t sobol_dimensions = 40;
 
 }  // namespace
 

@@ -21,9 +21,11 @@ struct Design {
 /// sobol, latin_hypercube, chebyshev.
 const Registry<Design>& designs();
 
+inline constexpr std::size_t sobol_dimensions = 40;  ///< that Sobol' points reach
+
 /// Sobol' points (Sobol' 1967; GSL's generator with the origin put back in front) under a random digital shift by
 /// `seed` (L'Ecuyer and Lemieux 2002, section 3.3): of the first 2^m points one lies in each of the 2^m equal intervals of
-/// every coordinate. At most 40 dimensions.
+/// every coordinate. Errors: InputError beyond sobol_dimensions.
 Eigen::MatrixXd sobol_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);
 /// Latin hypercube (McKay, Beckman and Conover 1979): every coordinate has one point in each of `runs` equal intervals.
 Eigen::MatrixXd latin_hypercube_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);

@@ -46,6 +46,8 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
     MechanismParameter one;
     file.read(at, one);
     one.parameter.name = name + '.' + p, one.parameter.key = at;
+    if (!(one.parameter.min < one.parameter.max))
+      throw file.located(InputError({.problem = "the upper bound must exceed the lower one, min = " + number_text(one.parameter.min), .key = at + ".max", .value = number_text(one.parameter.max)}));
     if (!one.parameter.nominal) one.parameter.nominal = one.off;
     one.parameter.min = std::min(one.parameter.min, one.off), one.parameter.max = std::max(one.parameter.max, one.off);
     try {
@@ -62,6 +64,16 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
                                    .key = path,
                                    .suggestion = fmt::format("add [{}.parameter.NAME] with off, min and max", path)}));
   return m;
+}
+
+/// P of a parameter that is called "NAME.P".
+std::string short_name(const ExternalMechanism& m, std::size_t i) { return m.parameters[i].name.substr(m.name.size() + 1); }
+
+/// `model.config`, which is handed on as it is. Errors: InputError where it is no table.
+Json read_config(const CaseFile& file) {
+  Json config = file.json("model.config");
+  if (!config.is_object()) throw file.located(InputError({.problem = "UM-Bridge's config is a table", .key = "model.config", .value = config.dump().substr(0, 40), .suggestion = "e.g. config = { level = 2 }"}));
+  return config;
 }
 
 /// Values at which the effect of a number is first looked at: small, middling and great by its prior.
@@ -95,7 +107,7 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   ServerOptions server;
   const std::vector<std::string> config{"config"};
   file.read("model", server, config);
-  c.server = {.url = server.url, .name = server.name, .timeout = server.timeout, .retries = server.retries, .pause = server.pause, .config = file.json("model.config")};
+  c.server = {.url = server.url, .name = server.name, .timeout = server.timeout, .retries = server.retries, .pause = server.pause, .config = read_config(file)};
   if (!file.has("output"))
     throw file.located(InputError({.problem = "the table [output] is missing: what the model's first output block is",
                                    .key = "model.kind",
@@ -153,10 +165,27 @@ Json ExternalCase::echo() const {
   for (const auto& m : mechanisms) {
     j["mechanism"][m.name]["enabled"] = m.enabled;
     for (std::size_t i = 0; i < m.parameters.size(); ++i) {
-      Json& p = j["mechanism"][m.name]["parameter"][m.parameters[i].name];
+      Json& p = j["mechanism"][m.name]["parameter"][short_name(m, i)];
       p = calomel::echo(m.parameters[i]), p["off"] = m.off[i];
     }
   }
+  return j;
+}
+
+Json ExternalCase::model_options() const {
+  Json j = echo();
+  j["model"].erase("url");
+  j["parameter"] = Json::object();
+  for (const auto& p : parameters) {  // those of the mechanisms that are enabled among them, as a design sees them
+    j["parameter"][p.name] = {{"min", p.min}, {"max", p.max}};
+    if (p.nominal) j["parameter"][p.name]["nominal"] = *p.nominal;
+  }
+  Json order = Json::array(), off = Json::object();
+  for (std::size_t i = 0; i < own; ++i) order.push_back(parameters[i].name);
+  for (const auto& m : mechanisms)
+    for (std::size_t i = 0; i < m.parameters.size(); ++i) order.push_back(m.parameters[i].key), off[m.parameters[i].key] = m.off[i];
+  j.erase("mechanism");
+  j["inputs"] = std::move(order), j["off"] = std::move(off);
   return j;
 }
 

@@ -20,9 +20,9 @@ struct ServerOptions {
     v("kind", kind, {.doc = "umbridge: a model behind HTTP, UM-Bridge 1.0", .choices = {"umbridge"}});
     v("url", url, {.doc = "of its server, http://HOST:PORT", .required = true});
     v("name", name, {.doc = "of the model, one of those that the server lists", .required = true});
-    v("timeout", timeout, {.unit = "s", .range = above(0), .doc = "for one answer, first to last byte"});
+    v("timeout", timeout, {.unit = "s", .range = {.low = 0, .high = 1e6, .low_open = true}, .doc = "for one answer, first to last byte"});
     v("retries", retries, {.range = between(0, 20), .doc = "of a request that was not answered"});
-    v("pause", pause, {.unit = "s", .range = between(0, 60), .doc = "before the first retry; each further one waits twice as long"});
+    v("pause", pause, {.unit = "s", .range = between(0, 60), .doc = "before the first retry; each further one waits twice as long, up to half a minute"});
   }
 };
 
@@ -73,8 +73,10 @@ struct ExternalCase {
   [[nodiscard]] bool is_log_density() const { return output.kind == "log_density"; }
   /// Number of inputs: the parameters, then those of every mechanism.
   [[nodiscard]] std::size_t inputs() const;
-  /// Resolved options by table, for provenance.
+  /// Resolved options by table.
   [[nodiscard]] Json echo() const;
+  /// Of these what a run depends on, for provenance: not where the server is, nor priors, nor which mechanisms are enabled. Of parameters the bounds, which designs depend on.
+  [[nodiscard]] Json model_options() const;
 };
 
 /// Keys of a gauge that does not read true, which are no inputs of the model: each followed by ".SENSOR". A reading is taken times gain + drift (t - t_first) / (t_last - t_first).

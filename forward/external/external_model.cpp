@@ -25,7 +25,7 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
   if (std::find(models.begin(), models.end(), server.name) == models.end()) {
     std::string known;
     for (std::size_t i = 0; i < std::min<std::size_t>(models.size(), 20); ++i) known += (i ? ", " : "") + models[i];
-    throw InputError({.problem = "the server has no such model", .key = "model.name", .value = '"' + server.name + '"', .range = known,
+    throw InputError({.problem = "the server has no such model", .key = "model.name", .value = '"' + server.name + '"', .range = models.empty() ? "it lists none" : known,
                       .suggestion = name_suggestion(server.name, models)});
   }
   support_ = client_.support();
@@ -92,7 +92,7 @@ Prediction ExternalModel::evaluate(std::span<const double> theta, const std::map
   }
   std::string at;
   for (std::size_t k = 0; k < theta.size(); ++k) at += fmt::format("{}{} = {:.6g}", k ? ", " : "", case_.parameters[k].name, theta[k]);
-  return {.ok = false, .message = fmt::format("the model \"{}\" at {} {} (at {})", case_.server.name, case_.server.url, answer.message, at)};
+  return {.ok = false, .lost = answer.lost, .message = fmt::format("the model \"{}\" at {} {} (at {})", case_.server.name, case_.server.url, answer.message, at)};
 }
 
 Eigen::VectorXd ExternalModel::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 #include <httplib.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <map>
 #include <regex>
 #include <thread>
 
 #include "base/errors.hpp"
+#include "forward/external/shallow_json.hpp"
 
 namespace calomel {
 
@@ -18,11 +22,20 @@ constexpr std::size_t largest_answer = std::size_t(1) << 29;  ///< [bytes]
 constexpr double nearly_all = 0.98;                           ///< of a timeout: clocks differ
 constexpr std::size_t shown = 160;                            ///< characters of a server's own words
 
+constexpr double longest_pause = 30;                          ///< between two tries [s]
+
+/// A server's own words on one line: no more than `shown` bytes of them, cut between letters; what is no UTF-8 is replaced.
 std::string shortened(const std::string& text) {
-  std::string out;
-  for (const char c : text.substr(0, shown)) out += (unsigned char)(c) < 32 ? ' ' : c;
-  return out + (text.size() > shown ? " ..." : "");
+  std::size_t end = std::min(text.size(), shown);
+  while (end > 0 && end < text.size() && ((unsigned char)(text[end]) & 0xC0) == 0x80) --end;
+  std::string out = Json::parse(Json(text.substr(0, end)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  for (char& c : out)
+    if ((unsigned char)(c) < 32) c = ' ';
+  return out + (text.size() > end ? " ..." : "");
 }
+
+/// A value that should have been a number, in the server's words. What is nested is not written out.
+std::string told(const Json& value) { return value.is_structured() ? "a list or an object" : shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)); }
 
 /// The numbers of a JSON array, or why they are none.
 Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
@@ -31,7 +44,7 @@ Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
   std::vector<double> out;
   out.reserve(size);
   for (const auto& x : list) {
-    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", shortened(x.dump()))};
+    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", told(x))};
     out.push_back(x.get<double>());
   }
   return {std::move(out), ""};
@@ -39,7 +52,7 @@ Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
 
 /// The JSON of an answer, or what is said of a body that is none. NaN and Infinity, which are no JSON, are named.
 Answered<Json> json_of(const std::string& body) {
-  Json json = Json::parse(body, nullptr, false);
+  Json json = shallow_json(body);
   if (!json.is_discarded()) return {std::move(json), ""};
   static const std::regex not_finite("[\\[, ](-?Infinity|NaN|nan|-?inf)[\\], ]");
   if (std::regex_search(body.substr(0, std::size_t(1) << 16), not_finite)) return {std::nullopt, "answers NaN or Infinity where a finite number is due"};
@@ -55,6 +68,51 @@ struct UmbridgeClient::Reply {
   std::string problem;  ///< where there is no answer
   bool too_slow = false;  ///< the whole timeout has passed: no retry
 };
+
+namespace {
+
+/// Breaks exchanges off when their time is over: the library bounds each wait for a piece, not their sum.
+class Deadlines {
+ public:
+  Deadlines() : thread_([this](const std::stop_token& over) { watch(over); }) {}
+
+  void add(httplib::Client& client, double seconds) {
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    const std::lock_guard guard(lock_);
+    ends_[&client] = end;
+    if (end < next_) next_ = end, changed_.notify_one();
+  }
+  void remove(httplib::Client& client) {
+    const std::lock_guard guard(lock_);
+    ends_.erase(&client);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void watch(const std::stop_token& over) {
+    std::unique_lock guard(lock_);
+    while (!over.stop_requested()) {
+      next_ = Clock::now() + std::chrono::hours(1);
+      for (auto at = ends_.begin(); at != ends_.end();) {
+        if (at->second <= Clock::now()) {
+          at->first->stop();
+          at = ends_.erase(at);
+        } else {
+          next_ = std::min(next_, at->second), ++at;
+        }
+      }
+      const auto next = next_;
+      changed_.wait_until(guard, over, next, [&] { return next_ < next; });
+    }
+  }
+  std::mutex lock_;
+  std::condition_variable_any changed_;
+  std::map<httplib::Client*, Clock::time_point> ends_;
+  Clock::time_point next_{};  ///< when the thread looks again
+  std::jthread thread_;       ///< after all that it uses
+};
+
+}  // namespace
 
 /// Connections that are kept open, one for each request under way.
 class UmbridgeClient::Connections {
@@ -77,7 +135,9 @@ class UmbridgeClient::Connections {
       reply.body.append(data, size);
       return true;
     };
+    deadlines_.add(*client, options_.timeout);
     const auto result = client->send(request);
+    deadlines_.remove(*client);
     if (result) {
       reply.status = result->status;
       give_back(std::move(client));
@@ -85,7 +145,7 @@ class UmbridgeClient::Connections {
     }
     reply.body.clear();
     reply.too_slow = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= nearly_all * options_.timeout;
-    reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), late);
+    reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), late || reply.too_slow);
     return reply;
   }
 
@@ -94,7 +154,7 @@ class UmbridgeClient::Connections {
     if (late) return fmt::format("no whole answer within {:g} s", options_.timeout);
     if (error == httplib::Error::Connection) return "no connection";
     if (error == httplib::Error::ConnectionTimeout) return fmt::format("no connection within {:g} s", options_.connect_timeout);
-    if (error == httplib::Error::Read) return fmt::format("the connection was closed or silent for {:g} s before the answer was whole", options_.timeout);
+    if (error == httplib::Error::Read) return "the connection was closed before the answer was whole";
     return "the exchange broke off (" + httplib::to_string(error) + ")";
   }
 
@@ -124,11 +184,12 @@ class UmbridgeClient::Connections {
   const UmbridgeOptions& options_;
   std::mutex lock_;
   std::vector<std::unique_ptr<httplib::Client>> idle_;
+  Deadlines deadlines_;
 };
 
 UmbridgeClient::UmbridgeClient(UmbridgeOptions options) : options_(std::move(options)) {
   while (options_.url.ends_with('/')) options_.url.pop_back();
-  static const std::regex form("http://[A-Za-z0-9.\\-\\[\\]:]+");
+  static const std::regex form("http://[A-Za-z0-9._\\-\\[\\]:]+");
   if (!std::regex_match(options_.url, form))
     throw InputError({.problem = "names no server", .key = "model.url", .value = '"' + options_.url + '"', .range = "http://HOST:PORT", .suggestion = "e.g. \"http://localhost:4242\""});
   connections_ = std::make_unique<Connections>(options_);
@@ -143,24 +204,33 @@ Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<
     reply = connections_->send(path, body);
     const bool busy = reply.status == 502 || reply.status == 503 || reply.status == 504;  // of something between the server and us
     if (reply.status != 0 && !busy) break;
+    if (options_.stop && *options_.stop) throw Interrupted();
     if (attempt < options_.retries && !reply.too_slow) {
-      std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+      wait(std::min(pause, longest_pause));
       continue;
     }
     if (busy) reply.problem = fmt::format("status {}", reply.status);
     // A server that answers other questions has lost this one: then the model fails there, and the run with it.
-    if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200) return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem)};
+    if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200) return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem), true};
     throw Unreachable(fmt::format("the server {} does not answer {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
   }
   auto json = json_of(reply.body);
   if (json.value && json.value->is_object() && json.value->contains("error")) {
     const Json& error = (*json.value)["error"];
     const auto word = [&](const char* key) { return error.is_object() && error.contains(key) && error[key].is_string() ? error[key].get<std::string>() : std::string(); };
-    return {std::nullopt, fmt::format("refuses {} with status {}, {}: {}", path, reply.status, word("type").empty() ? "an error without a type" : word("type"), shortened(word("message")))};
+    return {std::nullopt, fmt::format("refuses {} with status {}, {}: {}", path, reply.status, word("type").empty() ? "an error without a type" : shortened(word("type")), shortened(word("message")))};
   }
   if (reply.status != 200) return {std::nullopt, fmt::format("refuses {} with status {}: {}", path, reply.status, shortened(reply.body))};
   if (json.value && !json.value->is_object()) return {std::nullopt, "answers " + path + " with what is no JSON object: " + shortened(reply.body)};
   return json;
+}
+
+void UmbridgeClient::wait(double seconds) const {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    if (options_.stop && *options_.stop) throw Interrupted();
+    std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(end - std::chrono::steady_clock::now(), std::chrono::milliseconds(100)));
+  }
 }
 
 Json UmbridgeClient::about(const std::string& path) const {
@@ -175,7 +245,7 @@ std::vector<std::string> UmbridgeClient::models() const {
   const Json info = about("/Info");
   const auto version = info.find("protocolVersion");
   if (version == info.end() || !version->is_number() || version->get<double>() != 1.0)
-    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url, shortened(info.dump())));
+    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url, shortened(info.dump(-1, ' ', false, Json::error_handler_t::replace))));
   std::vector<std::string> names;
   if (const auto list = info.find("models"); list != info.end() && list->is_array())
     for (const auto& m : *list)
@@ -199,7 +269,7 @@ std::vector<std::size_t> UmbridgeClient::sizes(const std::string& path, const ch
     for (const auto& x : *list)
       if (x.is_number_integer() && x.get<std::int64_t>() > 0) out.push_back(x.get<std::size_t>());
   if (!is_list || out.empty() || out.size() != list->size())
-    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path, shortened(answer.dump())));
+    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path, shortened(answer.dump(-1, ' ', false, Json::error_handler_t::replace))));
   return out;
 }
 
@@ -210,7 +280,7 @@ Answered<Blocks> UmbridgeClient::evaluate(const Blocks& input, std::span<const s
   Json body{{"name", options_.name}, {"input", input}};
   if (!options_.config.empty()) body["config"] = options_.config;
   auto answer = ask("/Evaluate", body);
-  if (!answer.value) return {std::nullopt, answer.message};
+  if (!answer.value) return {std::nullopt, answer.message, answer.lost};
   const auto output = answer.value->find("output");
   if (output == answer.value->end() || !output->is_array()) return {std::nullopt, "answers /Evaluate without output"};
   if (output->size() != sizes.size()) return {std::nullopt, fmt::format("answers {} output blocks where {} were announced", output->size(), sizes.size())};

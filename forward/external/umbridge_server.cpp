@@ -4,12 +4,14 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <thread>
 
 #include "base/errors.hpp"
+#include "forward/external/shallow_json.hpp"
 
 namespace calomel {
 
@@ -22,14 +24,24 @@ constexpr int connections_a_thread = 8;  ///< that are kept open for each evalua
 class Turnstile {
  public:
   Turnstile(int threads, int waiting) : free_(threads), room_(waiting) {}
-  /// False where too many wait already.
+  /// False where too many wait already, or nothing is begun any more.
   bool enter() {
     std::unique_lock guard(lock_);
-    if (free_ == 0 && waiting_ >= room_) return false;
+    if (closed_ || (free_ == 0 && waiting_ >= room_)) return false;
     ++waiting_;
-    changed_.wait(guard, [&] { return free_ > 0; });
-    --waiting_, --free_;
+    changed_.wait(guard, [&] { return closed_ || free_ > 0; });
+    --waiting_;
+    if (closed_) return false;
+    --free_;
     return true;
+  }
+  /// Those that wait are sent away.
+  void close() {
+    {
+      const std::lock_guard guard(lock_);
+      closed_ = true;
+    }
+    changed_.notify_all();
   }
   void leave() {
     {
@@ -43,15 +55,18 @@ class Turnstile {
   std::mutex lock_;
   std::condition_variable changed_;
   int free_, room_, waiting_ = 0;
+  bool closed_ = false;
 };
 
-}  // namespace
-
 /// What a request is refused with.
-struct UmbridgeServer::Refusal {
+struct Refusal {
   int status;
   std::string type, message;
 };
+
+[[noreturn]] void refuse(const std::string& message) { throw Refusal{400, "InvalidInput", message}; }
+
+}  // namespace
 
 struct UmbridgeServer::Http {
   Http(int threads, int waiting) : turnstile(threads, waiting) {}
@@ -61,10 +76,8 @@ struct UmbridgeServer::Http {
 
 namespace {
 
-using Refuse = std::function<void(const std::string& message)>;
-
 /// Numbers of a list that must have `size` of them.
-std::vector<double> numbers_of(const Json& list, std::size_t size, const std::string& what, const Refuse& refuse) {
+std::vector<double> numbers_of(const Json& list, std::size_t size, const std::string& what) {
   if (!list.is_array() || list.size() != size) refuse(fmt::format("{} must be a list of {} numbers", what, size));
   std::vector<double> out;
   for (const auto& x : list) {
@@ -74,23 +87,23 @@ std::vector<double> numbers_of(const Json& list, std::size_t size, const std::st
   return out;
 }
 
-Blocks input_of(const Json& body, const std::vector<std::size_t>& sizes, const Refuse& refuse) {
+Blocks input_of(const Json& body, const std::vector<std::size_t>& sizes) {
   const auto input = body.find("input");
   if (input == body.end()) refuse("the request has no input");
   if (!input->is_array() || input->size() != sizes.size()) refuse(fmt::format("input must be a list of {} blocks", sizes.size()));
   Blocks out;
-  for (std::size_t b = 0; b < sizes.size(); ++b) out.push_back(numbers_of((*input)[b], sizes[b], fmt::format("input block {}", b), refuse));
+  for (std::size_t b = 0; b < sizes.size(); ++b) out.push_back(numbers_of((*input)[b], sizes[b], fmt::format("input block {}", b)));
   return out;
 }
 
-Json config_of(const Json& body, const Refuse& refuse) {
+Json config_of(const Json& body) {
   const auto config = body.find("config");
   if (config == body.end()) return Json::object();
   if (!config->is_object()) refuse("config must be an object");
   return *config;
 }
 
-std::size_t index_of(const Json& body, const char* key, std::size_t size, const Refuse& refuse) {
+std::size_t index_of(const Json& body, const char* key, std::size_t size) {
   const auto at = body.find(key);
   if (at == body.end() || !at->is_number_integer() || at->get<std::int64_t>() < 0 || std::size_t(at->get<std::int64_t>()) >= size) refuse(fmt::format("{} must be a whole number from 0 to {}", key, size - 1));
   return at->get<std::size_t>();
@@ -116,19 +129,16 @@ const ServedModel& UmbridgeServer::model_of(const Json& body) const {
 
 namespace {
 
-template <class Refusal>
-Refuse invalid() {
-  return [](const std::string& message) { throw Refusal{400, "InvalidInput", message}; };
-}
-
-}  // namespace
-
-namespace {
-
-/// A request's whole body, decompressed. The library bounds a body that tells its length, and each wait for a piece; this bounds the sum, whether pieces come without one or
-/// compressed, and the time. What is beyond the bounds is refused, with what is wrong and the status.
-template <class Refusal>
-std::string read_body(const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest, double seconds) {
+/// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces tell their length, come without one or are compressed, and the
+/// time. What is beyond the bounds is refused, with what is wrong and the status; one that tells so beforehand is not read at all.
+std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, httplib::Response& response, std::size_t largest, double seconds) {
+  if (const std::string length = request.get_header_value("Content-Length"); !length.empty()) {
+    const bool whole = std::all_of(length.begin(), length.end(), [](unsigned char c) { return std::isdigit(c); });
+    const bool large = whole && (length.size() > 18 || std::stoull(length) > largest);
+    if (!whole || large) response.set_header("Connection", "close");  // what follows is no request
+    if (!whole) refuse("Content-Length is no number of bytes");
+    if (large) throw Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest)};
+  }
   std::string body;
   bool late = false, large = false;
   const auto began = std::chrono::steady_clock::now();
@@ -149,33 +159,25 @@ std::string read_body(const httplib::ContentReader& read, const httplib::Respons
 
 Json UmbridgeServer::evaluate(const Json& body) {
   const auto& m = model_of(body);
-  const auto refuse = invalid<Refusal>();
-  const auto config = config_of(body, refuse);
-  const Blocks out = m.evaluate(input_of(body, m.input_sizes, refuse), config);
+  const auto config = config_of(body);
+  const Blocks out = m.evaluate(input_of(body, m.input_sizes), config);
   Json output = Json::array();
   for (const auto& block : out) output.push_back(given(block));
   return {{"output", std::move(output)}};
 }
 
-Json UmbridgeServer::gradient(const Json& body) {
-  const auto& m = model_of(body);
-  if (!m.gradient) throw Refusal{400, "UnsupportedFeature", "the model has no gradient"};
-  const auto refuse = invalid<Refusal>();
-  const auto out_wrt = index_of(body, "outWrt", m.output_sizes.size(), refuse), in_wrt = index_of(body, "inWrt", m.input_sizes.size(), refuse);
-  const auto input = input_of(body, m.input_sizes, refuse);
-  const auto sens = numbers_of(body.contains("sens") ? body["sens"] : Json(), m.output_sizes[out_wrt], "sens", refuse);
-  return {{"output", given(m.gradient(input, out_wrt, in_wrt, sens, config_of(body, refuse)))}};
+namespace {
+
+/// sens' J or J vec: the direction is the list at `key`, on the output block or on the input block.
+Json directional(const ServedModel& m, const Json& body, const ServedModel::Directional& of, const char* key, bool on_output) {
+  const auto out_wrt = index_of(body, "outWrt", m.output_sizes.size()), in_wrt = index_of(body, "inWrt", m.input_sizes.size());
+  const auto input = input_of(body, m.input_sizes);
+  const auto direction = body.find(key);
+  if (direction == body.end()) refuse(fmt::format("the request has no {}", key));
+  return {{"output", given(of(input, out_wrt, in_wrt, numbers_of(*direction, on_output ? m.output_sizes[out_wrt] : m.input_sizes[in_wrt], key), config_of(body)))}};
 }
 
-Json UmbridgeServer::apply_jacobian(const Json& body) {
-  const auto& m = model_of(body);
-  if (!m.apply_jacobian) throw Refusal{400, "UnsupportedFeature", "the model has no action of its Jacobian"};
-  const auto refuse = invalid<Refusal>();
-  const auto out_wrt = index_of(body, "outWrt", m.output_sizes.size(), refuse), in_wrt = index_of(body, "inWrt", m.input_sizes.size(), refuse);
-  const auto input = input_of(body, m.input_sizes, refuse);
-  const auto vec = numbers_of(body.contains("vec") ? body["vec"] : Json(), m.input_sizes[in_wrt], "vec", refuse);
-  return {{"output", given(m.apply_jacobian(input, out_wrt, in_wrt, vec, config_of(body, refuse)))}};
-}
+}  // namespace
 
 void UmbridgeServer::route() {
   auto& server = http_->server;
@@ -185,29 +187,31 @@ void UmbridgeServer::route() {
     response.set_content(body.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
   };
   const auto unknown_path = [](const httplib::Request& request) { return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))}; };
-  const auto refuse = [send](httplib::Response& response, const Refusal& r) { send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}}); };
+  const auto refused = [send](httplib::Response& response, const Refusal& r) { send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}}); };
   // The body is JSON whatever its Content-Type says, so the library is not to read it as a form, of which it bears 8 KB, nor as parts of one.
   // It hands out its own request, which is not const where it was made.
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
-    const_cast<httplib::Request&>(request).headers.erase("Content-Type");
+    auto& own = const_cast<httplib::Request&>(request);
+    own.headers.erase("Content-Type");
+    own.headers.erase("Range"), own.ranges.clear();  // nor is a part of an answer an answer
     return httplib::Server::HandlerResponse::Unhandled;
   });
   // What is no JSON, NaN and Infinity included, is refused.
-  const auto answer = [this, send, refuse](const std::string& path, bool heavy, std::function<Json(const Json&)> make) {
-    http_->server.Post(path, [this, send, refuse, heavy, make](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& read) {
+  const auto answer = [this, send, refused](const std::string& path, bool heavy, std::function<Json(const Json&)> make) {
+    http_->server.Post(path, [this, send, refused, heavy, make](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
       try {
-        const Json body = Json::parse(read_body<Refusal>(read, response, options_.largest_body, options_.timeout), nullptr, false);
-        if (!body.is_object()) throw Refusal{400, "InvalidInput", "the body is not a JSON object"};
+        const Json body = shallow_json(read_body(request, read, response, options_.largest_body, options_.timeout));
+        if (!body.is_object()) refuse(fmt::format("the body is not a JSON object of at most {} levels", deepest_json));
         if (!heavy) return send(response, 200, make(body));
-        if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already"};
+        if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already, or the server ends"};
         const std::shared_ptr<void> leaving(nullptr, [this](void*) { http_->turnstile.leave(); });
         send(response, 200, make(body));
       } catch (const Refusal& r) {
-        refuse(response, r);
+        refused(response, r);
       } catch (const InputError& e) {
-        refuse(response, {400, "InvalidInput", e.what()});
+        refused(response, {400, "InvalidInput", e.what()});
       } catch (const std::exception& e) {
-        refuse(response, {500, "InvalidOutput", e.what()});
+        refused(response, {500, "InvalidOutput", e.what()});
       }
     });
   };
@@ -223,25 +227,33 @@ void UmbridgeServer::route() {
   answer("/InputSizes", false, [this](const Json& body) -> Json { return {{"inputSizes", model_of(body).input_sizes}}; });
   answer("/OutputSizes", false, [this](const Json& body) -> Json { return {{"outputSizes", model_of(body).output_sizes}}; });
   answer("/Evaluate", true, [this](const Json& body) { return evaluate(body); });
-  answer("/Gradient", true, [this](const Json& body) { return gradient(body); });
-  answer("/ApplyJacobian", true, [this](const Json& body) { return apply_jacobian(body); });
+  answer("/Gradient", true, [this](const Json& body) {
+    const auto& m = model_of(body);
+    if (!m.gradient) throw Refusal{400, "UnsupportedFeature", "the model has no gradient"};
+    return directional(m, body, m.gradient, "sens", true);
+  });
+  answer("/ApplyJacobian", true, [this](const Json& body) {
+    const auto& m = model_of(body);
+    if (!m.apply_jacobian) throw Refusal{400, "UnsupportedFeature", "the model has no action of its Jacobian"};
+    return directional(m, body, m.apply_jacobian, "vec", false);
+  });
   answer("/ApplyHessian", false, [this](const Json& body) -> Json {
     (void)model_of(body);
     throw Refusal{400, "UnsupportedFeature", "no model of this server has a Hessian"};
   });
   // Anything else is read too, so that the next request of the connection is found behind it.
-  const auto unknown = [this, refuse, unknown_path](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
+  const auto unknown = [this, refused, unknown_path](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
     try {
-      (void)read_body<Refusal>(read, response, options_.largest_body, options_.timeout);
-      refuse(response, unknown_path(request));
+      (void)read_body(request, read, response, options_.largest_body, options_.timeout);
+      refused(response, unknown_path(request));
     } catch (const Refusal& r) {
-      refuse(response, r);
+      refused(response, r);
     }
   };
   server.Post(".*", unknown).Put(".*", unknown).Patch(".*", unknown).Delete(".*", unknown);
-  server.set_error_handler([refuse, unknown_path](const httplib::Request& request, httplib::Response& response) {
+  server.set_error_handler([refused, unknown_path](const httplib::Request& request, httplib::Response& response) {
     if (!response.body.empty()) return;  // already said
-    refuse(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
+    refused(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
   });
 }
 
@@ -271,7 +283,7 @@ void UmbridgeServer::run(const std::atomic<bool>& stop) {
   std::atomic<bool> over = false;
   std::thread watcher([&] {
     while (!over) {
-      if (stop) http_->server.stop();  // again and again: it does nothing before the server listens
+      if (stop) http_->turnstile.close(), http_->server.stop();  // again and again: it does nothing before the server listens
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   });

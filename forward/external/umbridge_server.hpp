@@ -16,10 +16,9 @@ struct ServedModel {
   std::string name;
   std::vector<std::size_t> input_sizes, output_sizes;
   std::function<Blocks(const Blocks& input, const Json& config)> evaluate;
-  /// sens' J of (out_wrt, in_wrt), or empty: not supported.
-  std::function<std::vector<double>(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, const std::vector<double>& sens, const Json& config)> gradient;
-  /// J vec of (out_wrt, in_wrt), or empty: not supported.
-  std::function<std::vector<double>(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, const std::vector<double>& vec, const Json& config)> apply_jacobian;
+  using Directional = std::function<std::vector<double>(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, const std::vector<double>& direction, const Json& config)>;
+  Directional gradient;        ///< sens' J of (out_wrt, in_wrt), or empty: not supported
+  Directional apply_jacobian;  ///< J vec of (out_wrt, in_wrt), or empty: not supported
 };
 
 struct ServeOptions {
@@ -40,19 +39,16 @@ class UmbridgeServer {
   UmbridgeServer& operator=(const UmbridgeServer&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
-  /// Answers until `stop` is true.
+  /// Answers until `stop` is true; evaluations that have begun are made to their end, those that wait are refused.
   void run(const std::atomic<bool>& stop);
   /// Requests answered so far, errors included.
   [[nodiscard]] std::size_t answered() const { return answered_; }
 
  private:
   struct Http;
-  struct Refusal;
   void route();
   [[nodiscard]] const ServedModel& model_of(const Json& body) const;
   [[nodiscard]] Json evaluate(const Json& body);
-  [[nodiscard]] Json gradient(const Json& body);
-  [[nodiscard]] Json apply_jacobian(const Json& body);
   std::vector<ServedModel> models_;
   ServeOptions options_;
   std::unique_ptr<Http> http_;

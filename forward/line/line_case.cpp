@@ -32,7 +32,7 @@ FoundNumber<LineCase> find_number(LineCase& self, const std::string& key) {
     NumberVisitor v(key.rfind(path + '.', 0) == 0 ? key.substr(path.size() + 1) : "");
     options.visit(v);
     for (const auto& k : v.known) known.push_back(path + '.' + k);
-    if (v.number || v.optional) found = {v.number, v.optional};
+    if (v.number || v.optional) found = {v.number, v.optional, v.info};
   };
   LineCase::visit_tables(self, look);
   for (auto& s : self.stations) look("station." + s.name, s);

@@ -42,7 +42,7 @@ RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta,
   try {
     Prediction p = model.evaluate(theta);
     record.message = p.ok ? fault(model.shape(), p) : p.message.empty() ? "the model gave no reason" : p.message;
-    record.done = record.message.empty();
+    record.done = record.message.empty(), record.lost = p.lost;
     if (!record.done) return record;
     record.mean = single(p.mean);
     record.energy_slope = single(p.energy_slope);
@@ -57,7 +57,7 @@ RunRecord evaluate_run(const ForwardModel& model, std::span<const double> theta,
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
-    record = {.message = fmt::format("{} (at {})", e.what(), point_text(model.shape(), theta))};
+    record = {.lost = false, .message = fmt::format("{} (at {})", e.what(), point_text(model.shape(), theta))};
   }
   return record;
 }

@@ -12,6 +12,7 @@ namespace calomel {
 /// The values in single precision: 6e-8 of themselves, far below any scatter.
 struct RunRecord {
   bool done = false;
+  bool lost = false;                ///< no answer came (Prediction::lost): such a record is not kept
   std::string message;              ///< why the run failed
   std::vector<float> mean;          ///< (condition, sensor, time) [-]
   std::vector<float> energy_slope;  ///< the same shape, or empty

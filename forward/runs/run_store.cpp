@@ -64,7 +64,7 @@ void RunStore::make(std::span<const RunPoint> points, const Evaluate& evaluate, 
     const auto [text, first] = asked.insert(text_of(p));
     if (!first) continue;
     const std::lock_guard guard(lock_);
-    if (places_.contains(*text))
+    if (places_.contains(*text) || lost_.contains(*text))
       ++reused_;
     else
       missing.push_back(&p);
@@ -75,12 +75,19 @@ void RunStore::make(std::span<const RunPoint> points, const Evaluate& evaluate, 
   parallel_for(missing.size(), threads, [&](std::size_t k) {
     if (stop && stop->load()) return;
     const std::string text = text_of(*missing[k]);
-    ByteWriter payload;
-    payload.text(text);
-    payload.bytes += bytes_of(evaluate(*missing[k]));
-    const auto place = file_.append(payload.bytes);
+    RunRecord record = evaluate(*missing[k]);
+    FrameFile::Place place{};
+    if (!record.lost) {
+      ByteWriter payload;
+      payload.text(text);
+      payload.bytes += bytes_of(record);
+      place = file_.append(payload.bytes);
+    }
     const std::lock_guard guard(lock_);
-    places_[text] = place;
+    if (record.lost)
+      lost_[text] = std::move(record);
+    else
+      places_[text] = place;
     ++done, ++made_;
     if (progress) progress(done, missing.size());
   });
@@ -98,7 +105,8 @@ std::vector<RunRecord> RunStore::run(std::span<const RunPoint> points, const Eva
 
 bool RunStore::contains(const RunPoint& point) const {
   const std::lock_guard guard(lock_);
-  return places_.contains(text_of(point));
+  const std::string text = text_of(point);
+  return places_.contains(text) || lost_.contains(text);
 }
 
 RunRecord RunStore::read(const RunPoint& point) const {
@@ -106,6 +114,7 @@ RunRecord RunStore::read(const RunPoint& point) const {
   FrameFile::Place place;
   {
     const std::lock_guard guard(lock_);
+    if (const auto lost = lost_.find(text); lost != lost_.end()) return lost->second;
     const auto at = places_.find(text);
     expect(at != places_.end(), "only a run that is held is read");
     place = at->second;
@@ -126,6 +135,11 @@ std::vector<RunPoint> RunStore::points() const {
 std::size_t RunStore::size() const {
   const std::lock_guard guard(lock_);
   return places_.size();
+}
+
+std::size_t RunStore::lost() const {
+  const std::lock_guard guard(lock_);
+  return lost_.size();
 }
 
 void RunStore::remove() {

@@ -43,7 +43,8 @@ class RunStore {
   /// Errors: InputError when it was begun with other settings, is in use, or cannot be written.
   RunStore(const Provenance& provenance, const std::filesystem::path& path);
 
-  /// Makes those of `points` that the journal does not hold, on `threads` threads, each kept as it ends. Safe from several threads for points that differ.
+  /// Makes those of `points` that the journal does not hold, on `threads` threads, each kept as it ends: in the journal, or, where no answer came, as long as the object lives, so that
+  /// another call asks again. Safe from several threads for points that differ.
   /// Errors: those of `evaluate`; Interrupted when `stop` became true, after the runs in progress.
   void make(std::span<const RunPoint> points, const Evaluate& evaluate, int threads, const Cost& cost = {}, const Progress& progress = {},
             const std::atomic<bool>* stop = nullptr);
@@ -57,6 +58,8 @@ class RunStore {
   /// The points of all runs held, in the order of their texts.
   [[nodiscard]] std::vector<RunPoint> points() const;
   [[nodiscard]] std::size_t size() const;
+  /// Runs of this object's life to which no answer came.
+  [[nodiscard]] std::size_t lost() const;
   /// Runs of this object's life that were made, and that were asked for and held.
   [[nodiscard]] std::size_t made() const { return made_; }
   [[nodiscard]] std::size_t reused() const { return reused_; }
@@ -70,6 +73,7 @@ class RunStore {
   std::filesystem::path path_;
   mutable std::mutex lock_;
   std::map<std::string, FrameFile::Place> places_;
+  std::map<std::string, RunRecord> lost_;
   FrameFile file_;  ///< after places_, which its constructor fills
   std::size_t made_ = 0, reused_ = 0;
 };

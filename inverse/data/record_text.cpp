@@ -104,9 +104,11 @@ struct Header {
   std::vector<std::string> names;
 };
 
+bool is_sensor_column(const std::string& word) { return word == "sensor" || word == "gauge"; }
+
 bool looks_like_header(const std::vector<std::string_view>& fields) {
   bool time = false, sensor = false;
-  for (const auto f : fields) time |= time_column(f).has_value(), sensor |= lowered(f) == "sensor";
+  for (const auto f : fields) time |= time_column(f).has_value(), sensor |= is_sensor_column(lowered(f));
   return fields.size() >= 2 && ((time && sensor) || time_column(fields[0]).has_value());
 }
 
@@ -125,7 +127,7 @@ Header read_header(std::string_view line, int number, const std::string& file) {
   for (int i = 0; i < int(fields.size()); ++i) {
     const std::string word = lowered(fields[std::size_t(i)]);
     h.names.emplace_back(fields[std::size_t(i)]);
-    if (word == "sensor" || word == "gauge")
+    if (is_sensor_column(word))
       h.sensor = i;
     else if (word == "pulse")
       h.pulse = i;

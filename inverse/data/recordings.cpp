@@ -49,7 +49,7 @@ std::pair<double, std::string> inner_unit(const std::string& own, const std::str
   return {1, own.empty() || asked != "strain" ? asked : own};
 }
 
-Recordings read_netcdf(const std::filesystem::path& path, const std::string& unit) {
+Recordings read_netcdf(const std::filesystem::path& path, const std::string& unit, bool as_it_is = false) {
   const NetcdfReader file(path);
   const auto dims = file.dimensions("strain");
   const auto shape = file.shape("strain");
@@ -96,7 +96,7 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   std::size_t stride[4] = {0, 0, 0, 0}, step = 1;
   for (std::size_t d = dims.size(); d-- > 0; step *= shape[d]) stride[dims[d] == "condition" ? 0 : dims[d] == "sensor" ? 1 : dims[d] == "pulse" ? 2 : 3] = step;
   const auto raw = file.doubles("strain");
-  const auto [factor, name] = inner_unit(file.attribute("units", "strain"), unit, path.string());
+  const auto [factor, name] = as_it_is ? std::pair(1.0, unit) : inner_unit(file.attribute("units", "strain"), unit, path.string());
   out.unit = name;
   out.values.resize(raw.size());
   std::size_t dropouts = 0;
@@ -189,7 +189,7 @@ void RecordingOptions::validate() const {
 }
 
 std::optional<double> RecordingOptions::noise_of(const std::string& sensor) const {
-  const double factor = unit == "microstrain" ? microstrain : 1;
+  const double factor = unit == "microstrain" && !as_it_is ? microstrain : 1;
   if (const auto it = noise_by_sensor.sd.find(sensor); it != noise_by_sensor.sd.end()) return it->second * factor;
   if (noise && noise_by_sensor.sd.empty()) return *noise * factor;
   return std::nullopt;
@@ -207,17 +207,17 @@ bool Recordings::recorded(std::size_t condition, std::size_t sensor, std::size_t
   return std::any_of(first, first + time.size(), [](double v) { return std::isfinite(v); });
 }
 
-Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit) {
-  if (is_netcdf(path)) return read_netcdf(path, unit);
+Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit, bool as_it_is) {
+  if (is_netcdf(path)) return read_netcdf(path, unit, as_it_is);
   RecordRows table = parse_record_text(read_text(path), path.string());
-  const std::string name = convert(table, unit);
+  const std::string name = as_it_is ? unit : convert(table, unit);
   Recordings out = assemble(table);
   out.unit = name;
   return out;
 }
 
 Recordings read_recordings(const std::filesystem::path& path, const RecordingOptions& options) {
-  const Recordings all = read_recordings_file(path, options.unit);
+  const Recordings all = read_recordings_file(path, options.unit, options.as_it_is);
   Recordings out = all;
   for (std::size_t i = 0; i < options.exclude.size(); ++i)
     if (const auto& name = options.exclude[i]; std::find(all.sensors.begin(), all.sensors.end(), name) == all.sensors.end())
@@ -260,7 +260,7 @@ std::vector<std::string> match_sensors(const Recordings& recordings, std::span<c
           {.problem = fmt::format("the sensor is recorded but not declared in {}", case_file.string()),
            .value = "sensor \"" + recordings.sensors[s] + '"',
            .range = join(declared),
-           .suggestion = fmt::format("declare it with [[sensor]], or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"", recordings.sensors[s],
+           .suggestion = fmt::format("declare it ([[sensor]] of a target, output.sensors of a model outside), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"", recordings.sensors[s],
                                      without.empty() ? "the nearest declared one" : "declared without a record", nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
            .file = recordings_file.string(),
            .line = recordings.sensor_lines[s]});

@@ -33,12 +33,13 @@ struct RecordingOptions {
   std::optional<double> noise;  ///< one sd for all sensors, in the data's unit
   double noise_time = 0;
   NoiseTable noise_by_sensor;   ///< used instead of `noise` when it has entries
+  bool as_it_is = false;        ///< no key: `unit` is that of another model's values, and nothing is converted
 
   template <class V>
   void visit(V& v) {
     v("file", file,
       {.doc = "recordings.nc, a CSV of the form sensor,pulse,time,strain (condition optional), or time and one column a sensor", .required = true});
-    v("unit", unit, {.doc = "strain or microstrain; any other word is kept as the name of the unit of another model's data"});
+    v("unit", unit, {.doc = "strain or microstrain, which is converted. Records of a line or of a model outside are in the model's own unit, case.sensor_unit"});
     v("trigger_offset", trigger_offset, {.unit = "s", .range = any(), .doc = "time on the record's clock at which the simulation starts (subtracted)"});
     v("begin", begin, {.unit = "s", .range = any(), .doc = "earlier samples are left out; on the simulation's clock"});
     v("end", end, {.unit = "s", .range = any(), .doc = "later samples are left out; on the simulation's clock"});
@@ -80,9 +81,9 @@ struct Recordings {
   [[nodiscard]] bool recorded(std::size_t condition, std::size_t sensor, std::size_t pulse) const;
 };
 
-/// Reads a file as it stands: long or wide text, a LabVIEW measurement, or recordings.nc. `unit` as in RecordingOptions.
+/// Reads a file as it stands: long or wide text, a LabVIEW measurement, or recordings.nc. `unit` and `as_it_is` as in RecordingOptions.
 /// Errors: InputError with file and line; without a file but with the key recordings.file when it cannot be opened.
-Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit = "strain");
+Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit = "strain", bool as_it_is = false);
 
 /// The recordings of a case: the file, then exclusion, trigger offset and window.
 /// Errors: those of read_recordings_file; InputError when a name in `exclude` is not recorded or nothing is left.

@@ -139,7 +139,8 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.log_evidence_laplace = log_evidence(posterior, mode);
   out.fit = goodness_of_fit(posterior, mode, fit.hypotheses[posterior.likeliest(mode.at)].errors, fit.coefficients, fit.noise);
   out.identification = identification_of(in, fit, out.covariance);
-  out.check = check_by_true_model(in, fit, in.emulator.check_coarse, in.emulator.check_fine);
+  const auto checks = std::size_t(std::max(1, in.emulator.check_coarse + in.emulator.check_fine));
+  out.check = check_by_true_model(in, fit, gaussian_draws(posterior, mode, checks, in.seed ^ check_stream).topRows(posterior.box().size()), in.emulator.check_coarse, in.emulator.check_fine);
   if (left_out) {
     auto directions = left_out(out.theta);
     if (out.trusted()) directions.insert(directions.begin(), gauge_gains(in.problem, out.calibrated));

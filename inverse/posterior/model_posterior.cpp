@@ -69,13 +69,16 @@ double ModelPosterior::log_likelihood(std::span<const double> theta) const {
   return log_norm_ - penalty_of_errors(r.squaredNorm(), freedom_, double(r.size()));
 }
 
-double ModelPosterior::log_density(const Eigen::VectorXd& q) const {
+double ModelPosterior::log_prior(const Eigen::VectorXd& q) const {
   const Eigen::VectorXd jacobian = scale(q);
   if (!((jacobian.array() > 0).all())) return -infinity;  // so far out that the bounds are met to the last digit
-  const auto at = theta(q);
-  const double prior = log_prior(priors_, at);
-  if (!std::isfinite(prior)) return -infinity;
-  return log_likelihood(at) + prior + jacobian.array().log().sum();
+  const double prior = calomel::log_prior(priors_, theta(q));
+  return std::isfinite(prior) ? prior + jacobian.array().log().sum() : -infinity;
+}
+
+double ModelPosterior::log_density(const Eigen::VectorXd& q) const {
+  const double prior = log_prior(q);
+  return std::isfinite(prior) ? log_likelihood(theta(q)) + prior : -infinity;
 }
 
 double ModelPosterior::log_density(const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const {

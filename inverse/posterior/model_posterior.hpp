@@ -36,7 +36,9 @@ class ModelPosterior {
   [[nodiscard]] std::vector<double> history(std::span<const double> theta) const;
   /// log L; minus infinity where the model has no answer.
   [[nodiscard]] double log_likelihood(std::span<const double> theta) const;
-  /// log L + log prior + log |dtheta/dq|.
+  /// log prior + log |dtheta/dq|; minus infinity beyond the prior's support.
+  [[nodiscard]] double log_prior(const Eigen::VectorXd& q) const;
+  /// log L + log_prior.
   [[nodiscard]] double log_density(const Eigen::VectorXd& q) const;
   /// Whether there is a gradient: of a log density whose model has one.
   [[nodiscard]] bool has_gradient() const { return !errors_ && model_.has_gradient(); }

@@ -96,6 +96,20 @@ double Prior::quantile(double u) const {
   return a_ + b_ * boost::math::quantile(standard, u);
 }
 
+double Prior::probability_below(double x) const {
+  const auto below = [](double at) { return boost::math::cdf(standard, at); };
+  if (kind_ == "lognormal") return x > 0 ? below((std::log(x) - a_) / b_) : 0;
+  if (kind_ == "half_cauchy") return x > 0 ? 2 / std::numbers::pi * std::atan(x / b_) : 0;
+  if (kind_ == "normal") return below((x - a_) / b_);
+  const double at = std::clamp(x, low_, high_);
+  if (kind_ == "beta") return boost::math::cdf(boost::math::beta_distribution<>(a_, b_), (at - low_) / (high_ - low_));
+  if (kind_ == "truncated_normal") {
+    const double begin = below((low_ - a_) / b_), end = below((high_ - a_) / b_);
+    return (below((at - a_) / b_) - begin) / (end - begin);
+  }
+  return (at - low_) / (high_ - low_);
+}
+
 double Prior::scale() const {
   if (kind_ == "uniform") return (high_ - low_) / std::sqrt(12.0);
   if (kind_ == "lognormal") return b_ * std::exp(a_);

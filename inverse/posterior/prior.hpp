@@ -26,6 +26,8 @@ class Prior {
   [[nodiscard]] double log_density_slope(double x) const;
   /// Value with the probability u below it, 0 < u < 1.
   [[nodiscard]] double quantile(double u) const;
+  /// u with quantile(u) = x: the probability below x.
+  [[nodiscard]] double probability_below(double x) const;
   /// A scale of the density: sd of normal, truncated and lognormal (of ln x times its median); the interval over sqrt(12) for uniform; the scale of
   /// half_cauchy; the sd of beta.
   [[nodiscard]] double scale() const;

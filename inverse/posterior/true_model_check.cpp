@@ -10,21 +10,19 @@ namespace calomel {
 
 namespace {
 
-constexpr std::uint64_t stream = 0x7c0de;
 constexpr double least_p_value = 1e-3;
 
 }  // namespace
 
-TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, int coarse, int fine) {
+TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, const Eigen::MatrixXd& draws, int coarse, int fine) {
   const LogPosterior& posterior = *fit.posterior;
   const MultilevelRegression& emulator = posterior.emulator();
   const Eigen::Index d = posterior.box().size();
   if (in.levels < 2) fine += coarse, coarse = 0;
-  const Eigen::MatrixXd draws = gaussian_draws(posterior, fit.modes[0], std::size_t(std::max(1, coarse + fine)), in.seed ^ stream);
   Eigen::MatrixXd thetas(d, coarse + fine);
   std::vector<int> level;
   for (int i = 0; i < coarse + fine; ++i) {
-    const Eigen::VectorXd u = i == 0 || draws.cols() == 0 ? fit.modes[0].at.u : Eigen::VectorXd(draws.col(i % draws.cols()).head(d));
+    const Eigen::VectorXd u = i == 0 || draws.cols() == 0 ? fit.modes[0].at.u : Eigen::VectorXd(draws.col(i % draws.cols()));
     const auto t = posterior.box().theta(u);
     thetas.col(i) = Eigen::Map<const Eigen::VectorXd>(t.data(), d);
     level.push_back(i < fine ? 0 : 1);

@@ -1,11 +1,14 @@
 #pragma once
 /// Whether the true model lies where the emulator says, in the emulator's own deviations.
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "inverse/posterior/posterior_fit.hpp"
 
 namespace calomel {
+
+inline constexpr std::uint64_t check_stream = 0x7c0de;  ///< of a seed, for the draws of a check: other ones than those that the emulator is taught at
 
 /// A run that the emulator was not taught by.
 struct CheckedRun {
@@ -26,7 +29,8 @@ struct TrueModelCheck {
   std::string sentence;
 };
 
-/// Runs the true model at the mode and at draws from the Gaussian about it: `fine` on the finest mesh, `coarse` on the next.
-[[nodiscard]] TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, int coarse, int fine);
+/// Runs the true model at the mode and at `draws` from the posterior, u (box.size(), n): `fine` on the finest mesh, `coarse` on the next. Draws are taken in their order; where they are too few,
+/// from the first again.
+[[nodiscard]] TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, const Eigen::MatrixXd& draws, int coarse, int fine);
 
 }  // namespace calomel

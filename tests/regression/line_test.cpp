@@ -166,11 +166,18 @@ TEST(Line, TellsWhereACaseIsWrong) {
   EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\nenabled = true\npoisson = 0.29\n"), HasSubstr("set line.radius"));
   EXPECT_THAT(said(bar_case + "[mechanism.lateral_inertia]\npoisson = 0.6\n"), HasSubstr("(allowed: 0 <= x <= 0.49)"));
   EXPECT_THAT(said(slice_case + "[line]\nkind = \"bar\"\n"), HasSubstr("line: this table belongs to a line"));
-  EXPECT_THAT(said(pipe_case, "campaign case.toml"), HasSubstr("a line is checked, simulated and diagnosed in this version, not: campaign"));
+  EXPECT_THAT(said(pipe_case, "campaign case.toml"), HasSubstr("a line is checked, simulated, diagnosed and reported in this version, not: campaign"));
   EXPECT_THAT(said(pipe_case, "simulate case.toml --mean"), HasSubstr("--mean"));
 }
 
-TEST(Line, IsDiagnosed) {
+TEST(Line, RecordsAreInTheUnitOfTheModel) {
+  const auto dir = folder_with("line_unit", {{"case.toml", with(lag_case, "file = \"record.csv\"\nunit = \"V\"", "file = \"record.csv\"\nunit = \"mV\"")}, {"record.csv", two_gauges()}});
+  const auto out = run(dir, "check case.toml");
+  EXPECT_EQ(out.status, 2);
+  EXPECT_THAT(out.said, HasSubstr("recordings.unit = \"mV\": the model's values are in V"));
+}
+
+TEST(Line, IsDiagnosedAndReported) {
   const auto dir = folder_with("line_diagnosed", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
   const auto made = run(dir, "diagnose case.toml");
   ASSERT_EQ(made.status, 0) << made.said;
@@ -192,6 +199,10 @@ TEST(Line, IsDiagnosed) {
   EXPECT_NEAR(sum, 1, 1e-9);
   EXPECT_NEAR(lag, 4e-6, 1.2e-6);  // a low pass and the speed do part of it
   EXPECT_THAT(run(dir, "diagnose case.toml").said, HasSubstr("reused"));
+  const auto page = run(dir, "report case.toml --csv");
+  ASSERT_EQ(page.status, 0) << page.said;
+  const auto html = calomel::read_text(dir / "case.out" / "report.html");
+  for (const char* part : {"What the simulation leaves out", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"}) EXPECT_THAT(html, HasSubstr(part));
 }
 
 TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {

@@ -42,11 +42,7 @@ class Density final : public LogDensity {
  public:
   explicit Density(Model model) : model_(std::move(model)), coordinates_(model_.coordinates()) {}
   [[nodiscard]] const Names& coordinates() const override { return coordinates_; }
-  [[nodiscard]] std::vector<Quantity> quantities() const override {
-    std::vector<Quantity> all;
-    for (const auto& name : model_.quantities()) all.push_back({name, ""});
-    return all;
-  }
+  [[nodiscard]] Names quantities() const override { return model_.quantities(); }
   [[nodiscard]] double log_density(std::span<const double> x) const override { return finite_or_never(model_.evaluate(x, {})); }
   [[nodiscard]] bool has_gradient() const override { return true; }
   double log_density_and_gradient(std::span<const double> x, std::span<double> g) const override {
@@ -289,7 +285,7 @@ class Flatter final : public LogDensity {
  public:
   explicit Flatter(std::unique_ptr<LogDensity> of) : of_(std::move(of)) {}
   [[nodiscard]] const Names& coordinates() const override { return of_->coordinates(); }
-  [[nodiscard]] std::vector<Quantity> quantities() const override { return of_->quantities(); }
+  [[nodiscard]] Names quantities() const override { return of_->quantities(); }
   void constrain(std::span<const double> x, std::span<double> q) const override { of_->constrain(x, q); }
   [[nodiscard]] double log_density(std::span<const double> x) const override { return share * of_->log_density(x); }
   [[nodiscard]] bool has_gradient() const override { return true; }

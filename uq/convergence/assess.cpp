@@ -53,7 +53,7 @@ bool within(const ParameterSummary& s, const ConvergenceLimits& limits) {
 }
 
 std::string numbers(const ParameterSummary& s) {
-  return fmt::format("R-hat {:.3f}, effective sample sizes {:.0f} in the bulk and {:.0f} in the tails", s.r_hat, s.ess_bulk, s.ess_tail);
+  return fmt::format("R-hat {:.4f}, effective sample sizes {:.0f} in the bulk and {:.0f} in the tails", s.r_hat, s.ess_bulk, s.ess_tail);
 }
 
 /// "1, 3 and 4", counted from 1; of many the first few and how many more: walkers of an ensemble count in hundreds.
@@ -63,6 +63,14 @@ std::string chain_numbers(const std::vector<std::size_t>& chains) {
   if (chains.size() > told) return fmt::format("{}, {}, {} and {} more", chains[0] + 1, chains[1] + 1, chains[2] + 1, chains.size() - first);
   for (std::size_t i = 0; i < chains.size(); ++i) s += (i == 0 ? "" : i + 1 == chains.size() ? " and " : ", ") + std::to_string(chains[i] + 1);
   return s;
+}
+
+/// Chains in which all draws are one. Many others hide them from R-hat.
+std::vector<std::size_t> still_chains(ChainDraws x) {
+  std::vector<std::size_t> still;
+  for (std::size_t c = 0; c < x.chains; ++c)
+    if (const auto v = x.values.subspan(c * x.draws(), x.draws()); v.size() > 1 && std::all_of(v.begin(), v.end(), [&](double u) { return u == v[0]; })) still.push_back(c);
+  return still;
 }
 
 /// Two groups of chains with a gap between them that no chain crosses.
@@ -141,10 +149,7 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} has not moved: all draws are {:g}, because every proposal was refused; start from the covariance of calibrate --method map, or raise "
         "sampler.warmup",
         name, values[0]);
-  std::vector<std::size_t> still;
-  for (std::size_t c = 0; c < x.chains; ++c)
-    if (const auto v = x.values.subspan(c * x.draws(), x.draws()); std::all_of(v.begin(), v.end(), [&](double u) { return u == v[0]; })) still.push_back(c);
-  if (!still.empty())
+  if (const auto still = still_chains(x); !still.empty())
     return fmt::format(
         "{} has not moved in {} {} (R-hat {:.3f}), while other chains did; those started where proposals are refused, so lower sampler.dispersion or raise "
         "sampler.warmup",
@@ -210,6 +215,9 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
         "bound it where values are impossible",
         name, numbers(s));
+  if (s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess)
+    return fmt::format("{} differs a little between {} ({}), each of which has draws enough: they have not forgotten where they began; double sampler.warmup and set sampler.draws = {:.0f}", name,
+                       draws.walkers > 1 ? "walkers" : "chains", numbers(s), rounded);
   if (s.r_hat < 1.05)
     return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
                        needed, rounded, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
@@ -225,9 +233,11 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   expect(!draws.names.empty() && draws.chains > 0 && draws.values.size() == draws.chains * draws.draws * draws.names.size(),
          "draws have the size of their names");
   Convergence c;
+  std::optional<std::size_t> still;  // a parameter with a chain that has not moved
   for (std::size_t k = 0; k < draws.names.size(); ++k) {
     const auto values = draws.of(k);
     c.parameters.push_back(summary_of(draws.names[k], {values, draws.chains, draws.walkers}));
+    if (!still && !still_chains({values, draws.chains, draws.walkers}).empty()) still = k;
   }
   const auto worst =
       std::max_element(c.parameters.begin(), c.parameters.end(), [&](const auto& a, const auto& b) { return lack(a, limits) < lack(b, limits); });
@@ -235,9 +245,11 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   c.e_bfmi = facts.e_bfmi, c.divergences = facts.divergences;
   const bool known = std::all_of(c.parameters.begin(), c.parameters.end(), [&](const auto& s) { return within(s, limits); });
   const auto slow = slow_energies(facts, limits);
-  c.converged = known && slow.empty();
+  c.converged = known && slow.empty() && !still;
   if (!known)
     c.message = cause(draws, std::size_t(worst - c.parameters.begin()), *worst, facts, limits);
+  else if (still)
+    c.parameter = c.parameters[*still].name, c.message = cause(draws, *still, c.parameters[*still], facts, limits);
   else if (!slow.empty())
     c.message = slow_energy_sentence(slow, facts, worst->name);
   else

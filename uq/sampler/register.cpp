@@ -28,7 +28,7 @@ const Registry<SamplerEntry>& samplers() {
           {[](const ChainSetting& s) -> std::unique_ptr<MarkovChain> {
              if (s.exact == nullptr)
                throw InputError({.problem = "needs a cheap density beside the one that is sampled, an emulator of the model, and there is none here", .key = "sampler.kind",
-                                 .value = "\"delayed_acceptance\"", .suggestion = "take \"dram\", or add [surrogate] so that there is an emulator"});
+                                 .value = "\"delayed_acceptance\"", .suggestion = "take \"dram\""});
              return delayed_acceptance_chain(s.density, *s.exact, s.options.delayed_acceptance, s.options.dram, s.mode.covariance, s.options.warmup);
            },
            500, 300, 1, [](const SamplerOptions& o, std::size_t) { return (double(o.delayed_acceptance.settle) + double(o.draws) * o.thin) / (double(o.warmup) + double(o.draws) * o.thin); }});

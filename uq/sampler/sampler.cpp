@@ -199,28 +199,24 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   const std::size_t told_chains = chains * walkers;
   result.coordinates = {.names = told_density.coordinates(), .chains = told_chains, .draws = kept, .walkers = walkers};
   result.quantities = {.chains = told_chains, .draws = kept, .walkers = walkers};
-  for (const auto& q : told_density.quantities()) result.quantities.names.push_back(q.name);
+  result.quantities.names = told_density.quantities();
   const std::size_t reported = result.quantities.names.size();
   result.quantities.values.resize(told_chains * kept * reported);
   auto& s = result.summary;
   s.kind = options.kind;
-  std::vector<std::size_t> still;
   std::vector<double> evidences;
   for (std::size_t c = 0; c < chains; ++c) {
     const ChainRecord& r = records[c];
     for (std::size_t w = 0; w < walkers; ++w) {
       const auto place = [&](std::size_t i) { return std::span(r.coordinates).subspan((i * walkers + w) * d, d); };
-      bool moved = kept == 1;
       for (std::size_t i = 0; i < kept; ++i) {
         const auto x = place(i);
         told_density.constrain(x, std::span(result.quantities.values).subspan(((c * walkers + w) * kept + i) * reported, reported));
         result.coordinates.values.insert(result.coordinates.values.end(), x.begin(), x.end());
         result.log_density.push_back(r.log_density[i * walkers + w]);
-        moved = moved || x[0] != place(0)[0];
       }
       for (const auto& [from, to] : {std::pair{&r.acceptance, &result.acceptance}, {&r.energy, &result.energy}, {&r.diverging, &result.diverging}, {&r.depth, &result.depth}})
         to->insert(to->end(), from->begin(), from->end());
-      if (!moved) still.push_back(c * walkers + w);
     }
     s.acceptance.push_back(std::accumulate(r.acceptance.begin(), r.acceptance.end(), 0.0) / double(kept));
     s.evaluations += r.evaluations, s.cheap_evaluations += r.cheap_evaluations, s.transitions += r.transitions;
@@ -229,10 +225,6 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   }
   if (evidences.size() == chains) tell_evidence(evidences, s);
   s.wall_s = std::chrono::duration<double>(Clock::now() - began).count();
-  s.status = still.empty() ? ExitStatus::done : ExitStatus::not_to_be_trusted;
-  s.message = !still.empty()  ? fmt::format("chain {} has not moved since the warm-up: every proposal was refused", still[0] + 1)
-              : walkers > 1 ? fmt::format("{} ensembles of {} walkers, {} draws each", chains, walkers, kept)
-                            : fmt::format("{} chains of {} draws", chains, kept);
   return result;
 }
 

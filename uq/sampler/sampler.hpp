@@ -108,8 +108,6 @@ struct SamplerRun {
 };
 
 struct SamplerSummary {
-  ExitStatus status = ExitStatus::failed_numerics;  ///< done, or not_to_be_trusted when a chain has not moved once. Convergence is judged by assess().
-  std::string message = "the sampler was not run";
   std::string kind;                ///< of the sampler
   std::vector<double> acceptance;  ///< (sampler.chains) mean over the kept transitions
   std::size_t evaluations = 0;     ///< of the density that is sampled, warm-up and earlier calls included

@@ -44,10 +44,10 @@ std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& des
     for (std::size_t k = 0; k < one.size(); ++k) {
       const auto n = double(effects[k].size());
       if (n == 0) continue;
-      double absolute = 0, squares = 0, absolute_squares = 0;
-      for (const double e : effects[k]) one[k].mu += e / n, absolute += std::abs(e) / n;
-      for (const double e : effects[k]) squares += std::pow(e - one[k].mu, 2), absolute_squares += std::pow(std::abs(e) - absolute, 2);
-      one[k].mu_star = absolute;
+      double mean = 0, absolute = 0, squares = 0, absolute_squares = 0;
+      for (const double e : effects[k]) mean += e / n, absolute += std::abs(e) / n;
+      for (const double e : effects[k]) squares += std::pow(e - mean, 2), absolute_squares += std::pow(std::abs(e) - absolute, 2);
+      one[k].mu = mean, one[k].mu_star = absolute;
       if (n > 1) one[k].sigma = std::sqrt(squares / (n - 1)), one[k].mu_star_se = std::sqrt(absolute_squares / (n - 1) / n);
     }
     out.push_back(std::move(one));

@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/not_finite.hpp"
+
 namespace calomel {
 
 /// Of one quantity and parameter, over its range: mean, mean of absolute values (Campolongo, Cariboni and Saltelli 2007), sd, and the standard error of mu_star.
+/// All NaN without a step, the last two with one.
 struct MorrisEffect {
-  double mu = 0, mu_star = 0, sigma = 0, mu_star_se = 0;
+  double mu = nan, mu_star = nan, sigma = nan, mu_star_se = nan;
 };
 
 /// Trajectories in the unit cube, (d, trajectories (d + 1)): each from a random point of a grid of `levels` values, moving the parameters one after another, in an order of

@@ -1,5 +1,7 @@
 #include "uq/sensitivity/sensitivity.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -137,8 +139,12 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
     const Eigen::Index count = std::min(block_rows, steps.cols() - begin);
     at_steps.middleCols(begin, count) = numbers_of(shape, evaluate(steps.middleCols(begin, count)));
   }
+  out.rows = std::size_t(rows.n);
+  if (rows.n == 0)
+    throw NumericsError(fmt::format("{} of {} evaluations of the model failed, so that no row of the design has all its values: narrow the bounds of the parameters to where the model has answers", out.failed, out.evaluations));
   if (double(out.failed) > most_failed * double(out.evaluations))
-    throw NumericsError("more than a fifth of the model's evaluations failed: narrow the bounds of the parameters to where the model has answers");
+    out.doubt = fmt::format("{} of {} evaluations of the model failed, more than a fifth: the shares are of {} of {} rows of the design, those where the model has answers; narrow the bounds of the parameters to where it has", out.failed,
+                            out.evaluations, rows.n, rows_wanted);
   const auto effects = morris_effects(steps, at_steps);
 
   // The polynomial: of runs of the model itself where there are any.
@@ -156,9 +162,12 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   for (std::size_t q = 0; q < out.quantities.size(); ++q) {
     auto& one = out.quantities[q];
     const auto row = rows.at_a.row(Eigen::Index(q)).head(rows.n);
-    one.mean = row.mean(), one.sd = std::sqrt((row.array() - one.mean).square().mean());
+    const Eigen::VectorXd known = numbers.row(Eigen::Index(q)).transpose();
+    const auto varies = [](const auto& values) { return values.maxCoeff() > values.minCoeff(); };  // rounding of a mean makes a variance of what does not
+    one.mean = varies(row) ? row.mean() : row[0], one.sd = std::sqrt((row.array() - one.mean).square().mean());
     one.sobol = rows.indices(q, in.seed), one.morris = effects[q];
-    if (polynomial) one.chaos = fit_chaos(2 * x.array() - 1, numbers.row(Eigen::Index(q)).transpose());
+    if (!polynomial || !varies(known)) continue;
+    if (auto chaos = fit_chaos(2 * x.array() - 1, known); chaos.coefficients.size() > 0) one.chaos = std::move(chaos);
   }
   std::size_t q = out.quantities.size();
   if (in.totals)

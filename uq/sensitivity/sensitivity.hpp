@@ -73,7 +73,7 @@ struct QuantitySensitivity {
   std::string sensor;  ///< empty: all records together, or a total of the run
   std::string condition;
   std::string unit;
-  double mean = 0, sd = 0;             ///< of a number; NaN for a record
+  double mean = 0, sd = 0;             ///< of a number; of a record the mean is NaN, the sd the root of its variance summed over the record
   SobolIndices sobol;
   std::vector<MorrisEffect> morris;    ///< empty for a record
   std::optional<LegendreChaos> chaos;  ///< of a number, with the uniform measure
@@ -87,9 +87,12 @@ struct Sensitivity {
   Eigen::MatrixXd first_order, total_order;     ///< (values, n_parameters)
   Eigen::VectorXd sd;                           ///< (values)
   std::size_t evaluations = 0, failed = 0;
+  std::size_t rows = 0;  ///< of the design that are whole: a row with an evaluation that failed is left out
+  std::string doubt;     ///< why the shares are not to be trusted, as a sentence; empty: they are
 };
 
-/// Errors: NumericsError when more than a fifth of the evaluations fail; Interrupted.
+/// Evaluations that fail leave their rows and steps out; where more than a fifth do, the result says that it is not to be trusted.
+/// Errors: NumericsError when no row of the design is whole; Interrupted.
 [[nodiscard]] Sensitivity analyse_sensitivity(const SensitivityInputs& in);
 
 /// The contents of sensitivity.json. `source`: a sentence on what was evaluated.

@@ -76,17 +76,20 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
   Json all_morris = Json::array();
   for (const auto& q : s.quantities)
     if (!q.morris.empty()) all_morris.push_back({{"name", q.name}, {"sensor", q.sensor}, {"effects", morris_json(q.morris, parameters)}});
-  return {{"status", "done"},
-          {"source", source},
-          {"measure", in.options.measure},
-          {"samples", in.options.samples},
-          {"evaluations", s.evaluations},
-          {"failed", s.failed},
-          {"first_order", indices_json(whole.sobol.first_order, parameters)},
-          {"total_order", indices_json(whole.sobol.total_order, parameters)},
-          {"morris", std::move(all_morris)},
-          {"quantities", std::move(quantities)},
-          {"provenance", provenance.json()}};
+  Json json{{"status", s.doubt.empty() ? "done" : "not_to_be_trusted"},
+            {"source", source},
+            {"measure", in.options.measure},
+            {"samples", in.options.samples},
+            {"rows", s.rows},
+            {"evaluations", s.evaluations},
+            {"failed", s.failed},
+            {"first_order", indices_json(whole.sobol.first_order, parameters)},
+            {"total_order", indices_json(whole.sobol.total_order, parameters)},
+            {"morris", std::move(all_morris)},
+            {"quantities", std::move(quantities)},
+            {"provenance", provenance.json()}};
+  if (!s.doubt.empty()) json["message"] = s.doubt;
+  return json;
 }
 
 std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters) {

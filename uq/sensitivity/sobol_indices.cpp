@@ -7,6 +7,7 @@
 #include "base/not_finite.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/design.hpp"
+#include "uq/convergence/diagnostics.hpp"
 
 namespace calomel {
 
@@ -14,10 +15,9 @@ namespace {
 
 constexpr double outside = 0.025;  ///< of the bootstrap's draws, on either side of the interval
 
-double quantile(std::vector<double>& sorted, double u) {
-  std::sort(sorted.begin(), sorted.end());
-  return sorted[std::size_t(std::lround(u * double(sorted.size() - 1)))];
-}
+constexpr Eigen::Index fewest_rows = 8;  ///< that a bootstrap is made of
+
+void put_interval(SensitivityIndex& index, const std::vector<double>& resampled) { index.low = quantile(resampled, outside), index.high = quantile(resampled, 1 - outside); }
 
 }  // namespace
 
@@ -28,6 +28,8 @@ SobolIndices sobol_indices(const SobolRows& rows, std::uint64_t seed, int resamp
   out.variance = n ? rows.variance.mean() : 0;
   out.first_order.assign(std::size_t(d), {nan, nan, nan}), out.total_order = out.first_order;
   if (!(out.variance > 0)) return out;
+  for (Eigen::Index k = 0; k < d; ++k) out.first_order[std::size_t(k)].value = 1 - rows.alone.col(k).mean() / out.variance, out.total_order[std::size_t(k)].value = rows.total.col(k).mean() / out.variance;
+  if (n < fewest_rows) return out;
   // The same resampled rows for all parameters.
   RandomStream random(seed, 0x50b0);
   std::vector<std::vector<double>> first(static_cast<std::size_t>(d)), total(static_cast<std::size_t>(d));
@@ -41,19 +43,14 @@ SobolIndices sobol_indices(const SobolRows& rows, std::uint64_t seed, int resamp
     if (!(v > 0)) continue;
     for (Eigen::Index k = 0; k < d; ++k) first[std::size_t(k)].push_back(1 - a[k] / v), total[std::size_t(k)].push_back(t[k] / v);
   }
-  for (Eigen::Index k = 0; k < d; ++k) {
-    const auto i = std::size_t(k);
-    out.first_order[i].value = 1 - rows.alone.col(k).mean() / out.variance, out.total_order[i].value = rows.total.col(k).mean() / out.variance;
-    if (first[i].empty()) continue;
-    out.first_order[i].low = quantile(first[i], outside), out.first_order[i].high = quantile(first[i], 1 - outside);
-    out.total_order[i].low = quantile(total[i], outside), out.total_order[i].high = quantile(total[i], 1 - outside);
-  }
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (!first[k].empty()) put_interval(out.first_order[k], first[k]), put_interval(out.total_order[k], total[k]);
   return out;
 }
 
 Eigen::MatrixXd sobol_rows_design(std::size_t dimensions, std::size_t n, std::uint64_t seed) {
   const auto d = Eigen::Index(dimensions);
-  const Eigen::MatrixXd both = sobol_points(2 * dimensions, n, seed);
+  const Eigen::MatrixXd both = 2 * dimensions <= sobol_dimensions ? sobol_points(2 * dimensions, n, seed) : latin_hypercube_points(2 * dimensions, n, seed);
   Eigen::MatrixXd out(d, Eigen::Index(n) * (d + 2));
   for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
     const Eigen::Index at = i * (d + 2);

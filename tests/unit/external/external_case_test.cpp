@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
+#include "base/json.hpp"
 #include "forward/external/external_case.hpp"
 
 namespace calomel {
@@ -14,6 +15,7 @@ url = "http://127.0.0.1:1"
 name = "m"
 config = { level = 2, word = "fine", list = [1, 2.5] }
 )";
+const std::string bare = head.substr(0, head.find("config"));  ///< without a config
 const std::string output = R"([output]
 sensors = ["B", "A"]
 time = { start = 1.0, step = 0.5, count = 3 }
@@ -106,6 +108,23 @@ TEST(ExternalCase, MistakesAreToldWithTheirPlace) {
   EXPECT_NE(refusal(head + output + parameters + "[geometry]\nkind = \"box\"\n").find("geometry"), std::string::npos);
   EXPECT_NE(refusal(head + "[output]\nkind = \"log_density\"\nsensors = [\"A\"]\n" + parameters).find("output.sensors"), std::string::npos);
   EXPECT_NE(refusal(head + output + "[parameter.a]\nkey = \"line.x\"\nmin = 0.0\nmax = 1.0\n").find("key"), std::string::npos);
+  EXPECT_NE(refusal(head + output + "[parameter.\"c.d\"]\nmin = 0.0\nmax = 1.0\n").find("c.d"), std::string::npos);
+  EXPECT_NE(refusal(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.5\nmax = 0.1\n").find("mechanism.third.parameter.q.max"), std::string::npos);
+  for (const char* config : {"3", "[1, 2]", "\"x\""}) EXPECT_NE(refusal(bare + "config = " + config + "\n" + output + parameters).find("a table"), std::string::npos) << config;
+  for (const char* value : {"nan", "inf", "1979-05-27"}) EXPECT_NE(refusal(bare + "config = { a = { b = " + value + " } }\n" + output + parameters).find("model.config.a.b"), std::string::npos) << value;
+}
+
+// Runs hang on what the model is asked, not on where it is, nor on what is thought of its inputs.
+TEST(ExternalCase, RunsAreThoseOfTheModelWhereverItIs) {
+  const std::string group = "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.0\nmax = 1.0\n";
+  const auto options = [&](const std::string& text) { return read(text).model_options(); };
+  const Json usual = options(head + output + parameters + group);
+  EXPECT_FALSE(usual["model"].contains("url"));
+  EXPECT_EQ(usual["inputs"].back(), "mechanism.third.parameter.q");
+  EXPECT_EQ(options(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.0\nmax = 3.0\nprior = \"half_cauchy\"\nscale = 1.0\n"), usual);
+  EXPECT_NE(options(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.1\nmin = 0.0\nmax = 1.0\n"), usual);
+  EXPECT_NE(options(bare + "config = { level = 3 }\n" + output + parameters + group), usual);
+  EXPECT_EQ(read(head + output + parameters + group).echo()["mechanism"]["third"]["parameter"].begin().key(), "q");
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "base/provenance.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/external/served.hpp"
@@ -60,6 +63,38 @@ TEST(ExternalModel, WhatDoesNotFitTheServerIsRefused) {
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("did you mean \"line\""), std::string::npos) << e.what();
   }
+}
+
+// A run to which no answer came in time says nothing of its point: it counts as failed here, and the next call asks again.
+TEST(ExternalModel, ARunWithoutAnAnswerIsNotKept) {
+  const ScratchFolder scratch;
+  const Provenance provenance{.stage = "runs"};
+  std::atomic<bool> slow = true;
+  ServedModel line = straight_line();
+  line.evaluate = [inner = line.evaluate, &slow](const Blocks& x, const Json& c) {
+    for (int i = 0; i < 60 && slow; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return inner(x, c);
+  };
+  const Served served({line});
+  auto hurried = line_case(served.url(), slope);
+  hurried.server.timeout = 0.2;
+  Eigen::MatrixXd theta(1, 1);
+  theta << 3;
+  {
+    const ExternalModel model(hurried);
+    RunStore store(provenance, scratch.path() / "runs.journal");
+    NumberedRuns runs(model, store);
+    EXPECT_FALSE(runs.run(theta, {}, 1)[0].done);
+    EXPECT_FALSE(runs.run(theta, {}, 1)[0].done) << "nor is it asked twice by one call";
+    EXPECT_EQ(store.made(), 1u);
+    EXPECT_EQ(store.lost(), 1u);
+  }
+  slow = false;
+  const ExternalModel model(hurried);
+  RunStore store(provenance, scratch.path() / "runs.journal");
+  NumberedRuns runs(model, store);
+  EXPECT_TRUE(runs.run(theta, {}, 1)[0].done);
+  EXPECT_EQ(store.lost(), 0u);
 }
 
 TEST(ExternalModel, AServerThatGoesAwayLosesNoRun) {

@@ -1,6 +1,11 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <thread>
 
 #include "forward/external/umbridge_client.hpp"
 #include "tests/unit/external/served.hpp"
@@ -9,6 +14,41 @@ namespace calomel {
 namespace {
 
 const std::vector<std::size_t> two{2};
+
+/// Answers with a line of a head that never ends, every tenth of a second.
+class DrippingServer {
+ public:
+  DrippingServer() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET, at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    (void)::bind(socket_, reinterpret_cast<const sockaddr*>(&at), size);
+    (void)::listen(socket_, 4);
+    (void)::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size);
+    port_ = ntohs(at.sin_port);
+    thread_ = std::jthread([this](const std::stop_token& over) {
+      while (!over.stop_requested()) {
+        pollfd waiting{socket_, POLLIN, 0};
+        if (::poll(&waiting, 1, 50) <= 0) continue;
+        const int taken = ::accept(socket_, nullptr, nullptr);
+        const auto send = [&](std::string_view bytes) { return ::send(taken, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0; };
+        for (bool open = send("HTTP/1.1 200 OK\r\n"); open && !over.stop_requested(); open = send("X-Wait: 1\r\n")) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        ::close(taken);
+      }
+    });
+  }
+  ~DrippingServer() {
+    thread_.request_stop(), thread_.join();
+    ::close(socket_);
+  }
+  DrippingServer(const DrippingServer&) = delete;
+  DrippingServer& operator=(const DrippingServer&) = delete;
+  [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  int socket_, port_ = 0;
+  std::jthread thread_;
+};
 
 Answered<Blocks> answer_to(const std::string& body, int status = 200) {
   const Faulty faulty([&](const httplib::Request&, httplib::Response& r) {
@@ -61,6 +101,21 @@ TEST(UmbridgeClient, LiesAreToldAsWhatTheyAre) {
   EXPECT_NE(answer_to(R"({"error": {"type": "InvalidOutput", "message": "overflow"}})").message.find("overflow"), std::string::npos) << "an error with status 200";
 }
 
+// What a server says is cut between letters and is UTF-8 afterwards, so that it can stand in an artefact; what it nests is not followed.
+TEST(UmbridgeClient, StrangeWordsAreMadePlain) {
+  std::string long_words;
+  for (int i = 0; i < 100; ++i) long_words += "\u00e9";
+  for (const std::string& words : {"x" + long_words, "xx" + long_words, std::string("\xff\xfe broken"), std::string("two\nlines")}) {
+    const auto said = answer_to("{\"error\": {\"type\": \"" + std::string(5000, 'T') + "\", \"message\": \"" + (words == "two\nlines" ? "two\\nlines" : words) + "\"}}", 500).message;
+    EXPECT_NO_THROW((void)Json(said).dump()) << said;
+    EXPECT_LT(said.size(), 500u);
+    EXPECT_EQ(said.find('\n'), std::string::npos);
+  }
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_NE(answer_to("{\"output\": [[" + deep + ", 2.0]]}").message.find("no JSON"), std::string::npos);
+  EXPECT_NE(answer_to("{\"output\": [[[[1]], 2.0]]}").message.find("a list"), std::string::npos);
+}
+
 TEST(UmbridgeClient, ABusyServerIsAskedAgain) {
   std::atomic<int> calls = 0;
   const Faulty faulty([&](const httplib::Request&, httplib::Response& r) {
@@ -84,7 +139,30 @@ TEST(UmbridgeClient, AHungModelFailsOnceAfterItsTimeout) {
   over = true;
   EXPECT_FALSE(answer.value);
   EXPECT_NE(answer.message.find("0.3 s"), std::string::npos) << answer.message;
+  EXPECT_TRUE(answer.lost);
   EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(answer_to("{}").lost) << "an answer that is wrong is an answer";
+}
+
+// A timeout is that of the whole exchange, however the answer drips: here by lines of its head.
+TEST(UmbridgeClient, AHeadThatDripsHasItsTimeToo) {
+  const DrippingServer dripping;
+  const UmbridgeClient client({.url = dripping.url(), .name = "m", .timeout = 0.5, .retries = 0, .pause = 0.001});
+  const auto began = std::chrono::steady_clock::now();
+  try {
+    EXPECT_FALSE(client.evaluate({{1.0}}, two).value);
+  } catch (const Unreachable& e) {
+    EXPECT_NE(std::string(e.what()).find("0.5 s"), std::string::npos) << e.what();
+  }
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 4);
+}
+
+TEST(UmbridgeClient, AStopEndsThePausesBetweenTries) {
+  std::string url;
+  { url = Served({straight_line()}).url(); }
+  const std::atomic<bool> stop = true;
+  const UmbridgeClient client({.url = url, .name = "line", .retries = 20, .pause = 60, .stop = &stop});
+  EXPECT_THROW((void)client.models(), Interrupted);
 }
 
 TEST(UmbridgeClient, ADeadServerIsUnreachable) {

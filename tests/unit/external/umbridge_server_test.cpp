@@ -192,6 +192,30 @@ TEST_F(UmbridgeServerTest, GreatBodiesAreRefusedHoweverTheyCome) {
   EXPECT_EQ(post(served, "/OutputSizes", R"({"name": "line"})").status, 200) << "and the server goes on";
 }
 
+/// What says beforehand that it is too great is not read at all, and what is nested without end is not followed.
+TEST_F(UmbridgeServerTest, WhatIsTooGreatOrTooDeepIsRefusedAtOnce) {
+  for (const char* length : {"99999999999", "99999999999999999999999", "-5", "abc"}) {
+    const Connection c("127.0.0.1", served.port());
+    c.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nContent-Length: " + std::string(length) + "\r\n\r\n");
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_EQ(c.read(5).substr(0, 10), "HTTP/1.1 4") << length;
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 1) << length;
+  }
+  const Served roomy({straight_line(), blocks()});
+  const std::string deep = std::string(100000, '[') + std::string(100000, ']');
+  expect_refused(roomy, "/Evaluate", R"({"name": "line", "input": [[1, 0.1]], "config": {"a": )" + deep + "}}", 400, "InvalidInput");
+  expect_refused(roomy, "/Gradient", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": )" + deep + "}", 400, "InvalidInput");
+  EXPECT_EQ(post(roomy, "/OutputSizes", R"({"name": "line"})").status, 200) << "and the server goes on";
+}
+
+TEST_F(UmbridgeServerTest, APartOfAnAnswerIsNone) {
+  httplib::Client client("127.0.0.1", served.port());
+  const auto r = client.Post("/Evaluate", {{"Range", "bytes=0-3"}}, R"({"name": "line", "input": [[1, 0.1]]})", "application/json");
+  ASSERT_TRUE(r);
+  EXPECT_EQ(r->status, 200);
+  EXPECT_TRUE(Json::parse(r->body, nullptr, false).is_object()) << r->body;
+}
+
 /// A request that never ends is given up after its time, whether it stands still or drips, and others are answered meanwhile.
 TEST(UmbridgeServer, ARequestHasItsTimeToArrive) {
   const Served served({straight_line()}, {.timeout = 1});
@@ -236,6 +260,33 @@ TEST(UmbridgeServer, RefusesWhatCannotWait) {
   expect_refused(served, "/Evaluate", R"({"name": "slow", "input": [[1]]})", 503, "ServerBusy");
   go = true;
   first.join();
+}
+
+/// When the server ends, what has begun is made to its end, and what waits is sent away.
+TEST(UmbridgeServer, ASlowModelDoesNotKeepAServerThatEnds) {
+  std::atomic<int> entered = 0;
+  ServedModel slow{.name = "slow", .input_sizes = {1}, .output_sizes = {1}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
+  slow.evaluate = [&](const Blocks&, const Json&) {
+    ++entered;
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    return Blocks{{1.0}};
+  };
+  auto served = std::make_unique<Served>(std::vector{slow}, ServeOptions{.threads = 1, .waiting = 8});
+  std::atomic<int> made = 0, refused = 0;
+  std::vector<std::jthread> clients;
+  for (int i = 0; i < 5; ++i)
+    clients.emplace_back([&, port = served->port()] {
+      httplib::Client client("127.0.0.1", port);
+      client.set_read_timeout(20);
+      if (const auto r = client.Post("/Evaluate", R"({"name": "slow", "input": [[1]]})", "application/json")) ++(r->status == 200 ? made : refused);
+    });
+  while (entered == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the others wait by now
+  served.reset();
+  clients.clear();
+  EXPECT_EQ(entered, 1);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(refused, 4);
 }
 
 TEST(UmbridgeServer, ATakenPortIsSaid) {

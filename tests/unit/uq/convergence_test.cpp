@@ -269,6 +269,14 @@ TEST(Assess, ChainsThatDoNotMoveAndNumbersThatAreNoneAreNotConverged) {
   const auto stuck = assess(draws_of({"rho"}, 4, {one}));
   EXPECT_FALSE(stuck.converged);
   EXPECT_THAT(stuck.message, HasSubstr("chain 3"));
+  // One walker of many hides from R-hat.
+  auto many = chains_of(80, 1000);
+  for (std::size_t i = 0; i < 1000; ++i) many[5000 + i] = 0.68;
+  const auto hidden = assess(draws_of({"c", "rho"}, 80, {chains_of(80, 1000), many}));
+  EXPECT_LT(hidden.parameters[1].r_hat, 1.01);
+  EXPECT_FALSE(hidden.converged);
+  EXPECT_EQ(hidden.parameter, "rho");
+  EXPECT_THAT(hidden.message, HasSubstr("rho has not moved in chain 6"));
   auto x = chains_of(4, 1000);
   x[3] = calomel::nan;
   const auto c = assess(draws_of({"c", "rho"}, 4, {chains_of(4, 1000), x}));

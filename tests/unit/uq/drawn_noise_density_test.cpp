@@ -48,7 +48,6 @@ TEST(DrawnNoiseDensity, IsTheMeanOfTheLikelihoodsWithItsExactGradient) {
   for (const auto& d : drawn) highest = std::max(highest, d.posterior.density(at).log_likelihood);
   for (const auto& d : drawn) sum += std::exp(d.posterior.density(at).log_likelihood - highest) / 4;
   const double likelihood = highest + std::log(sum), jacobian = f.fit.posterior->log_density(q) - f.fit.posterior->density(at).log_likelihood;  // and the prior: one for all
-  EXPECT_NEAR(density.log_likelihood(q), likelihood, 1e-9 * std::abs(likelihood));
   EXPECT_NEAR(density.log_density({q.data(), 3}), likelihood + jacobian, 1e-9 * std::abs(likelihood));
   std::vector<double> gradient(3);
   EXPECT_EQ(density.log_density_and_gradient({q.data(), 3}, gradient), density.log_density({q.data(), 3}));
@@ -66,7 +65,7 @@ TEST(NoiseWidening, IsWhatOtherDrawsOfThePosteriorShow) {
   const Fitted f;
   const std::vector<DrawnNoise> wide{f.scaled(9)};
   const DrawnNoiseDensity density(wide);
-  const SamplerResult of_wide = short_chains(wide[0].posterior, f.fit.modes[0], 2), of_estimate = short_chains(*f.fit.posterior, f.fit.modes[0], 3);
+  const SamplerResult of_wide = short_chains(wide[0].posterior, start_at_mode(wide[0].posterior, f.fit.modes[0]), 2), of_estimate = short_chains(*f.fit.posterior, start_at_mode(*f.fit.posterior, f.fit.modes[0]), 3);
   const NoiseWidening w = noise_widening(density, *f.fit.posterior, of_wide.coordinates, of_wide.quantities);
   const auto a = assess(of_wide.quantities).parameters, b = assess(of_estimate.quantities).parameters;
   EXPECT_GT(w.plug_in_draws, 300);

@@ -20,12 +20,13 @@ namespace {
 
 struct Named : Gaussian {
   using Gaussian::Gaussian;
-  std::vector<Quantity> quantities() const override { return {{"density", "kg m-3"}, {"mechanism.bubbly_liquid.alpha0", ""}}; }
+  std::vector<std::string> quantities() const override { return {"density", "mechanism.bubbly_liquid.alpha0"}; }
 };
+const std::vector<Parameter> parameters{{.name = "density", .key = "material.mercury.density", .unit = "kg m-3"}};
 Named named() { return {Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(2, 2)}; }
 
 std::vector<PosteriorGroup> all_groups(const SamplerResult& r) {
-  auto groups = posterior_groups(named(), r);
+  auto groups = posterior_groups(parameters, r);
   const std::size_t n = r.quantities.chains * r.quantities.draws;
   const std::vector<PosteriorCoordinate> axes{{"sensor", "", {}, {"A", "B"}}, {"time", "s", {0, 1e-6, 2e-6}, {}}};
   std::vector<double> values(n * 6);
@@ -118,6 +119,26 @@ TEST(PosteriorFile, NcdumpShowsGroupsDimensionsAndUnits) {
                            ":inference_library = \"calomel\" ;",
                            ":provenance = "})
     EXPECT_THAT(text, HasSubstr(part));
+}
+
+// With thinning a draw has several transitions: whether any of them diverged is what ArviZ takes for a mask. Predictions of some draws carry the numbers of those.
+TEST(PosteriorFile, DivergencesAreTruthsAndDrawsKeepTheirNumbers) {
+  const std::string python3 = python_with_xarray();
+  ASSERT_NE(python3, "") << no_xarray;
+  auto r = some_draws();
+  const std::size_t n = r.quantities.chains * r.quantities.draws;
+  r.energy.assign(n, 1.5), r.diverging.assign(n, 0), r.depth.assign(n, 3);
+  r.diverging[2] = 2;
+  auto groups = posterior_groups(parameters, r);
+  groups.push_back({.name = "posterior_predictive", .chains = 4, .draws = 2, .coordinates = {}, .variables = {{"strain", "1", {}, std::vector<double>(8, 0.5)}}, .draw_numbers = {9, 19}});
+  const auto path = scratch("truths") / "posterior.nc";
+  write_posterior(path, groups, {.stage = "sample"});
+  const auto [text, well] = output_of(python3 +
+                                      " -c 'import sys, xarray as x\np = sys.argv[1]\ns = x.open_dataset(p, group=\"sample_stats\")\n"
+                                      "print(s[\"diverging\"].dtype, int(s[\"diverging\"].sum()), s[\"tree_depth\"].dtype.kind, list(x.open_dataset(p, group=\"posterior_predictive\")[\"draw\"].values))' '" +
+                                      path.string() + "'");
+  EXPECT_TRUE(well) << text;
+  EXPECT_THAT(text, HasSubstr("bool 1 i [9, 19]"));
 }
 
 // The tools that the file is for.

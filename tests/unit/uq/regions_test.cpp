@@ -50,4 +50,11 @@ TEST(Regions, AreThoseOfTheGaussianThatTheDrawsCameFrom) {
   EXPECT_GT(std::abs(double(without) / double(n) - 0.9), 0.01);
 }
 
+// Of one draw nothing can be said but where it is.
+TEST(Regions, OfOneDrawThereAreNone) {
+  const Regions r = regions({.names = {"a"}, .chains = 1, .draws = 1, .values = {3}}, {"a"});
+  EXPECT_EQ(r.mean[0], 3);
+  EXPECT_TRUE(r.shares.empty());
+}
+
 }  // namespace calomel

@@ -51,7 +51,6 @@ TEST(Sampler, DrawsFollowAGaussian) {
     EXPECT_GT(std::abs(deviation(r.quantities, k, mean[k] + 0.3 * sd[k], 0.5)), 4);  // control: a wrong median is told
     EXPECT_NEAR(verdict.parameters[k].sd / sd[k], 1, 4 * verdict.parameters[k].mcse_sd / sd[k]);
   }
-  EXPECT_EQ(r.summary.status, ExitStatus::done);
   EXPECT_EQ(r.summary.evaluations, density.calls.load());
 }
 
@@ -184,7 +183,7 @@ TEST(Sampler, StartsAreWiderThanTheDensityAndInItsSupport) {
 TEST(Sampler, ReportsQuantitiesInNaturalUnits) {
   struct Positive : Gaussian {
     using Gaussian::Gaussian;
-    std::vector<Quantity> quantities() const override { return {{"rho", "kg/m3"}, {"c", "m/s"}, {"rho c", "kg/(m2 s)"}}; }
+    std::vector<std::string> quantities() const override { return {"rho", "c", "rho c"}; }
     void constrain(std::span<const double> x, std::span<double> q) const override { q[0] = std::exp(x[0]), q[1] = std::exp(x[1]), q[2] = q[0] * q[1]; }
   } density(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(2, 2));
   const auto r = run_sampler(density, about_zero(2), small, {});
@@ -195,7 +194,6 @@ TEST(Sampler, ReportsQuantitiesInNaturalUnits) {
 TEST(Sampler, TellsAChainThatNeverMoved) {
   const Written spike(1, [](std::span<const double> x) { return -1e18 * x[0] * x[0]; });
   const auto r = run_sampler(spike, {.points = Eigen::MatrixXd::Zero(1, 4)}, {.warmup = 0, .draws = 50}, {});
-  EXPECT_EQ(r.summary.status, ExitStatus::not_to_be_trusted);
   EXPECT_FALSE(assess(r.quantities).converged);
 }
 

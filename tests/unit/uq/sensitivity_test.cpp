@@ -142,6 +142,13 @@ TEST(Morris, EffectsOfALinearFunctionAreItsSlopesAndStepsStayInTheCube) {
   EXPECT_NEAR(e[2].mu, -5, 1e-12);
   EXPECT_NEAR(e[2].mu_star, 5, 1e-12);
   EXPECT_NEAR(e[2].sigma, 0, 1e-12);
+  // A parameter none of whose steps came through is not one without effect.
+  Eigen::MatrixXd failed = y;
+  for (Eigen::Index i = 0; i + 1 < design.cols(); ++i)
+    if (design(0, i) != design(0, i + 1)) failed(0, i) = std::nan("");
+  const auto without = morris_effects(design, failed)[0];
+  EXPECT_TRUE(std::isnan(without[0].mu_star));
+  EXPECT_NEAR(without[2].mu, -5, 1e-12);
 }
 
 /// The intervals hold the truth about as often as they say: 40 seeds, 5 indices that are not zero.
@@ -193,9 +200,54 @@ TEST(Sensitivity, CsvHasEveryColumnInEveryLine) {
   EXPECT_EQ(rows, 2 * s.quantities.size());
 }
 
+// Failures leave rows out; where they are many the shares, of the part that has answers, are told and not to be trusted.
 TEST(Sensitivity, AModelThatMostlyFailsIsToldSo) {
-  const Function f(2, 0, 1, 1, [](std::span<const double> x) { return x[0] < 0.5 ? std::vector<double>{} : std::vector{x[1]}; });
-  EXPECT_THROW((void)analysed(f, 64), NumericsError);
+  const auto up_to = [](double share) {
+    return Function(2, 0, 1, 1, [share](std::span<const double> x) { return x[0] > share ? std::vector<double>{} : std::vector{x[1]}; });
+  };
+  const auto never = up_to(-1), half = up_to(0.5), nearly = up_to(0.95), always = up_to(1);
+  EXPECT_THROW((void)analysed(never, 64), NumericsError);
+  const auto some = analysed(half, 64);
+  EXPECT_NE(some.doubt.find("narrow the bounds"), std::string::npos) << some.doubt;
+  EXPECT_LT(some.rows, 20u);  // A, B and the step in x1 all lie in the half: an eighth
+  EXPECT_GT(some.rows, 4u);
+  EXPECT_NEAR(some.quantities[0].sobol.first_order[1].value, 1, 1e-9);
+  const auto few = analysed(nearly, 64);
+  EXPECT_EQ(few.doubt, "");
+  EXPECT_LT(few.rows, 64u);
+  EXPECT_EQ(analysed(always, 64).rows, 64u);
+}
+
+// Too few rows for a bootstrap have no interval, rather than one without width.
+TEST(Sensitivity, AFewRowsHaveNoInterval) {
+  const SobolRows rows{Eigen::VectorXd::LinSpaced(4, 1, 2), Eigen::MatrixXd::Constant(4, 3, 0.5), Eigen::MatrixXd::Constant(4, 3, 0.7)};
+  const auto s = sobol_indices(rows, 1);
+  EXPECT_NEAR(s.first_order[0].value, 1 - 0.5 / 1.5, 1e-12);
+  EXPECT_TRUE(std::isnan(s.first_order[0].low));
+}
+
+// A time of the peak that is the same in all runs has no shares; rounding is no variance.
+TEST(Sensitivity, WhatDoesNotVaryHasNoPolynomial) {
+  const Function f(2, 0, 1, 3, [](std::span<const double> x) { return std::vector{x[0], 5 + x[1], x[0]}; });
+  const auto s = analysed(f, 64);
+  const auto& time = s.quantities[1];
+  ASSERT_EQ(time.name, "time_of_peak");
+  EXPECT_FALSE(time.chaos.has_value());
+  EXPECT_EQ(time.sd, 0);
+  EXPECT_EQ(time.mean, 1);
+  EXPECT_NE(time.note, "");
+  EXPECT_TRUE(s.quantities[0].chaos.has_value());
+}
+
+TEST(Sensitivity, ManyParametersTakeALatinHypercube) {
+  const auto design = sobol_rows_design(25, 16, 1);
+  EXPECT_EQ(design.rows(), 25);
+  EXPECT_EQ(design.cols(), 16 * 27);
+  const Function f(25, 0, 1, 1, [](std::span<const double> x) { return std::vector{3 * x[0] + x[24]}; });
+  const auto s = analysed(f, 512).quantities[0].sobol;
+  EXPECT_NEAR(s.total_order[0].value, 0.9, 0.05);
+  EXPECT_NEAR(s.total_order[24].value, 0.1, 0.05);
+  EXPECT_NEAR(s.total_order[12].value, 0, 1e-12);
 }
 
 }  // namespace

@@ -56,6 +56,16 @@ TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
   EXPECT_EQ(of("spe", {"spe.mesh_correction=false"}).identity(), bare);
 }
 
+// Draws of a kind hang on its own keys alone.
+TEST_F(Provenances, SampleHangsOnTheKeysOfItsSampler) {
+  const auto dram = of("sample").identity(), delayed = of("sample", {"sampler.kind=delayed_acceptance"}).identity();
+  EXPECT_EQ(of("sample", {"sampler.smc.keep=0.8"}).identity(), dram);
+  EXPECT_NE(of("sample", {"sampler.dram.stages=1"}).identity(), dram);
+  EXPECT_NE(of("sample", {"sampler.kind=delayed_acceptance", "sampler.dram.stages=1"}).identity(), delayed);
+  EXPECT_NE(of("sample", {"sampler.kind=smc"}).identity(), of("sample", {"sampler.kind=smc", "sampler.smc.keep=0.8"}).identity());
+  EXPECT_EQ(of("sample", {"sampler.kind=smc"}).identity(), of("sample", {"sampler.kind=smc", "sampler.smc.evaluations=100"}).identity());
+}
+
 TEST_F(Provenances, WhatSampleDoesWithTheEmulatorIsItsAlone) {
   const std::vector<std::string> changed{"posterior.hyperparameter_draws=3", "posterior.refinements=0"};
   EXPECT_NE(of("sample", changed).identity(), of("sample").identity());

@@ -58,6 +58,17 @@ TEST(FinishedStages, FreshSetsAsideWhatTheUserAskedForAndUpstreamOnlyWhatDoesNot
   EXPECT_TRUE(fs::exists(other / "train.json.old-1"));
 }
 
+// What a call that was cut off has left is of other settings too, and may stand there alone.
+TEST(FinishedStages, FreshSetsAsideWhatWasLeftUnfinished) {
+  const auto dir = scratch("unfinished");
+  write_atomically(dir / "train.journal", "half");
+  EXPECT_TRUE(FinishedStages(dir, false).due(provenance(10), files, Asked::by_user, "train.journal"));
+  EXPECT_EQ(read_text(dir / "train.journal"), "half");
+  EXPECT_TRUE(FinishedStages(dir, true).due(provenance(10), files, Asked::by_user, "train.journal"));
+  EXPECT_FALSE(fs::exists(dir / "train.journal"));
+  EXPECT_EQ(read_text(dir / "train.journal.old-1"), "half");
+}
+
 TEST(FinishedStages, FreshSetsNothingAsideThatTheSameCallMade) {
   const auto dir = finished("made", 10);
   FinishedStages stages(dir, true);

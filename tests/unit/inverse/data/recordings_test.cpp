@@ -151,6 +151,20 @@ TEST(Recordings, NoiseIsANumberOrATable) {
   EXPECT_THROW((void)read_recording_options(window), InputError);
 }
 
+// Another model's values have a unit of their own, whatever a column is called.
+TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
+  const auto path = scratch("as_it_is") / "recordings.csv";
+  write_atomically(path, "sensor,pulse,time,microstrain\nA,0,0,5\nA,0,1,6\n");
+  RecordingOptions options{.unit = "microstrain", .noise = 2};
+  EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
+  EXPECT_DOUBLE_EQ(*options.noise_of("A"), 2e-6);
+  options.as_it_is = true;
+  const auto r = read_recordings(path, options);
+  EXPECT_EQ(r.values, (std::vector<double>{5, 6}));
+  EXPECT_EQ(r.unit, "microstrain");
+  EXPECT_DOUBLE_EQ(*options.noise_of("A"), 2);
+}
+
 TEST(Recordings, OffsetWindowAndExclusionAreApplied) {
   const auto path = scratch("window") / "recordings.csv";
   write_atomically(path, "time,A,B\n0,0,10\n1,1,11\n2,2,12\n3,3,13\n4,4,14\n");

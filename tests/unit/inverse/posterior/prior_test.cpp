@@ -33,6 +33,19 @@ TEST(Prior, IntegratesToOneAndItsQuantileIsTheInverse) {
   }
 }
 
+TEST(Prior, ProbabilityBelowAQuantileIsTheQuantiles) {
+  for (const auto& prior : priors_of(every_kind())) {
+    for (const double u : {0.003, 0.3, 0.5, 0.98}) EXPECT_NEAR(prior.probability_below(prior.quantile(u)), u, 1e-12) << prior.kind();
+    // Beyond the support there is nothing more.
+    if (std::isfinite(prior.low())) {
+      EXPECT_EQ(prior.probability_below(prior.low() - 1), 0) << prior.kind();
+    }
+    if (std::isfinite(prior.high())) {
+      EXPECT_NEAR(prior.probability_below(prior.high() + 1), 1, 1e-15) << prior.kind();
+    }
+  }
+}
+
 TEST(Prior, SlopeIsTheDerivative) {
   for (const auto& p : every_kind()) {
     const Prior prior(p);
