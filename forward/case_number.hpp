@@ -6,6 +6,7 @@
 
 #include "base/errors.hpp"
 #include "base/options.hpp"
+#include "forward/parameter.hpp"
 
 namespace calomel {
 
@@ -32,5 +33,14 @@ struct FoundNumber {
       *optional = value;
   }
 };
+
+/// Gives the parameter the unit of its number, and holds its bounds against the range that the number's key has. Errors: InputError at the bound's place.
+inline void take_over(const CaseFile& file, Parameter& p, const FieldInfo& info) {
+  p.unit = info.unit;
+  const Range range = between(info.range.low, info.range.high);  // a bound may lie on an end that a value may not
+  for (const auto& [word, bound] : {std::pair{"min", p.min}, {"max", p.max}})
+    if (!range.contains(bound))
+      throw file.located(InputError({.problem = p.key + " cannot be that", .key = "parameter." + p.name + '.' + word, .value = number_text(bound) + (p.unit.empty() ? "" : ' ' + p.unit), .range = info.range.text()}));
+}
 
 }  // namespace calomel

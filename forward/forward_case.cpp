@@ -172,14 +172,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
   bind_parameters(file, c.parameters, [&](const Parameter& p) { return c.number(p.key); });
-  for (auto& p : c.parameters) {
-    const FieldInfo info = c.about(p.key);
-    p.unit = info.unit;
-    const Range range = between(info.range.low, info.range.high);  // a bound may lie on an end that a value may not
-    for (const auto& [word, bound] : {std::pair{"min", p.min}, {"max", p.max}})
-      if (!range.contains(bound))
-        throw file.located(InputError({.problem = fmt::format("{} cannot be that", p.key), .key = fmt::format("parameter.{}.{}", p.name, word), .value = number_text(bound) + (p.unit.empty() ? "" : ' ' + p.unit), .range = info.range.text()}));
-  }
+  for (auto& p : c.parameters) take_over(file, p, c.about(p.key));
   return c;
 }
 

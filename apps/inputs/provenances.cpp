@@ -122,6 +122,7 @@ Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) 
 
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
+  if (const auto& external = inputs.study().external) p.options["mechanism"] = external->echo()["mechanism"];  // what is offered: runs do not hang on its priors, a verdict does
   p.options.erase("sampler");
   p.options["diagnosis"] = echo(inputs.study().diagnosis);
   return p;

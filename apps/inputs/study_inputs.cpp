@@ -37,7 +37,7 @@ StudyInputs::StudyInputs(const CommandLine& command)
         InputError({.problem = "a line is checked, simulated, diagnosed and reported in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate, diagnose or report"}));
   if (!study_.on_mesh() && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model", .key = "model.kind", .suggestion = "leave out --power"}));
   if (study_.external) study_.external->server.stop = &stop_requested();
-  if (command.verb == "check" || command.verb == "report") return;
+  if ((command.verb == "check" && !command.floor) || command.verb == "report") return;
   make_directory(command.out);
   if (command.verb != "serve") lock_.emplace(command.out);
 }

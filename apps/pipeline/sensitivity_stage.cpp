@@ -145,6 +145,7 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
   Sensitivity s = analyse_sensitivity(in);
+  if (!by_surrogate && inputs.runs().lost() > 0) inputs.notes().warn({fmt::format("to {} evaluations no answer came: --fresh asks for these again", inputs.runs().lost())});
   if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
   const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);

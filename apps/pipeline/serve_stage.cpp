@@ -7,6 +7,7 @@
 
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
+#include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/provenance.hpp"
@@ -122,13 +123,20 @@ void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
       throw InputError({.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
 }
 
-/// The surrogate that stands in --out, where it is this case's: one of another case is left out, and that is told.
+/// Errors: InputError where the summary does not stand, or is not of this case; the seed does not matter.
+void expect_of_case(const std::filesystem::path& summary, Provenance now) {
+  if (!std::filesystem::exists(summary)) throw InputError({.problem = "is not there, so that it is not known of which case it is", .file = summary.string()});
+  now.seed = read_json(summary).value(Json::json_pointer("/provenance/seed"), now.seed);
+  (void)reusable(summary, now);
+}
+
+/// The surrogate that stands in --out, where it is this case's: another is left out, and that is told.
 std::optional<ServedModel> served_surrogate(StudyInputs& inputs) {
   const auto file = inputs.artefact("surrogate.nc");
-  if (!std::filesystem::exists(file) || !std::filesystem::exists(inputs.artefact("campaign.nc"))) return std::nullopt;
+  if (!std::filesystem::exists(file)) return std::nullopt;
   try {
-    (void)reusable(inputs.artefact("campaign.json"), campaign_provenance(inputs));
-    (void)reusable(inputs.artefact("train.json"), train_provenance(inputs));
+    expect_of_case(inputs.artefact("campaign.json"), campaign_provenance(inputs));
+    expect_of_case(inputs.artefact("train.json"), train_provenance(inputs));
   } catch (const InputError& e) {
     inputs.notes().warn({fmt::format("the surrogate in {} is not offered: {}", inputs.command().out.string(), e.what())});
     return std::nullopt;

@@ -152,7 +152,7 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   const auto floor = ask(floor_source, no_floor);
   const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return store.read(points[i]); }, floor ? &*floor : nullptr, provenance);
   judge(summary, messages, options.allowed_failures);
-  if (store.lost() > 0) summary.message += fmt::format("; to {} no answer came: --fresh asks for these again", store.lost());
+  if (const auto lost = std::count_if(points.begin(), points.end(), [&](const auto& p) { return store.lost(p); }); lost > 0) summary.message += fmt::format("; to {} no answer came: --fresh asks for these again", lost);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);

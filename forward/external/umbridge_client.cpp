@@ -74,18 +74,31 @@ namespace {
 /// Breaks exchanges off when their time is over: the library bounds each wait for a piece, not their sum.
 class Deadlines {
  public:
+  using Client = std::shared_ptr<httplib::Client>;
   Deadlines() : thread_([this](const std::stop_token& over) { watch(over); }) {}
 
-  void add(httplib::Client& client, double seconds) {
-    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-    const std::lock_guard guard(lock_);
-    ends_[&client] = end;
-    if (end < next_) next_ = end, changed_.notify_one();
-  }
-  void remove(httplib::Client& client) {
-    const std::lock_guard guard(lock_);
-    ends_.erase(&client);
-  }
+  /// One exchange's time, for the life of the object.
+  class Watched {
+   public:
+    Watched(Deadlines& deadlines, const Client& client, double seconds) : deadlines_(deadlines), client_(client) {
+      const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+      const std::lock_guard guard(deadlines_.lock_);
+      deadlines_.ends_[client_] = end;
+      if (end < deadlines_.next_) deadlines_.next_ = end, deadlines_.changed_.notify_one();
+    }
+    ~Watched() { (void)over(); }
+    Watched(const Watched&) = delete;
+    Watched& operator=(const Watched&) = delete;
+    /// Ends the watch; whether the exchange was broken off. An answer of no told length then looks whole.
+    bool over() {
+      const std::lock_guard guard(deadlines_.lock_);
+      return deadlines_.ends_.erase(client_) == 0;
+    }
+
+   private:
+    Deadlines& deadlines_;
+    Client client_;
+  };
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -93,13 +106,18 @@ class Deadlines {
     std::unique_lock guard(lock_);
     while (!over.stop_requested()) {
       next_ = Clock::now() + std::chrono::hours(1);
+      std::vector<Client> late;
       for (auto at = ends_.begin(); at != ends_.end();) {
-        if (at->second <= Clock::now()) {
-          at->first->stop();
-          at = ends_.erase(at);
-        } else {
+        if (at->second <= Clock::now())
+          late.push_back(at->first), at = ends_.erase(at);
+        else
           next_ = std::min(next_, at->second), ++at;
-        }
+      }
+      if (!late.empty()) {  // without the lock: a client that is connecting answers late
+        guard.unlock();
+        for (const auto& client : late) client->stop();
+        guard.lock();
+        continue;
       }
       const auto next = next_;
       changed_.wait_until(guard, over, next, [&] { return next_ < next; });
@@ -107,7 +125,7 @@ class Deadlines {
   }
   std::mutex lock_;
   std::condition_variable_any changed_;
-  std::map<httplib::Client*, Clock::time_point> ends_;
+  std::map<Client, Clock::time_point> ends_;
   Clock::time_point next_{};  ///< when the thread looks again
   std::jthread thread_;       ///< after all that it uses
 };
@@ -135,16 +153,16 @@ class UmbridgeClient::Connections {
       reply.body.append(data, size);
       return true;
     };
-    deadlines_.add(*client, options_.timeout);
+    Deadlines::Watched watched(deadlines_, client, options_.timeout);
     const auto result = client->send(request);
-    deadlines_.remove(*client);
-    if (result) {
+    const bool cut = watched.over();
+    if (result && !cut) {
       reply.status = result->status;
       give_back(std::move(client));
       return reply;
     }
     reply.body.clear();
-    reply.too_slow = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= nearly_all * options_.timeout;
+    reply.too_slow = cut || std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= nearly_all * options_.timeout;
     reply.problem = large ? "the answer is larger than " + std::to_string(largest_answer) + " bytes" : problem_of(result.error(), late || reply.too_slow);
     return reply;
   }
@@ -158,7 +176,7 @@ class UmbridgeClient::Connections {
     return "the exchange broke off (" + httplib::to_string(error) + ")";
   }
 
-  std::unique_ptr<httplib::Client> take() {
+  Deadlines::Client take() {
     {
       const std::lock_guard guard(lock_);
       if (!idle_.empty()) {
@@ -167,23 +185,23 @@ class UmbridgeClient::Connections {
         return client;
       }
     }
-    auto client = std::make_unique<httplib::Client>(options_.url);
+    auto client = std::make_shared<httplib::Client>(options_.url);
     const auto parts = [](double seconds) { return std::pair{time_t(seconds), time_t(1e6 * (seconds - std::floor(seconds)))}; };
     const auto [wait, wait_us] = parts(options_.timeout);
-    const auto [connect, connect_us] = parts(options_.connect_timeout);
+    const auto [connect, connect_us] = parts(std::min(options_.connect_timeout, options_.timeout));
     client->set_connection_timeout(connect, connect_us);
     client->set_read_timeout(wait, wait_us), client->set_write_timeout(wait, wait_us);
     client->set_keep_alive(true), client->set_tcp_nodelay(true);
     return client;
   }
-  void give_back(std::unique_ptr<httplib::Client> client) {
+  void give_back(Deadlines::Client client) {
     const std::lock_guard guard(lock_);
     idle_.push_back(std::move(client));
   }
 
   const UmbridgeOptions& options_;
   std::mutex lock_;
-  std::vector<std::unique_ptr<httplib::Client>> idle_;
+  std::vector<Deadlines::Client> idle_;
   Deadlines deadlines_;
 };
 

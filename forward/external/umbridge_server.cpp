@@ -9,6 +9,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <thread>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "forward/external/shallow_json.hpp"
@@ -62,6 +63,7 @@ class Turnstile {
 struct Refusal {
   int status;
   std::string type, message;
+  bool closes = false;  ///< the connection: what follows on it is no request
 };
 
 [[noreturn]] void refuse(const std::string& message) { throw Refusal{400, "InvalidInput", message}; }
@@ -131,13 +133,12 @@ namespace {
 
 /// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces tell their length, come without one or are compressed, and the
 /// time. What is beyond the bounds is refused, with what is wrong and the status; one that tells so beforehand is not read at all.
-std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, httplib::Response& response, std::size_t largest, double seconds) {
+std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest, double seconds) {
+  const auto too_large = [&] { return Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest), true}; };
   if (const std::string length = request.get_header_value("Content-Length"); !length.empty()) {
     const bool whole = std::all_of(length.begin(), length.end(), [](unsigned char c) { return std::isdigit(c); });
-    const bool large = whole && (length.size() > 18 || std::stoull(length) > largest);
-    if (!whole || large) response.set_header("Connection", "close");  // what follows is no request
-    if (!whole) refuse("Content-Length is no number of bytes");
-    if (large) throw Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest)};
+    if (!whole) throw Refusal{400, "InvalidInput", "Content-Length is no number of bytes", true};
+    if (length.size() > 18 || std::stoull(length) > largest) throw too_large();
   }
   std::string body;
   bool late = false, large = false;
@@ -149,9 +150,9 @@ std::string read_body(const httplib::Request& request, const httplib::ContentRea
     body.append(piece, size);
     return true;
   });
-  if (large || (!whole && response.status == 413)) throw Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest)};
-  if (late) throw Refusal{408, "InvalidInput", fmt::format("the body did not arrive within {} s", number_text(seconds))};
-  if (!whole) throw Refusal{400, "InvalidInput", "the body breaks off"};
+  if (large || (!whole && response.status == 413)) throw too_large();
+  if (late) throw Refusal{408, "InvalidInput", fmt::format("the body did not arrive within {} s", number_text(seconds)), true};
+  if (!whole) throw Refusal{400, "InvalidInput", "the body breaks off", true};
   return body;
 }
 
@@ -187,7 +188,17 @@ void UmbridgeServer::route() {
     response.set_content(body.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
   };
   const auto unknown_path = [](const httplib::Request& request) { return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))}; };
-  const auto refused = [send](httplib::Response& response, const Refusal& r) { send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}}); };
+  // The library closes a connection when an answer cannot be written whole, and of its own accord never: what is said last says that it cannot go on.
+  const auto refused = [send](httplib::Response& response, const Refusal& r) {
+    send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}});
+    if (!r.closes) return;
+    response.set_header("Connection", "close");
+    const auto body = std::make_shared<const std::string>(std::exchange(response.body, ""));
+    response.set_content_provider(body->size(), "application/json", [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+      sink.write(body->data() + offset, length);
+      return false;
+    });
+  };
   // The body is JSON whatever its Content-Type says, so the library is not to read it as a form, of which it bears 8 KB, nor as parts of one.
   // It hands out its own request, which is not const where it was made.
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
@@ -252,7 +263,7 @@ void UmbridgeServer::route() {
   };
   server.Post(".*", unknown).Put(".*", unknown).Patch(".*", unknown).Delete(".*", unknown);
   server.set_error_handler([refused, unknown_path](const httplib::Request& request, httplib::Response& response) {
-    if (!response.body.empty()) return;  // already said
+    if (!response.body.empty() || response.has_header("Connection")) return;  // already said
     refused(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
   });
 }

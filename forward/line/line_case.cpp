@@ -96,6 +96,7 @@ void read_bound_parameters(CaseFile& file, LineCase& c) {
                           .suggestion = "set mechanism." + m.name + ".enabled = true"});
     return c.number(p.key);
   });
+  for (auto& p : c.parameters) take_over(file, p, find_number(c, p.key).info);
 }
 
 }  // namespace

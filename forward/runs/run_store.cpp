@@ -105,8 +105,7 @@ std::vector<RunRecord> RunStore::run(std::span<const RunPoint> points, const Eva
 
 bool RunStore::contains(const RunPoint& point) const {
   const std::lock_guard guard(lock_);
-  const std::string text = text_of(point);
-  return places_.contains(text) || lost_.contains(text);
+  return places_.contains(text_of(point));
 }
 
 RunRecord RunStore::read(const RunPoint& point) const {
@@ -140,6 +139,11 @@ std::size_t RunStore::size() const {
 std::size_t RunStore::lost() const {
   const std::lock_guard guard(lock_);
   return lost_.size();
+}
+
+bool RunStore::lost(const RunPoint& point) const {
+  const std::lock_guard guard(lock_);
+  return lost_.contains(text_of(point));
 }
 
 void RunStore::remove() {

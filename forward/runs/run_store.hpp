@@ -52,14 +52,16 @@ class RunStore {
   std::vector<RunRecord> run(std::span<const RunPoint> points, const Evaluate& evaluate, int threads, const Cost& cost = {}, const Progress& progress = {},
                              const std::atomic<bool>* stop = nullptr);
 
+  /// Whether the journal holds it.
   [[nodiscard]] bool contains(const RunPoint& point) const;
   /// The run at a point that is held.
   [[nodiscard]] RunRecord read(const RunPoint& point) const;
   /// The points of all runs held, in the order of their texts.
   [[nodiscard]] std::vector<RunPoint> points() const;
   [[nodiscard]] std::size_t size() const;
-  /// Runs of this object's life to which no answer came.
+  /// Runs of this object's life to which no answer came, and whether that at a point is one.
   [[nodiscard]] std::size_t lost() const;
+  [[nodiscard]] bool lost(const RunPoint& point) const;
   /// Runs of this object's life that were made, and that were asked for and held.
   [[nodiscard]] std::size_t made() const { return made_; }
   [[nodiscard]] std::size_t reused() const { return reused_; }

@@ -29,16 +29,25 @@ bool is_netcdf(const std::filesystem::path& path) {
   return magic == "\x89HDF" || magic.substr(0, 3) == "CDF";
 }
 
+std::string small_letters(std::string word) {
+  for (auto& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+/// Strain in one of this unit; none of a unit of something else.
+std::optional<double> strains_in(const std::string& unit) {
+  const std::string w = small_letters(unit);
+  for (const char* word : {"1", "strain", "m/m", "m m-1"})
+    if (w == word) return 1;
+  for (const char* word : {"microstrain", "ue", "um/m", "1e-6", "\xc2\xb5" "e", "\xce\xbc\xce\xb5"})
+    if (w == word) return microstrain;
+  return std::nullopt;
+}
+
 /// What the file's own unit and the case's word mean together: the factor to the inner unit, and its name.
 std::pair<double, std::string> inner_unit(const std::string& own, const std::string& asked, const std::string& file) {
-  std::string word = own;
-  for (auto& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
-  const bool own_strain = word == "1" || word == "strain" || word == "m/m" || word == "m m-1";
-  const bool own_micro = word == "microstrain" || word == "ue" || word == "um/m" || word == "1e-6" ||
-                         word ==
-                             "\xc2\xb5"
-                             "e" ||
-                         word == "\xce\xbc\xce\xb5";
+  const auto strains = strains_in(own);
+  const bool own_strain = strains == 1, own_micro = strains == microstrain;
   if ((own_strain && asked != "strain") || (own_micro && asked != "strain" && asked != "microstrain"))
     throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\"", file, own),
                       .key = "recordings.unit",
@@ -47,6 +56,15 @@ std::pair<double, std::string> inner_unit(const std::string& own, const std::str
   if (own_micro || asked == "microstrain") return {microstrain, "strain"};
   if (own_strain) return {1, "strain"};
   return {1, own.empty() || asked != "strain" ? asked : own};
+}
+
+/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is not known to be the same quantity.
+double factor_to_model(const std::string& own, const std::string& unit, const std::string& file) {
+  if (own.empty() || small_letters(own) == small_letters(unit)) return 1;
+  const auto from = strains_in(own), to = strains_in(unit);
+  if (from && to) return *from / *to;
+  throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit), .key = "recordings.file",
+                    .suggestion = fmt::format("bring both to one unit; calomel import --unit {} says what a text file is in", unit)});
 }
 
 Recordings read_netcdf(const std::filesystem::path& path, const std::string& unit, bool as_it_is = false) {
@@ -96,7 +114,7 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   std::size_t stride[4] = {0, 0, 0, 0}, step = 1;
   for (std::size_t d = dims.size(); d-- > 0; step *= shape[d]) stride[dims[d] == "condition" ? 0 : dims[d] == "sensor" ? 1 : dims[d] == "pulse" ? 2 : 3] = step;
   const auto raw = file.doubles("strain");
-  const auto [factor, name] = as_it_is ? std::pair(1.0, unit) : inner_unit(file.attribute("units", "strain"), unit, path.string());
+  const auto [factor, name] = as_it_is ? std::pair(factor_to_model(file.attribute("units", "strain"), unit, path.string()), unit) : inner_unit(file.attribute("units", "strain"), unit, path.string());
   out.unit = name;
   out.values.resize(raw.size());
   std::size_t dropouts = 0;
@@ -114,6 +132,14 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
       }
   if (dropouts > 0) out.warnings.push_back(fmt::format("{} dropouts (NaN) in {}", dropouts, out.source));
   return out;
+}
+
+/// Values of a text file into the model's own unit. A column called strain is the customary header, whatever the unit.
+std::string convert_to_model(RecordRows& table, const std::string& unit) {
+  const double factor = factor_to_model(table.value_column == "microstrain" ? table.value_column : table.unit, unit, table.files[0]);
+  if (factor != 1)
+    for (auto& r : table.rows) r.value *= factor;
+  return unit;
 }
 
 /// Values of a text file into the inner unit.
@@ -210,7 +236,7 @@ bool Recordings::recorded(std::size_t condition, std::size_t sensor, std::size_t
 Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit, bool as_it_is) {
   if (is_netcdf(path)) return read_netcdf(path, unit, as_it_is);
   RecordRows table = parse_record_text(read_text(path), path.string());
-  const std::string name = as_it_is ? unit : convert(table, unit);
+  const std::string name = as_it_is ? convert_to_model(table, unit) : convert(table, unit);
   Recordings out = assemble(table);
   out.unit = name;
   return out;

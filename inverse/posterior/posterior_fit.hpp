@@ -42,7 +42,7 @@ struct EmulatorOptions {
     v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
     v("start", start,
       {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the other where not (auto)", .choices = {"auto", "nominal", "surrogate"}});
-    v("check_coarse", check_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model at the end"});
+    v("check_coarse", check_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model"});
     v("check_fine", check_fine, {.range = between(0, 1000), .doc = "those of the finest mesh"});
   }
   /// Errors: InputError for sizes that do not fall.

@@ -72,12 +72,12 @@ TEST(ExternalModel, ARunWithoutAnAnswerIsNotKept) {
   std::atomic<bool> slow = true;
   ServedModel line = straight_line();
   line.evaluate = [inner = line.evaluate, &slow](const Blocks& x, const Json& c) {
-    for (int i = 0; i < 60 && slow; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 400 && slow; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return inner(x, c);
   };
   const Served served({line});
   auto hurried = line_case(served.url(), slope);
-  hurried.server.timeout = 0.2;
+  hurried.server.timeout = 1;
   Eigen::MatrixXd theta(1, 1);
   theta << 3;
   {

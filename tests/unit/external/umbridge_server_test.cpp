@@ -201,6 +201,14 @@ TEST_F(UmbridgeServerTest, WhatIsTooGreatOrTooDeepIsRefusedAtOnce) {
     EXPECT_EQ(c.read(5).substr(0, 10), "HTTP/1.1 4") << length;
     EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 1) << length;
   }
+  // What follows is not taken for a request: the connection is closed.
+  const Connection smuggling("127.0.0.1", served.port());
+  smuggling.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nContent-Length: 99999999999\r\n\r\nGET /Info HTTP/1.1\r\nHost: a\r\n\r\n");
+  std::string said;
+  for (std::string piece; !(piece = smuggling.read(2)).empty();) said += piece;
+  EXPECT_EQ(said.substr(0, 12), "HTTP/1.1 413");
+  EXPECT_NE(said.find("InvalidInput"), std::string::npos);
+  EXPECT_EQ(said.find("protocolVersion"), std::string::npos) << said;
   const Served roomy({straight_line(), blocks()});
   const std::string deep = std::string(100000, '[') + std::string(100000, ']');
   expect_refused(roomy, "/Evaluate", R"({"name": "line", "input": [[1, 0.1]], "config": {"a": )" + deep + "}}", 400, "InvalidInput");
@@ -268,7 +276,7 @@ TEST(UmbridgeServer, ASlowModelDoesNotKeepAServerThatEnds) {
   ServedModel slow{.name = "slow", .input_sizes = {1}, .output_sizes = {1}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
   slow.evaluate = [&](const Blocks&, const Json&) {
     ++entered;
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2000));
     return Blocks{{1.0}};
   };
   auto served = std::make_unique<Served>(std::vector{slow}, ServeOptions{.threads = 1, .waiting = 8});
@@ -281,7 +289,7 @@ TEST(UmbridgeServer, ASlowModelDoesNotKeepAServerThatEnds) {
       if (const auto r = client.Post("/Evaluate", R"({"name": "slow", "input": [[1]]})", "application/json")) ++(r->status == 200 ? made : refused);
     });
   while (entered == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the others wait by now
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // the others wait by now
   served.reset();
   clients.clear();
   EXPECT_EQ(entered, 1);

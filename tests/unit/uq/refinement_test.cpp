@@ -83,7 +83,7 @@ TEST(CheckAndRefine, TeachesTheEmulatorAnewUntilTheTrueModelLiesWhereItSays) {
   EXPECT_GE(refined.refinements[0].runs, 16 + 4);
   EXPECT_TRUE(refined.check.holds) << refined.check.sentence;
   EXPECT_EQ(refined.ended, "the true model lies where the emulator says");
-  EXPECT_LT(distance(refined.check), distance(refined.refinements[0].check));  // 0.6 of it; of eight seeds four refine, to 0.4 to 0.6
+  EXPECT_LT(distance(refined.check), 0.75 * distance(refined.refinements[0].check));  // of eight seeds four refine, to 0.4 to 0.6 of it
   EXPECT_GT(refined.fit.rounds.size(), first.rounds.size());
   // No check stands where the emulator was taught: all its points are new.
   for (const auto& checked : refined.check.runs)

@@ -56,6 +56,22 @@ TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
   EXPECT_EQ(of("spe", {"spe.mesh_correction=false"}).identity(), bare);
 }
 
+// What a diagnosis of a model outside offers is no part of its runs, but of its verdict.
+TEST(ProvenancesOfModelsOutside, ADiagnosisHangsOnWhatItOffers) {
+  const auto dir = folder_with("provenances_outside", {{"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[output]\nsensors = [\"A\"]\ntime = { step = 1.0, count = 2 }\n"
+                                                                      "[recordings]\nfile = \"records.csv\"\n[parameter.a]\nmin = 0.0\nmax = 1.0\n[mechanism.drag.parameter.b]\noff = 0.0\nmin = 0.0\nmax = 1.0\n"},
+                                                        {"records.csv", "sensor,pulse,time,strain\n"}});
+  const auto of = [&](std::vector<std::string> set) {
+    const CommandLine command{.verb = "diagnose", .case_file = dir / "case.toml", .out = dir, .overrides = std::move(set), .quiet = true};
+    const StudyInputs inputs(command);
+    return std::pair(runs_provenance(inputs.study()).identity(), diagnosis_provenance(inputs).identity());
+  };
+  const auto usual = of({}), wider = of({"mechanism.drag.parameter.b.max=2.0"}), elsewhere = of({"model.url=http://127.0.0.1:2"});
+  EXPECT_EQ(wider.first, usual.first);
+  EXPECT_NE(wider.second, usual.second);
+  EXPECT_EQ(elsewhere, usual);
+}
+
 // Draws of a kind hang on its own keys alone.
 TEST_F(Provenances, SampleHangsOnTheKeysOfItsSampler) {
   const auto dram = of("sample").identity(), delayed = of("sample", {"sampler.kind=delayed_acceptance"}).identity();

@@ -151,6 +151,14 @@ TEST(Recordings, NoiseIsANumberOrATable) {
   EXPECT_THROW((void)read_recording_options(window), InputError);
 }
 
+/// recordings.nc of a text file in this unit, as `calomel import --unit` makes it.
+std::filesystem::path write_as(const std::filesystem::path& dir, const std::string& unit) {
+  const auto text = dir / "text.csv";
+  write_atomically(text, "sensor,pulse,time,strain\nA,0,0,5\nA,0,1,6\n");
+  const std::vector<std::filesystem::path> files{text};
+  return import_recordings(files, {.unit = unit}, dir).path;
+}
+
 // Another model's values have a unit of their own, whatever a column is called.
 TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   const auto path = scratch("as_it_is") / "recordings.csv";
@@ -163,6 +171,17 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   EXPECT_EQ(r.values, (std::vector<double>{5, 6}));
   EXPECT_EQ(r.unit, "microstrain");
   EXPECT_DOUBLE_EQ(*options.noise_of("A"), 2);
+  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not.
+  options.unit = "strain";
+  EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
+  options.unit = "V";
+  EXPECT_THROW((void)read_recordings(path, options), InputError);
+  const auto file = write_as(path.parent_path(), "microstrain");
+  options.unit = "microstrain";
+  EXPECT_NEAR(read_recordings(file, options).values[1], 6, 1e-12);
+  options.unit = "V";
+  EXPECT_THROW((void)read_recordings(file, options), InputError);
+  EXPECT_EQ(read_recordings(write_as(path.parent_path(), "V"), options).values[1], 6);
 }
 
 TEST(Recordings, OffsetWindowAndExclusionAreApplied) {
