@@ -201,11 +201,7 @@ std::optional<double> CaseFile::number(const std::string& path) const {
 Json CaseFile::json(const std::string& path) const {
   const auto* node = node_at(document_->root, path);
   if (!node) return Json::object();
-  try {
-    return json_of(*node, path);
-  } catch (const InputError& e) {
-    throw located(e);
-  }
+  return locating([&] { return json_of(*node, path); });
 }
 
 void CaseFile::accept(const std::string& path) { document_->accepted.insert(path); }

@@ -27,7 +27,7 @@ Json sampler_options(const SamplerOptions& sampler) {
 
 Json posterior_options(const StudyCase& study) {
   Json options{{"product", study.map.product}, {"sampler", sampler_options(study.sampler)}};
-  if (!study.external || !study.external->is_log_density()) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
+  if (!study.is_log_density()) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
   if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
@@ -102,9 +102,9 @@ Provenance of_density(const StudyInputs& inputs, std::string stage) {
 }  // namespace
 
 Provenance posterior_provenance(const StudyInputs& inputs) {
-  const auto& external = inputs.study().external;
-  Provenance p = external && external->is_log_density() ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
-  if (!external || !external->is_log_density()) p.options["posterior"] = echo(inputs.study().posterior);
+  const bool density = inputs.study().is_log_density();
+  Provenance p = density ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
+  if (!density) p.options["posterior"] = echo(inputs.study().posterior);
   add_basin(p, inputs);
   return p;
 }

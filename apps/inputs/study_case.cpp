@@ -34,10 +34,9 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
 /// Before the model is asked for anything. Errors: InputError for a sampler that cannot sample this case.
 void expect_sampler_fits(const StudyCase& study) {
   const SamplerOptions& sampler = study.sampler;
-  const bool log_density = study.external && study.external->is_log_density();
-  if (sampler.kind == "delayed_acceptance" && study.external && (log_density || !study.file.has("surrogate")))
+  if (sampler.kind == "delayed_acceptance" && study.external && (study.is_log_density() || !study.file.has("surrogate")))
     throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself", .key = "sampler.kind", .value = "\"delayed_acceptance\"",
-                      .suggestion = log_density ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
+                      .suggestion = study.is_log_density() ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
   if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
 }
 

@@ -79,6 +79,8 @@ struct StudyCase {
   [[nodiscard]] std::string unit() const { return line ? line->unit : external ? external->unit : forward.sensor_unit; }
   /// The case's own parameters, of whichever model.
   [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : external ? external->parameters : forward.parameters; }
+  /// Whether the model is a log density, for samplers alone.
+  [[nodiscard]] bool is_log_density() const { return external && external->is_log_density(); }
   /// Whether the model is the explicit solver on a mesh.
   [[nodiscard]] bool on_mesh() const { return !line && !external; }
   /// The resolved case, table by table.

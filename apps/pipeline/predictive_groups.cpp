@@ -23,7 +23,7 @@ Predicting predicting(const PosteriorFit& fit, const std::vector<Parameter>& par
     for (const auto& term : fit.hypotheses[j].errors.terms()) variance += (fit.hypotheses.size() > 1 ? density.weights[j] : 1.0) * term.covariance.diagonal();
   return {.parameters = parameters,
           .priors = fit.posterior->priors(),
-          .log_prior = [&fit](const Eigen::VectorXd& q) { return fit.posterior->log_density(q) - fit.posterior->density(fit.posterior->point(q)).log_likelihood; },
+          .log_prior = [&fit](const Eigen::VectorXd& q) { return fit.posterior->log_density(q) - fit.posterior->density(fit.posterior->point(q), false).log_likelihood; },
           .history = [&fit](const Eigen::VectorXd& q) {
             const auto at = fit.posterior->point(q);
             return fit.history(at.u, at.beyond);

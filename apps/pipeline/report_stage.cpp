@@ -43,7 +43,6 @@ ReportInput report_input(StudyInputs& inputs) {
   input.case_file = inputs.command().case_file.string();
   input.options = study.echo();
   input.parameters = study.parameters();
-  for (const auto& p : input.parameters) input.units[p.name] = p.unit;
   input.unit = study.unit();
   input.time_end = study.time_end();
   input.seed = inputs.command().seed;

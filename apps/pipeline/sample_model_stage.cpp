@@ -70,7 +70,7 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
 
 std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
-  if (study.external->is_log_density()) return std::nullopt;
+  if (study.is_log_density()) return std::nullopt;
   const Problem& problem = inputs.problem();
   return ErrorModel(problem, inputs.recordings(), *study.recordings, study.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }

@@ -63,13 +63,10 @@ class MeshModels {
   std::map<int, std::shared_ptr<const BuiltInModel>> models_;
 };
 
-/// A case file could not say it, so the model does not take it: a negative density, for one.
-void expect_possible(const ForwardCase& forward, const std::vector<double>& theta) {
-  for (std::size_t k = 0; k < theta.size(); ++k) {
-    const auto& p = forward.parameters[k];
-    const FieldInfo info = forward.about(p.key);
-    if (!info.range.contains(theta[k])) throw InputError({.problem = fmt::format("{} cannot be that", p.key), .key = p.name, .value = number_text(theta[k]), .range = info.range.text()});
-  }
+/// A case file could not say it, so the model does not take it: a negative density, for one. ranges: of the parameters' keys.
+void expect_possible(const std::vector<Parameter>& parameters, const std::vector<Range>& ranges, const std::vector<double>& theta) {
+  for (std::size_t k = 0; k < theta.size(); ++k)
+    if (!ranges[k].contains(theta[k])) throw InputError({.problem = parameters[k].key + " cannot be that", .key = parameters[k].name, .value = number_text(theta[k]), .range = ranges[k].text()});
 }
 
 ServedModel described(const std::string& name, const ModelShape& shape) {
@@ -82,8 +79,10 @@ ServedModel served(StudyInputs& inputs) {
   if (study.on_mesh()) {
     const auto models = std::make_shared<MeshModels>(study.forward, inputs.ensemble());
     ServedModel out = described("forward", models->of(1)->shape());
-    out.evaluate = [models, &forward = study.forward](const Blocks& input, const Json& config) {
-      expect_possible(forward, input[0]);
+    std::vector<Range> ranges;
+    for (const auto& p : study.forward.parameters) ranges.push_back(study.forward.about(p.key).range);
+    out.evaluate = [models, ranges, &parameters = study.forward.parameters](const Blocks& input, const Json& config) {
+      expect_possible(parameters, ranges, input[0]);
       return Blocks{answer_of(models->of(pulses_of(config))->evaluate(input[0]))};
     };
     return out;

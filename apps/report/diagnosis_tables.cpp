@@ -8,6 +8,7 @@
 #include <map>
 
 #include "apps/report/html.hpp"
+#include "apps/report/tables.hpp"
 #include "apps/report/traces.hpp"
 #include "base/json.hpp"
 #include "uq/diagnosis/verdict.hpp"
@@ -212,8 +213,7 @@ Table handbook_table(const Study& study, const ReportInput& input) {
   if (!before.is_object()) return t;
   for (const auto& [name, value] : before.items()) {
     const Json& known = part_at(handbook, name);
-    const auto unit = input.units.find(name);
-    std::vector<Cell> row{unit == input.units.end() || unit->second.empty() ? name : name + " [" + unit->second + "]", number_at(known, "mean"), number_at(known, "sd")};
+    std::vector<Cell> row{parameter_label(input, name), number_at(known, "mean"), number_at(known, "sd")};
     const auto add = [&](const Json& fit) {
       const auto mean = number_at(fit, "mean"), centre = number_at(known, "mean"), sd = number_at(known, "sd");
       const auto apart = mean && centre && sd ? std::optional((*mean - *centre) / *sd) : std::nullopt;

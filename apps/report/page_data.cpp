@@ -107,15 +107,11 @@ Json ridge_json(const Study& study, const ReportInput& input, std::size_t points
   if (const auto rho = number_at(theta, z.density), speed = number_at(theta, z.sound_speed); rho && speed)
     marks.push_back({{"label", "nominal"}, {"x", rounded(*rho, 6)}, {"y", rounded(*speed, 6)}});
   const auto best = z.at(part_at(enc->summary, "theta"));
-  const auto axis = [&](const std::string& name) {
-    const auto unit = input.units.find(name);
-    return unit == input.units.end() || unit->second.empty() ? name : name + " [" + unit->second + "]";
-  };
   return {{"points", std::move(list)},
           {"marks", std::move(marks)},
           {"product", best ? rounded(*best, 6) : Json()},
-          {"x_label", axis(z.density)},
-          {"y_label", axis(z.sound_speed)},
+          {"x_label", parameter_label(input, z.density)},
+          {"y_label", parameter_label(input, z.sound_speed)},
           {"value_label", text_at(part_at(enc->summary, "objective"), "name", "objective")},
           {"minimise", text_at(part_at(enc->summary, "objective"), "sense") == "minimise"}};
 }
@@ -142,8 +138,7 @@ Json design_json(const Study& study, const ReportInput& input, std::size_t point
   const auto& r = *study.runs;
   Json names = Json::array(), done = Json::array(), failed = Json::array(), bounds = Json::array();
   for (const auto& p : r.parameters) {
-    const auto unit = input.units.find(p);
-    names.push_back(unit == input.units.end() || unit->second.empty() ? p : p + " [" + unit->second + "]");
+    names.push_back(parameter_label(input, p));
   }
   const auto step = stride(r.runs(), points);
   for (std::size_t i = 0; i < r.runs(); ++i) {

@@ -115,7 +115,7 @@ std::string posterior_headline(const Study& study, const ReportInput& input) {
     const bool own = std::any_of(input.parameters.begin(), input.parameters.end(), [&](const Parameter& q) { return q.name == name; });
     const auto low = number_at(p, "q05"), middle = number_at(p, "q50"), high = number_at(p, "q95");
     if (!(own || input.parameters.empty()) || !low || !middle || !high) continue;
-    const std::string unit = input.units.contains(name) && input.units.at(name) != "1" ? "\u00a0" + escape_html(input.units.at(name)) : "";
+    const std::string unit = parameter_unit(input, name).empty() ? "" : "\u00a0" + escape_html(parameter_unit(input, name));
     s += (s.empty() ? "" : "; ") + escape_html(name) + " <strong>" + number_html(*middle, 4) + unit + "</strong> (" + number_html(*low, 4) + " to " +
          number_html(*high, 4) + ")";
   }

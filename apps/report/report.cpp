@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "apps/report/chains.hpp"
 #include "apps/report/comparison_tables.hpp"
 #include "apps/report/diagnosis_tables.hpp"

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,8 +37,7 @@ struct ReportInput {
   std::string case_name;
   std::string case_file;                     ///< as the user gave it, for the commands that the page suggests
   Json options = Json::object();             ///< resolved options of the case, by table
-  std::vector<Parameter> parameters;         ///< in declared order; bounds, key, nominal
-  std::map<std::string, std::string> units;  ///< parameter name -> unit, e.g. "Pa"
+  std::vector<Parameter> parameters;         ///< in declared order; bounds, key, nominal, unit
   std::string unit = "strain";               ///< of the data; strain is shown in microstrain, any other as it is
   double time_end = 0;                       ///< of the simulation [s]: long ones are shown in ms or s
   ReportSurface outer;                       ///< outer steel surface; empty for an outside model

@@ -113,7 +113,7 @@ std::string what_came_out(const Study& study) {
 std::string bounds_sentence(const Study& study, const ReportInput& input) {
   std::string bounds;
   for (const auto& p : input.parameters) {
-    const std::string unit = input.units.contains(p.name) && input.units.at(p.name) != "1" ? input.units.at(p.name) : "";
+    const std::string unit = parameter_unit(input, p.name);
     bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(p.min, 5) + " to " + number_html(p.max, 5) +
               (unit.empty() ? "" : "\u00a0" + escape_html(unit));
   }

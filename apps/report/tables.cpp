@@ -45,16 +45,16 @@ Impedance impedance(const ReportInput& input) {
   return z;
 }
 
-namespace {
-std::string unit_of(const ReportInput& input, const std::string& parameter) {
-  const auto found = input.units.find(parameter);
-  return found == input.units.end() || found->second == "1" ? "" : found->second;
+std::string parameter_unit(const ReportInput& input, const std::string& parameter) {
+  const auto found = std::find_if(input.parameters.begin(), input.parameters.end(), [&](const Parameter& p) { return p.name == parameter; });
+  return found == input.parameters.end() || found->unit == "1" ? "" : found->unit;
 }
 
+namespace {
 std::string with_unit(const std::string& name, const std::string& unit) { return unit.empty() ? name : name + " [" + unit + "]"; }
 }  // namespace
 
-std::string parameter_label(const ReportInput& input, const std::string& parameter) { return with_unit(parameter, unit_of(input, parameter)); }
+std::string parameter_label(const ReportInput& input, const std::string& parameter) { return with_unit(parameter, parameter_unit(input, parameter)); }
 
 namespace {
 void add_parameter_columns(Table& table, const std::vector<std::string>& names, const ReportInput& input) {
@@ -178,7 +178,7 @@ Table parameter_table(const Study& study, const ReportInput& input) {
     for (const auto& c : study.calibrations) found.push_back(number_at(part_at(c.summary, "theta"), name));
     const auto nominal = nominal_of(name, p);
     if (nominal) nominal_theta[name] = *nominal;
-    add(name, unit_of(input, name), found, nominal, p ? std::optional(p->min) : std::nullopt, p ? std::optional(p->max) : std::nullopt);
+    add(name, parameter_unit(input, name), found, nominal, p ? std::optional(p->min) : std::nullopt, p ? std::optional(p->max) : std::nullopt);
   }
   const Impedance z = impedance(input);
   if (!t.rows.empty() && (!z.density.empty() || !z.sound_speed.empty())) {

@@ -9,6 +9,8 @@ namespace calomel {
 /// Unit in which the page shows the data.
 DisplayUnit display_unit(const ReportInput& input);
 
+/// Unit of a parameter of the case; empty for a pure number, and of what is none of its parameters.
+std::string parameter_unit(const ReportInput& input, const std::string& parameter);
 /// A parameter's name with its unit, "density [kg/m3]".
 std::string parameter_label(const ReportInput& input, const std::string& parameter);
 /// Names of the parameters: those of the case, else those of the first calibration.

@@ -134,11 +134,14 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   return out;
 }
 
-/// Values of a text file into the model's own unit. A column called strain is the customary header, whatever the unit.
-std::string convert_to_model(RecordRows& table, const std::string& unit) {
-  const double factor = factor_to_model(table.value_column == "microstrain" ? table.value_column : table.unit, unit, table.files[0]);
+void multiply(RecordRows& table, double factor) {
   if (factor != 1)
     for (auto& r : table.rows) r.value *= factor;
+}
+
+/// Values of a text file into the model's own unit. A column called strain is the customary header, whatever the unit.
+std::string convert_to_model(RecordRows& table, const std::string& unit) {
+  multiply(table, factor_to_model(table.value_column == "microstrain" ? table.value_column : table.unit, unit, table.files[0]));
   return unit;
 }
 
@@ -155,8 +158,7 @@ std::string convert(RecordRows& table, const std::string& unit) {
                         .suggestion = "write unit = \"microstrain\""});
   }
   const auto [factor, name] = inner_unit(own, unit, table.files[0]);
-  if (factor != 1)
-    for (auto& r : table.rows) r.value *= factor;
+  multiply(table, factor);
   return name;
 }
 

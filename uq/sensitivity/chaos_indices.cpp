@@ -83,6 +83,7 @@ LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values)
   const Eigen::Index n = values.size(), d = x.rows();
   expect(x.cols() == n, "one value at each point");
   if (double(n) < double(values_a_term) * terms_of(d, 1)) throw NumericsError("too few runs for a polynomial of first order");
+  if (!(values.maxCoeff() > values.minCoeff())) return {};  // rounding of a mean makes a variance of what does not vary
   const double mean = values.mean(), spread = (values.array() - mean).square().mean();
   LegendreChaos best;
   double least = std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ struct ChaosIndices {
 [[nodiscard]] ChaosIndices indices_of(const LegendreChaos& chaos);
 
 /// Least squares on values (n) at x (d, n) in [-1, 1]: of all total degrees from 1 on whose terms are at most a third of the values, the one with the least leave-one-out
-/// error. Errors: NumericsError for fewer values than three times the terms of a straight line.
+/// error; without coefficients where the values do not vary. Errors: NumericsError for fewer values than three times the terms of a straight line.
 [[nodiscard]] LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values);
 
 /// The polynomial at points x (d, n) in [-1, 1], (n).

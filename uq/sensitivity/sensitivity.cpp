@@ -162,12 +162,10 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   for (std::size_t q = 0; q < out.quantities.size(); ++q) {
     auto& one = out.quantities[q];
     const auto row = rows.at_a.row(Eigen::Index(q)).head(rows.n);
-    const Eigen::VectorXd known = numbers.row(Eigen::Index(q)).transpose();
-    const auto varies = [](const auto& values) { return values.maxCoeff() > values.minCoeff(); };  // rounding of a mean makes a variance of what does not
-    one.mean = varies(row) ? row.mean() : row[0], one.sd = std::sqrt((row.array() - one.mean).square().mean());
+    one.mean = row.maxCoeff() > row.minCoeff() ? row.mean() : row[0], one.sd = std::sqrt((row.array() - one.mean).square().mean());
     one.sobol = rows.indices(q, in.seed), one.morris = effects[q];
-    if (!polynomial || !varies(known)) continue;
-    if (auto chaos = fit_chaos(2 * x.array() - 1, known); chaos.coefficients.size() > 0) one.chaos = std::move(chaos);
+    if (!polynomial) continue;
+    if (auto chaos = fit_chaos(2 * x.array() - 1, numbers.row(Eigen::Index(q)).transpose()); chaos.coefficients.size() > 0) one.chaos = std::move(chaos);
   }
   std::size_t q = out.quantities.size();
   if (in.totals)

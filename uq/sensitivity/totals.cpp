@@ -42,7 +42,7 @@ void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::Ve
   const Eigen::Index d = x.rows(), n = values.size();
   const bool varies = n > 0 && values.maxCoeff() > values.minCoeff();
   LegendreChaos chaos;
-  if (varies && n >= 3 * (d + 1)) chaos = fit_chaos(x, values);
+  if (n >= 3 * (d + 1)) chaos = fit_chaos(x, values);
   const bool fitted = chaos.coefficients.size() > 0;
   const auto f = [&](const Eigen::MatrixXd& unit) -> Eigen::VectorXd {
     if (!varies) return Eigen::VectorXd::Constant(unit.cols(), n > 0 ? values[0] : nan);

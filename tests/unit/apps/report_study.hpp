@@ -51,10 +51,9 @@ inline ReportInput input() {
   in.case_name = "Slice of a mercury target";
   in.case_file = "slice.toml";
   in.options = {{"material", {{"mercury", {{"density", 13500.0}, {"sound_speed", 1450.0}, {"tensile_cutoff", 1.5e5}}}}}, {"load", {{"policy", "fixed"}}}};
-  in.parameters = {{.name = "tensile_cutoff", .min = 0, .max = 1.5e6, .nominal = 1.5e5},
-                   {.name = "density", .min = 5000, .max = 20000, .nominal = 13500},
-                   {.name = "sound_speed", .min = 700, .max = 3000, .nominal = 1450}};
-  in.units = {{"tensile_cutoff", "Pa"}, {"density", "kg/m\u00b3"}, {"sound_speed", "m/s"}};
+  in.parameters = {{.name = "tensile_cutoff", .min = 0, .max = 1.5e6, .nominal = 1.5e5, .unit = "Pa"},
+                   {.name = "density", .min = 5000, .max = 20000, .nominal = 13500, .unit = "kg/m\u00b3"},
+                   {.name = "sound_speed", .min = 700, .max = 3000, .nominal = 1450, .unit = "m/s"}};
   in.outer = box({0, -0.05, 0}, {0.211, 0.05, 0.062}, 60);
   in.wetted = box({0.006, -0.045, 0.004}, {0.206, 0.045, 0.056}, 40);
   const char* const names[] = {"B", "C", "F", "M", "R", ""};
