@@ -31,6 +31,15 @@ struct RecordRows {
 /// Seconds in a unit of time ("s", "ms", "us", "µs", "ns"); empty when it is none.
 std::optional<double> seconds_in(std::string_view unit);
 
+/// What a unit of a reading measures, and how much of the plain unit it is.
+struct ReadingUnit {
+  std::string_view quantity;  ///< "strain", "voltage", "pressure", ...
+  double size = 1;            ///< in strain, V, Pa, N, m, m/s, m/s^2
+};
+
+/// A unit as files spell it: symbol or word, with or without an SI prefix ("kPa", "Volts", "millivolt", "um/m"); empty when it is none that is known here.
+std::optional<ReadingUnit> reading_unit(std::string_view word);
+
 /// Reads text: comma, semicolon, tab or blanks between the fields, '#' before a comment.
 /// Errors: InputError with file and line.
 RecordRows parse_record_text(std::string_view text, const std::string& file);

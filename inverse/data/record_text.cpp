@@ -224,6 +224,33 @@ std::optional<double> seconds_in(std::string_view unit) {
   return std::nullopt;
 }
 
+std::optional<ReadingUnit> reading_unit(std::string_view word) {
+  struct Known {
+    std::string_view spelling;
+    ReadingUnit unit;
+  };
+  // Symbols keep their letters' case (mPa is not MPa), words do not.
+  constexpr Known symbols[] = {{"m/m", {"strain"}}, {"m m-1", {"strain"}}, {"e", {"strain"}}, {"E", {"strain"}}, {"\xce\xb5", {"strain"}}, {"V", {"voltage"}}, {"Pa", {"pressure"}}, {"bar", {"pressure", 1e5}},
+                               {"N", {"force"}}, {"m", {"length"}}, {"m/s", {"velocity"}}, {"m/s2", {"acceleration"}}, {"m/s^2", {"acceleration"}}};
+  constexpr Known words[] = {{"strain", {"strain"}}, {"volt", {"voltage"}}, {"pascal", {"pressure"}}, {"newton", {"force"}}, {"metre", {"length"}}, {"meter", {"length"}}};
+  constexpr std::pair<std::string_view, double> symbol_prefixes[] = {{"", 1}, {"n", 1e-9}, {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6}, {"m", 1e-3}, {"h", 1e2}, {"k", 1e3}, {"M", 1e6}, {"G", 1e9}};
+  constexpr std::pair<std::string_view, double> word_prefixes[] = {{"", 1}, {"nano", 1e-9}, {"micro", 1e-6}, {"milli", 1e-3}, {"hecto", 1e2}, {"kilo", 1e3}, {"mega", 1e6}, {"giga", 1e9}};
+  const auto find = [](std::string_view text, const auto& known, const auto& prefixes) -> std::optional<ReadingUnit> {
+    for (const auto& [spelling, unit] : known)
+      for (const auto& [prefix, factor] : prefixes)
+        if (text.size() == prefix.size() + spelling.size() && text.substr(0, prefix.size()) == prefix && text.substr(prefix.size()) == spelling) return ReadingUnit{unit.quantity, factor * unit.size};
+    return std::nullopt;
+  };
+  if (word == "1") return ReadingUnit{"strain"};
+  if (word == "1e-6") return ReadingUnit{"strain", 1e-6};
+  if (const auto symbol = find(word, symbols, symbol_prefixes)) return symbol;
+  std::string small(word);
+  for (auto& c : small) c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (const auto name = find(small, words, word_prefixes)) return name;
+  if (small.size() > 1 && small.back() == 's') return find(std::string_view(small).substr(0, small.size() - 1), words, word_prefixes);
+  return std::nullopt;
+}
+
 RecordRows parse_record_text(std::string_view text, const std::string& file) {
   RecordRows out;
   out.files = {file};

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -29,40 +28,31 @@ bool is_netcdf(const std::filesystem::path& path) {
   return magic == "\x89HDF" || magic.substr(0, 3) == "CDF";
 }
 
-std::string small_letters(std::string word) {
-  for (auto& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return word;
-}
-
 /// Strain in one of this unit; none of a unit of something else.
 std::optional<double> strains_in(const std::string& unit) {
-  const std::string w = small_letters(unit);
-  for (const char* word : {"1", "strain", "m/m", "m m-1"})
-    if (w == word) return 1;
-  for (const char* word : {"microstrain", "ue", "um/m", "1e-6", "\xc2\xb5" "e", "\xce\xbc\xce\xb5"})
-    if (w == word) return microstrain;
-  return std::nullopt;
+  const auto known = reading_unit(unit);
+  return known && known->quantity == "strain" ? std::optional(known->size) : std::nullopt;
 }
 
 /// What the file's own unit and the case's word mean together: the factor to the inner unit, and its name.
 std::pair<double, std::string> inner_unit(const std::string& own, const std::string& asked, const std::string& file) {
-  const auto strains = strains_in(own);
-  const bool own_strain = strains == 1, own_micro = strains == microstrain;
-  if ((own_strain && asked != "strain") || (own_micro && asked != "strain" && asked != "microstrain"))
-    throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\"", file, own),
-                      .key = "recordings.unit",
-                      .value = '"' + asked + '"',
-                      .suggestion = fmt::format("write unit = \"{}\"", own_strain ? "strain" : "microstrain")});
-  if (own_micro || asked == "microstrain") return {microstrain, "strain"};
-  if (own_strain) return {1, "strain"};
+  if (const auto strains = strains_in(own)) {
+    if (asked != "strain" && !(asked == "microstrain" && *strains == microstrain))
+      throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\"", file, own),
+                        .key = "recordings.unit",
+                        .value = '"' + asked + '"',
+                        .suggestion = fmt::format("write unit = \"{}\"", *strains == microstrain ? "microstrain" : "strain")});
+    return {*strains, "strain"};
+  }
+  if (asked == "microstrain") return {microstrain, "strain"};
   return {1, own.empty() || asked != "strain" ? asked : own};
 }
 
 /// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is not known to be the same quantity.
 double factor_to_model(const std::string& own, const std::string& unit, const std::string& file) {
-  if (own.empty() || small_letters(own) == small_letters(unit)) return 1;
-  const auto from = strains_in(own), to = strains_in(unit);
-  if (from && to) return *from / *to;
+  if (own.empty() || own == unit) return 1;
+  const auto from = reading_unit(own), to = reading_unit(unit);
+  if (from && to && from->quantity == to->quantity) return from->size / to->size;
   throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit), .key = "recordings.file",
                     .suggestion = fmt::format("bring both to one unit; calomel import --unit {} says what a text file is in", unit)});
 }

@@ -10,6 +10,7 @@
 #include "base/json.hpp"
 #include "base/netcdf_file.hpp"
 #include "base/random.hpp"
+#include "inverse/data/record_rows.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;
@@ -182,6 +183,21 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   options.unit = "V";
   EXPECT_THROW((void)read_recordings(file, options), InputError);
   EXPECT_EQ(read_recordings(write_as(path.parent_path(), "V"), options).values[1], 6);
+  EXPECT_EQ(read_recordings(write_as(path.parent_path(), "Volts"), options).values[1], 6);  // as LabVIEW writes it
+  EXPECT_NEAR(read_recordings(write_as(path.parent_path(), "mV"), options).values[1], 6e-3, 1e-15);
+}
+
+TEST(Recordings, UnitsAreReadAsFilesSpellThem) {
+  for (const auto& [word, quantity, size] : std::vector<std::tuple<std::string, std::string, double>>{
+           {"V", "voltage", 1}, {"Volts", "voltage", 1}, {"volt", "voltage", 1}, {"mV", "voltage", 1e-3}, {"Millivolts", "voltage", 1e-3}, {"kPa", "pressure", 1e3}, {"MPa", "pressure", 1e6}, {"mPa", "pressure", 1e-3},
+           {"mbar", "pressure", 1e2}, {"kilopascal", "pressure", 1e3}, {"1", "strain", 1}, {"Strain", "strain", 1}, {"Microstrain", "strain", 1e-6}, {"uE", "strain", 1e-6}, {"um/m", "strain", 1e-6}, {"\xc2\xb5\xce\xb5", "strain", 1e-6},
+           {"mm", "length", 1e-3}, {"m/s", "velocity", 1}, {"mm/s", "velocity", 1e-3}}) {
+    const auto unit = reading_unit(word);
+    ASSERT_TRUE(unit) << word;
+    EXPECT_EQ(unit->quantity, quantity) << word;
+    EXPECT_DOUBLE_EQ(unit->size, size) << word;
+  }
+  for (const char* word : {"", "s", "furlong", "v", "kpa", "counts", "xV"}) EXPECT_FALSE(reading_unit(word)) << word;
 }
 
 TEST(Recordings, OffsetWindowAndExclusionAreApplied) {
