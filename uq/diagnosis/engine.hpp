@@ -94,6 +94,7 @@ class DiagnosisEngine {
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);
   void fit_best_of(const Question& q);
+  void fit_fault(const Question& q, const Alternative* on_top_of = nullptr);
   void fit_gauge(const Question& q);
   [[nodiscard]] Question of_its_own(Question q);
   void judge_all();

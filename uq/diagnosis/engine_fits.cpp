@@ -59,7 +59,7 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
-  if (groups_[q.group].linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
+  if (groups_[q.group].linear && groups_[q.group].sensor.empty()) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
     const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
     const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .rest = grid().apply(about.rest)});
     c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
@@ -80,6 +80,7 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
   const LocalMode& start = below.modes[0];
   Alternative c = begun(group, q, on_top_of);
   if (q.sensor) c.sensor = in_.base.problem.shape.sensors[*q.sensor];
+  if (!on_top_of && !group.sensor.empty()) c.sensor = group.sensor, c.explanation.of_a_gauge = true;
   double gained = 0;  // by what it is put on top of
   if (on_top_of) {
     c.numbers = on_top_of->numbers;
@@ -145,12 +146,35 @@ Question DiagnosisEngine::of_its_own(Question q) {
   return q;
 }
 
-/// The gauge that says most in the model itself, in place of what its fault is worth to first order: a low pass or a delay is far from linear in its number.
+/// A fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number: linearised anew until the numbers stay, on the emulator of what it stands beside, which knows all but
+/// this gauge. Where that does not explain the records, or the model is searched without an emulator, by a fit of its own; the better one is kept.
+void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of) {
+  const Question own = of_its_own(q);
+  const std::size_t before = out_.candidates.size();
+  if (!in_.base.draw_in) {
+    groups_[own.group].linear = true;
+    fit_linear(own, on_top_of);
+    groups_[own.group].linear = false;
+  }
+  const std::size_t linearised = out_.candidates.size();
+  if (linearised > before) {
+    const Alternative& c = out_.candidates.back();
+    if (c.settled && c.explanation.log_bayes_factor > worth_fitting && c.explanation.chi2 < greatest_plausible(out_.evidence)) return;
+  }
+  fit(own, on_top_of);
+  if (linearised == before || out_.candidates.size() == linearised) return;
+  const Explanation& now = out_.candidates.back().explanation;
+  Alternative& kept = out_.candidates[linearised - 1];
+  if (now.fitted && (kept.runs == 0 || now.log_bayes_factor > kept.explanation.log_bayes_factor)) std::swap(kept, out_.candidates.back());
+  out_.candidates.pop_back();
+}
+
+/// The gauge that says most, in place of what its fault is worth to first order.
 void DiagnosisEngine::fit_gauge(const Question& q) {
   const auto linear = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == groups_[q.group].name; });
   if (linear == out_.candidates.end()) return;
   const std::size_t others = out_.candidates.size(), place = std::size_t(linear - out_.candidates.begin());
-  fit(of_its_own(q));
+  fit_fault(q);
   if (out_.candidates.size() == others) return;  // no runs left
   if (out_.candidates.back().explanation.fitted) out_.candidates[place] = std::move(out_.candidates.back());
   out_.candidates.pop_back();
@@ -319,7 +343,7 @@ void DiagnosisEngine::fit_pair() {
     if (groups_[q.group].numerical || !tried.insert(groups_[q.group].name).second) continue;
     if (tried.size() > most || (!quick && q.worth.log_bayes_factor < least)) break;
     say(fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", label(q, groups_, in_.base.problem.shape), q.worth.log_bayes_factor));
-    groups_[q.group].linear ? fit_linear(q, &below) : fit(of_its_own(q), &below);
+    q.sensor ? fit_fault(q, &below) : groups_[q.group].linear ? fit_linear(q, &below) : fit(q, &below);
   }
   judge_all();
 }

@@ -26,9 +26,11 @@ Eigen::MatrixXd Linearised::points(const ParameterGroup& group) const {
   for (std::size_t k = 0; k < group.added.size(); ++k) off[first + Eigen::Index(k)] = *group.added[k].parameter.nominal;
   Eigen::MatrixXd thetas = off.replicate(1, n + 2);
   for (Eigen::Index i = 0; i < n; ++i) {
+    const Parameter& p = group.added[q.numbers[std::size_t(i)]].parameter;
     const Eigen::Index row = first + Eigen::Index(q.numbers[std::size_t(i)]);
-    thetas.row(row).tail(n + 1).array() += values[i];
-    thetas(row, i + 2) += std::max(step * sd[i], least_step * q.directions.prior_sd[i]);
+    const double there = std::clamp(*p.nominal + values[i], p.min, p.max), further = std::max(step * sd[i], least_step * q.directions.prior_sd[i]);
+    thetas.row(row).tail(n + 1).setConstant(there);
+    thetas(row, i + 2) = there + further <= p.max ? there + further : std::max(there - further, p.min);
   }
   return thetas;
 }

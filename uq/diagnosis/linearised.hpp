@@ -18,7 +18,7 @@ struct Linearised {
 
   /// They have come out there; theta: of the rest of the model.
   void came_out(const FirstOrder& worth, const std::vector<double>& at);
-  /// Points that tell their effect about these values, (theta and the group's numbers, n + 2): all of them off, there, and one further along each.
+  /// Points that tell their effect about these values, or as near as their ranges let them be, (theta and the group's numbers, n + 2): all of them off, there, and one further along each.
   [[nodiscard]] Eigen::MatrixXd points(const ParameterGroup& group) const;
   /// Takes rest and effects from the runs of points(), by least squares over these and those of all times before: a single difference of two runs has the noise of both.
   void learn(const Eigen::MatrixXd& thetas, const std::vector<RunRecord>& records, const Decimation& grid);

@@ -18,8 +18,11 @@
 namespace calomel {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::Gt;
 using ::testing::IsEmpty;
+using ::testing::Le;
 
 TEST(Diagnosis, NothingMissingIsNone) {
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -152,6 +155,31 @@ TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("sensor_response"));
   EXPECT_EQ(d.candidates[0].sensor, "S2");
   EXPECT_NEAR(d.candidates[0].numbers[0].mean, 0.12, 0.03);
+  EXPECT_TRUE(d.candidates[0].settled);
+  EXPECT_THAT(d.candidates[0].runs, AllOf(Gt(0), Le(4 * 3))) << "on the base model's emulator: a fit of its own would take 20 and more";
+}
+
+// A fault that is as the square of its number, as that of a turned gauge: linearised where the number comes out.
+TEST(Diagnosis, AFaultFarFromLinearIsNamedWithItsNumber) {
+  const double size = 3, value = -0.2;
+  const Experiment experiment(0, 0, 0, 1 + size * value * value, 1);
+  const RunAdded runs = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> which) {
+    Eigen::MatrixXd with = thetas;
+    for (std::size_t k = 0; k < which.size(); ++k)
+      if (which[k].parameter.name == "sensor_response.gain")
+        for (auto& v : with.row(Eigen::Index(2 + k))) v *= size * v;
+    return Experiment::runs()(with, level, which);
+  };
+  const PosteriorInputs base = experiment.base();
+  auto groups = Experiment::groups();
+  groups[2].added[0] = added("sensor_response", "gain", -0.3, 0, {-0.1});
+  const Diagnosis d = diagnose({.base = base, .groups = std::move(groups), .run = runs, .options = {.leaders = 2}, .say = {}, .round = {}});
+  ASSERT_THAT(d.verdict.mechanisms, ElementsAre("sensor_response")) << d.verdict.reason;
+  const Alternative& named = d.candidates[0];
+  EXPECT_EQ(named.sensor, "S2");
+  EXPECT_NEAR(named.numbers[0].mean, value, std::max(3 * named.numbers[0].sd, 0.02));
+  EXPECT_LT(named.numbers[0].sd, 0.05);
+  EXPECT_GT(named.explanation.log_bayes_factor, 10);
 }
 
 TEST(Diagnosis, AFaultyGaugeBesideAnEffectIsNamedWithIt) {
