@@ -323,7 +323,7 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::numerical_rival:
       return {"A number of the simulation's discretisation explains the records nearly as well.", "Finer meshes (emulator.element_sizes)."};
     case Gate::explained:
-      return {fmt::format("It accounts for {:.0f} % of the mismatch only; {:.0f} % is asked.", share, 100 * g.explained), "A second effect beside it that accounts for the rest."};
+      return {fmt::format("It accounts for {:.0f} % of the mismatch only; {:.0f} % is asked where what it leaves is more than chance.", share, 100 * least_explained(g)), "A second effect beside it that accounts for the rest."};
     case Gate::remainder:
       return {fmt::format("With it the records are still not explained ({}): it leaves {:.0f} % of the mismatch, where {:.0f} % is let pass.", chi2_words(e.chi2, d.evidence, g), 100 - share, 100 * (1 - least_explained(g))),
               "A second effect beside it that accounts for the rest."};

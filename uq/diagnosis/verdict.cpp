@@ -140,8 +140,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (!e.fitted) return Gate::fitted;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
-  if (base.chi2 > plausible && share < g.explained) return Gate::explained;  // an adequate base model leaves no excess to speak of
-  if (e.chi2 > plausible && share < least_explained(g)) return Gate::remainder;
+  if (e.chi2 > plausible && share < least_explained(g)) return share < g.explained ? Gate::explained : Gate::remainder;
   // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them predicts.
   if (!e.held_out && !(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
   if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * std::max(0.0, share_gone(e.misfit, base.misfit))))) return Gate::held_out;

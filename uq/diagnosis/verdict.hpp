@@ -53,7 +53,7 @@ struct BaseEvidence {
 struct Gates {
   double log_bayes_factor = 7;
   double lead = 5;              ///< of evidence_of_name over that of the next explanation that is not of the same class
-  double explained = 0.5;       ///< of what chi-squared has above that of nothing missing
+  double explained = 0.5;       ///< of what chi-squared has above that of nothing missing: what explains less, and is not enough, is told by that and not by what it leaves
   double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
   double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
@@ -65,7 +65,7 @@ struct Gates {
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
   double believed = 0.5;        ///< probability of what is named or not told apart, more than
-  int revision = 5;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  int revision = 6;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };

@@ -117,6 +117,12 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("explains only"));
   x = beam(), x.chi2 = 140, x.by_scale = with_and_without(97, 102);
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("still not explained: it leaves 22 % of what the base model leaves"));
+  // What leaves no more than chance is a name, however little there was to explain.
+  BaseEvidence hardly = poor();
+  hardly.chi2 = 1.05 * greatest_plausible(hardly);
+  x = beam(), x.chi2 = 0.95 * greatest_plausible(hardly);
+  EXPECT_LT(*share_explained(hardly, x), Gates{}.explained);
+  EXPECT_EQ(judge(hardly, {x}).kind, VerdictKind::named) << judge(hardly, {x}).reason;
   x = beam(), x.farthest = 4;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("plausible"));
   x = beam(), x.base_pull = 3;
