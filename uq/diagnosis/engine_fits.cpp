@@ -44,7 +44,7 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
   about.q = q, about.rest = Eigen::VectorXd::Zero(q.effects.rows());
   std::optional<Alternative> c = linear_fit(about, on_top_of);
   const int before = runs_, more = int(q.numbers.size()) + 2;
-  for (int round = 0; c && groups_[q.group].linear && c->explanation.log_bayes_factor > worth_fitting; ++round) {
+  for (int round = 0; c && !q.sensor && c->explanation.log_bayes_factor > worth_fitting; ++round) {
     c->settled = c->settled && about.stays;
     if (about.stays || round == most_linearised) break;
     if (runs_ + more > in_.options.max_runs) {
@@ -59,7 +59,7 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
-  if (groups_[q.group].linear && groups_[q.group].sensor.empty()) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
+  if (groups_[q.group].linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
     const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
     const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .rest = grid().apply(about.rest)});
     c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
@@ -79,8 +79,7 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
   const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
   const LocalMode& start = below.modes[0];
   Alternative c = begun(group, q, on_top_of);
-  if (q.sensor) c.sensor = in_.base.problem.shape.sensors[*q.sensor];
-  if (!on_top_of && !group.sensor.empty()) c.sensor = group.sensor, c.explanation.of_a_gauge = true;
+  if (!on_top_of) c.sensor = q.sensor ? in_.base.problem.shape.sensors[*q.sensor] : group.sensor, c.explanation.of_a_gauge = !c.sensor.empty();
   double gained = 0;  // by what it is put on top of
   if (on_top_of) {
     c.numbers = on_top_of->numbers;
@@ -151,11 +150,7 @@ Question DiagnosisEngine::of_its_own(Question q) {
 void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of) {
   const Question own = of_its_own(q);
   const std::size_t before = out_.candidates.size();
-  if (!in_.base.draw_in) {
-    groups_[own.group].linear = true;
-    fit_linear(own, on_top_of);
-    groups_[own.group].linear = false;
-  }
+  if (!in_.base.draw_in) fit_linear(own, on_top_of);
   const std::size_t linearised = out_.candidates.size();
   if (linearised > before) {
     const Alternative& c = out_.candidates.back();
