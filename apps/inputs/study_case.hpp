@@ -91,7 +91,7 @@ struct StudyCase {
   [[nodiscard]] std::map<std::string, std::string> model_inputs() const;
   /// Path of the recordings. Errors: InputError when the case has no [recordings].
   [[nodiscard]] std::filesystem::path recordings_file() const;
-  /// The recordings, held against the sensors that the model has; adds to `warnings`.
+  /// The recordings, held against the sensors that the model has; adds to `warnings` which sensors have no record; what the file itself gives cause to warn of is in the recordings'.
   /// Errors: InputError with its place; see read_recordings, match_sensors.
   [[nodiscard]] Recordings matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const;
 };

@@ -157,7 +157,7 @@ Recordings assemble(const RecordRows& table) {
   for (std::size_t s = 0; s < n_series; ++s)
     if (size[s] > 0) absent += n - size[s];
   if (dropouts > 0) out.warnings.push_back(fmt::format("{} dropouts (NaN or blank) in {}", dropouts, out.source));
-  if (absent > 0) out.warnings.push_back(fmt::format("{} samples are missing in series shorter than the record of {}", absent, out.source));
+  if (absent > 0) out.warnings.push_back(fmt::format("{} samples are missing in {}: not every series has every time of the record", absent, out.source));
   return out;
 }
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Diagnoses of targets whose concealed physics has the library's own form. Needs Python 3 alone.
 
-  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow] [--element 0.5e-3] [--threads N]
+  own_form.py record   BUILD_DIR WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow|bench_jet_flow] [--element 0.5e-3] [--threads N]
   own_form.py diagnose BUILD_DIR WORK_DIR --draws 1,2,3 [--threads N] [--set table.key=value]...
-  own_form.py table    WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow]
+  own_form.py table    WORK_DIR --draws 1,2,3 [--target slice|jet_flow|small_jet_flow|bench_jet_flow]
 
 `calomel challenge` asks whether physics of another code, in another form than the library's, is named. Where a name is missed there it may be the form or the engine. Here the form is right: draw n conceals
 mechanism n modulo 10 of a list (nothing at 0; what is added to the histories, earlier pulses and faults of a gauge, is linear in the engine and not among them), with numbers drawn within its ranges, and make_recordings plays the experiment with this solver on elements of `--element`, another time step, and a
-modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. Targets are box slices, or half of a jet-flow target in three dimensions with twelve gauges, for which there is no other code (small_jet_flow: one half as long, wide and high, which costs a fifth). What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
+modulus, viscosity, energy, gauge places, gains and noise as in tests/bench/concealed_slices.py. Targets are box slices, or half of a jet-flow target in three dimensions with twelve gauges, for which there is no other code (small_jet_flow: one half as long, wide and high, which costs a fifth; bench_jet_flow: one as long and
+high as the slices, which elements of 2.5 and 1.5 mm resolve as they do a slice). What is missed here is missed by the engine, or lies below what the records can tell. `table` gives the strength of each
 effect (as the challenge does: relative L2 of the mean records with and without it after a Hann window of 50 us, mean over the gauges, by ensemble means on the case's own mesh), the verdict, and the numbers beside the true ones.
 A call that is cut off goes on where it stopped.
 """
@@ -84,17 +85,23 @@ def slice_target(r, draw):
     return case, target, peak
 
 
-def jet_target(r, draw, size=1.0):
-    """The same of half a jet-flow target: dimensions, beam, and places and directions of the gauges about those of examples/03_jet_flow, times `size`."""
-    length, width, height, wall = size * r.uniform(0.5, 0.6), size * r.uniform(0.36, 0.44), size * r.uniform(0.10, 0.14), (1 + size) / 2 * r.choice((0.004, 0.005, 0.006))
+# Ranges of a jet-flow target's dimensions and of its beam's widths, coarser and finer elements [m], time and interval of its records [s].
+JET_FLOW = {"length": (0.5, 0.6), "width": (0.36, 0.44), "height": (0.10, 0.14), "walls": (0.004, 0.005, 0.006), "wide": (0.05, 0.065), "high": (0.017, 0.023), "channel": 0.02, "plate": 0.005, "coarse": 0.010, "fine": 0.007, "end": 0.3e-3, "interval": "2e-6"}
+SMALL_JET_FLOW = {"length": (0.25, 0.3), "width": (0.18, 0.22), "height": (0.05, 0.07), "walls": (0.003, 0.00375, 0.0045), "wide": (0.025, 0.0325), "high": (0.0085, 0.0115), "channel": 0.01, "plate": 0.0025, "coarse": 0.007, "fine": 0.005, "end": 0.2e-3, "interval": "2e-6"}
+BENCH_JET_FLOW = {"length": (0.09, 0.11), "width": (0.06, 0.08), "height": (0.032, 0.041), "walls": (0.003, 0.0035, 0.004), "wide": (0.011, 0.015), "high": (0.011, 0.015), "channel": 0.005, "plate": 0.002, "coarse": 0.0025, "fine": 0.0015, "end": 0.2e-3, "interval": "1e-6"}
+
+
+def jet_target(r, draw, of):
+    """The same of half a jet-flow target within the ranges `of`; places and directions of the gauges are about those of examples/03_jet_flow."""
+    length, width, height, wall = r.uniform(*of["length"]), r.uniform(*of["width"]), r.uniform(*of["height"]), r.choice(of["walls"])
     gauges, sensors = [], ""
     for name, x, y, top, direction in JET_GAUGES:
         gauges.append(name)
         place = (length * (x + r.uniform(-0.02, 0.02)), 0.0 if y == 0 else width * (y + r.uniform(-0.02, 0.02)), height if top else 0.0)
-        sensors += '[[sensor]]\nname = "{}"\nposition = [{:.4f}, {:.4f}, {:.4f}]\ndirection = {}\ngauge_length = 0.006\n'.format(name, *place, direction)
+        sensors += '[[sensor]]\nname = "{}"\nposition = [{:.4f}, {:.4f}, {:.4f}]\ndirection = {}\ngauge_length = {}\n'.format(name, *place, direction, min(0.006, 2 * of["fine"]))
     peak = r.uniform(20e6, 30e6)
-    case = JET.format(draw=draw, length=length, width=width, height=height, wall=wall, peak=peak, middle=height * r.uniform(0.45, 0.55), wide=size * r.uniform(0.05, 0.065), high=size * r.uniform(0.017, 0.023),
-                      channel=size * 0.02, plate=size * 0.005, coarse=0.010 if size == 1 else 0.007, fine=0.007 if size == 1 else 0.005, end=0.3e-3 if size == 1 else 0.2e-3, sensors=sensors)
+    case = JET.format(draw=draw, length=length, width=width, height=height, wall=wall, peak=peak, middle=height * r.uniform(0.45, 0.55), wide=r.uniform(*of["wide"]), high=r.uniform(*of["high"]), sensors=sensors,
+                      **{k: of[k] for k in ("channel", "plate", "coarse", "fine", "end", "interval")})
     return case, {"length": length, "height": height, "gauges": gauges}, peak
 
 
@@ -123,7 +130,7 @@ peak_pressure = {peak:.4e}
 profile = {{ center = [0.0, {middle:.4f}], widths = [{wide:.4f}, {high:.4f}] }}
 [time]
 end = {end}
-output_interval = 2e-6
+output_interval = {interval}
 [solver]
 precision = "single"
 {sensors}[recordings]
@@ -153,13 +160,14 @@ JET_EFFECTS = (
     ("interface", lambda r, _: {"strength": r.uniform(0, 5e4), **whole_wall(r)}),
     ("wall_thinning", lambda r, _: {"fraction": r.uniform(0.1, 0.3), **whole_wall(r)}),
 )
-TARGETS = {"slice": (slice_target, EFFECTS, 0.001, "1e-6"), "jet_flow": (jet_target, JET_EFFECTS, 0.010, "2e-6"),  # the case's element size, the records' interval
-           "small_jet_flow": (lambda r, draw: jet_target(r, draw, 0.5), JET_EFFECTS, 0.007, "2e-6")}
+# What makes the target, its effects, the case's element size and that of the records [m].
+TARGETS = {"slice": (slice_target, EFFECTS, 0.001, 0.0005), **{name: (lambda r, draw, of=of: jet_target(r, draw, of), JET_EFFECTS, of["coarse"], element)
+                                                            for name, of, element in (("jet_flow", JET_FLOW, 0.005), ("small_jet_flow", SMALL_JET_FLOW, 0.0035), ("bench_jet_flow", BENCH_JET_FLOW, 0.00075))}}
 
 
 def draw_case(draw, kind, element):
     """The case, the truth file of make_recordings, its [parameter], and the mechanism with its numbers."""
-    make, effects, own_element, interval = TARGETS[kind]
+    make, effects, own_element, _ = TARGETS[kind]
     r = random.Random(f"own form {draw}" if kind == "slice" else f"own form {kind} {draw}")
     case, target, peak = make(r, draw)
     case += PARAMETERS.format(density=(1350.0, 13600.0), speed=(500.0, 4000.0))
@@ -170,7 +178,7 @@ def draw_case(draw, kind, element):
     numbers = numbers(r, target) if numbers else {}
     unlike += concealed(name, numbers)
     lines = ["[parameter]"] + [f"{n} = {v:.8g}" for n, v in true.items()]
-    lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / own_element:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}", f"sample_interval = {interval}",
+    lines += ["[experiment]", f"seed = {r.randrange(10**6)}", 'precision = "single"', f"element_size_ratio = {element / own_element:.4g}", f"time_step_safety = {r.choice((0.7, 0.8, 0.9))}", "sample_interval = " + re.search(r"output_interval = (\S+)", case).group(1),
               "energy_sd = 0.015", f"noise_time = {log_uniform(r, 2e-6, 8e-6):.4g}", "resolution = 1e-8", "place_sd = 0.3e-3", "gain_sd = 0.01", "unlike = [" + ", ".join(f"'{u}'" for u in unlike) + "]"]
     noise = r.choice((2e-6, 3e-6, 4e-6))
     lines += ["[pulses]"] + [f"{s} = {PULSES}" for s in target["gauges"]] + ["[noise]"] + [f"{s} = {noise * (3 if r.randrange(6) == 0 else 1)}" for s in target["gauges"]]
@@ -270,11 +278,11 @@ def main():
     p.add_argument("places", nargs="+", metavar="BUILD_DIR WORK_DIR")
     p.add_argument("--draws", required=True, type=lambda s: [int(x) for part in s.split(",") for x in (range(int(part.split("-")[0]), int(part.split("-")[1]) + 1) if "-" in part else [part])])
     p.add_argument("--target", choices=tuple(TARGETS), default="slice")
-    p.add_argument("--element", type=float, help="of the records [m]; default half of the case's own")
+    p.add_argument("--element", type=float, help="of the records [m]; default half of the finer one that is diagnosed with")
     p.add_argument("--set", action="append", default=[])
     p.add_argument("--threads", type=int, default=1)
     args = p.parse_args()
-    args.element = args.element or TARGETS[args.target][2] / 2
+    args.element = args.element or TARGETS[args.target][3]
     args.work, args.build = os.path.abspath(args.places[-1]), os.path.abspath(args.places[0])
     os.makedirs(args.work, exist_ok=True)
     {"record": record, "diagnose": diagnose, "table": table}[args.what](args)

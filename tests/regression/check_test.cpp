@@ -63,6 +63,18 @@ TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
   EXPECT_THAT(run(dir, "check case.toml --set recordings.unit=microstrian").said, testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
 }
 
+TEST(Check, WarnsOnceOfWhatTheRecordsLack) {
+  std::string records = "sensor,pulse,time_s,strain\n";
+  for (const char* pulse : {"1", "2"})
+    for (int i = 0; i <= 20; ++i)
+      if (*pulse == '1' || i != 7) records += std::string("A,") + pulse + ',' + std::to_string(i) + "e-6," + std::to_string(i) + "e-7\n";
+  const auto dir = folder_with("check_missing", {{"case.toml", slice_case + more + "[recordings]\nfile = \"records.csv\"\n"}, {"records.csv", records}});
+  const auto said = run(dir, "check case.toml").said;
+  const auto first = said.find("1 samples are missing");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("samples are missing", first + 5), std::string::npos) << said;
+}
+
 TEST(Check, GivesTheResolvedCaseWhenItIsAskedFor) {
   const auto dir = folder_with("check_resolved", {{"case.toml", slice_case + more}});
   const auto out = printed(dir, "check case.toml --resolved --set campaign.runs=41");
