@@ -28,13 +28,13 @@ struct RecordRows {
   std::vector<std::string> warnings;
 };
 
-/// Seconds in a unit of time ("s", "ms", "us", "µs", "ns"); empty when it is none.
+/// Seconds in a unit of time ("s", "ms", "µs", "seconds"), 1 where none is told; empty when it is no time.
 std::optional<double> seconds_in(std::string_view unit);
 
-/// What a unit of a reading measures, and how much of the plain unit it is.
+/// What a unit measures, and how much of the plain unit it is.
 struct ReadingUnit {
-  std::string_view quantity;  ///< "strain", "voltage", "pressure", ...
-  double size = 1;            ///< in strain, V, Pa, N, m, m/s, m/s^2
+  std::string_view quantity;  ///< "strain", "voltage", "pressure", "time", ...
+  double size = 1;            ///< in strain, V, Pa, N, m, m/s, m/s^2, s
 };
 
 /// A unit as files spell it: symbol or word, with or without an SI prefix ("kPa", "Volts", "millivolt", "um/m"); empty when it is none that is known here.

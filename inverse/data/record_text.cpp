@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -217,11 +216,9 @@ class Names {
 }  // namespace
 
 std::optional<double> seconds_in(std::string_view unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 10> units{
-      {{"s", 1}, {"sec", 1}, {"second", 1}, {"seconds", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"\xc2\xb5s", 1e-6}, {"\xce\xbcs", 1e-6}, {"ns", 1e-9}, {"", 1}}};
-  for (const auto& [name, seconds] : units)
-    if (name == unit) return seconds;
-  return std::nullopt;
+  if (unit.empty()) return 1;
+  const auto known = reading_unit(unit);
+  return known && known->quantity == "time" ? std::optional(known->size) : std::nullopt;
 }
 
 std::optional<ReadingUnit> reading_unit(std::string_view word) {
@@ -231,8 +228,8 @@ std::optional<ReadingUnit> reading_unit(std::string_view word) {
   };
   // Symbols keep their letters' case (mPa is not MPa), words do not.
   constexpr Known symbols[] = {{"m/m", {"strain"}}, {"m m-1", {"strain"}}, {"e", {"strain"}}, {"E", {"strain"}}, {"\xce\xb5", {"strain"}}, {"V", {"voltage"}}, {"Pa", {"pressure"}}, {"bar", {"pressure", 1e5}},
-                               {"N", {"force"}}, {"m", {"length"}}, {"m/s", {"velocity"}}, {"m/s2", {"acceleration"}}, {"m/s^2", {"acceleration"}}};
-  constexpr Known words[] = {{"strain", {"strain"}}, {"volt", {"voltage"}}, {"pascal", {"pressure"}}, {"newton", {"force"}}, {"metre", {"length"}}, {"meter", {"length"}}};
+                               {"N", {"force"}}, {"m", {"length"}}, {"m/s", {"velocity"}}, {"m/s2", {"acceleration"}}, {"m/s^2", {"acceleration"}}, {"s", {"time"}}};
+  constexpr Known words[] = {{"strain", {"strain"}}, {"volt", {"voltage"}}, {"pascal", {"pressure"}}, {"newton", {"force"}}, {"metre", {"length"}}, {"meter", {"length"}}, {"second", {"time"}}, {"sec", {"time"}}};
   constexpr std::pair<std::string_view, double> symbol_prefixes[] = {{"", 1}, {"n", 1e-9}, {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6}, {"m", 1e-3}, {"h", 1e2}, {"k", 1e3}, {"M", 1e6}, {"G", 1e9}};
   constexpr std::pair<std::string_view, double> word_prefixes[] = {{"", 1}, {"nano", 1e-9}, {"micro", 1e-6}, {"milli", 1e-3}, {"hecto", 1e2}, {"kilo", 1e3}, {"mega", 1e6}, {"giga", 1e9}};
   const auto find = [](std::string_view text, const auto& known, const auto& prefixes) -> std::optional<ReadingUnit> {
