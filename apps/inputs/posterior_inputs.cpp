@@ -44,7 +44,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, c
   PosteriorInputs& in = *out;
   LevelRuns* runs = &parts.runs;
   const int threads = command.threads;
-  in.levels = runs->levels();
+  in.levels = runs->levels(), in.pulses = parts.study.campaign.pulses, in.energy_sd = parts.study.campaign.pulse_energy_sd;
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
   if (const double sd = parts.study.errors.gauge_place_sd; sd > 0)
     in.gauge_places = [=](std::span<const double> theta) { return runs->gauge_places(theta, sd, threads, told, &stop_requested()); };

@@ -16,6 +16,9 @@ const std::vector<std::string>& known_tables() {
 
 namespace {
 
+/// Those of a target's strain gauges and of its beam.
+void no_errors_of_gauges(ErrorOptions& e) { e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0; }
+
 /// `[errors]` of a model outside, where the case says nothing: the noise of its records alone, on the model's own times; and, of the physical product, a discrepancy on
 /// the scale of the records.
 ErrorOptions errors_of_external(const ExternalCase& external) {
@@ -24,7 +27,8 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
   ErrorOptions e;
   const double step = external.time.step, length = std::max(external.time.count - 1, 1) * step;
   e.band = slack * 0.5 / step;
-  e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0, e.young_sd = 0, e.wall_film_sd = 0, e.gauge_place_sd = 0;
+  no_errors_of_gauges(e);
+  e.young_sd = 0, e.wall_film_sd = 0, e.gauge_place_sd = 0;
   e.beyond = 0, e.beyond_sd = 0, e.beyond_rest = 0, e.record_noise = 0, e.mesh = 0, e.arrival_share = 0;
   e.discrepancy_times = {std::max(short_share * length, least_steps * step), std::max(long_share * length, least_steps * step)};
   e.amplitude_time = std::max(local_share * length, least_steps * step);
@@ -63,6 +67,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("spe", study.spe);
   study.file.read("map", study.map);
   study.file.read("emulator", study.emulator);
+  if (study.line) no_errors_of_gauges(study.errors);
   if (study.external) study.errors = errors_of_external(*study.external);
   study.file.read("errors", study.errors);
   study.file.read("posterior", study.posterior);

@@ -13,9 +13,9 @@ namespace {
 constexpr std::uint64_t stream = 0xb007;
 
 /// The same hypotheses with another numerical noise of the records.
-std::vector<WeightedErrors> with_noise(const std::vector<WeightedErrors>& hypotheses, const Eigen::MatrixXd& noise, double record_noise) {
+std::vector<WeightedErrors> with_noise(const std::vector<WeightedErrors>& hypotheses, const Eigen::MatrixXd& noise) {
   std::vector<WeightedErrors> out = hypotheses;
-  for (auto& h : out) h.errors = h.errors.without(record_noise_term).with({record_noise_term, record_noise * record_noise * noise});
+  for (auto& h : out) h.errors = h.errors.without(record_noise_term).with_record_noise(noise);
   return out;
 }
 
@@ -45,7 +45,7 @@ std::vector<DrawnNoise> draw_noise(const PosteriorInputs& in, const PosteriorFit
     const MultilevelRegression emulator = estimate.with_noise_ratio(ratio);
     const Eigen::VectorXd factor = a.cwiseQuotient((1 - emulator.leverage().array()).matrix()).cwiseSqrt();
     const Eigen::MatrixXd noise = numerical_noise(grid, emulator.residuals(outputs) * factor.asDiagonal(), left.sum(), in.errors.amplitude_time);
-    LogPosterior posterior(fit.posterior->box(), emulator, emulator.fit(outputs), with_noise(fit.hypotheses, noise, in.errors.record_noise), noise, fit.posterior->priors(),
+    LogPosterior posterior(fit.posterior->box(), emulator, emulator.fit(outputs), with_noise(fit.hypotheses, noise), noise, fit.posterior->priors(),
                            fit.posterior->beyond_prior());
     made[b].emplace(DrawnNoise{.posterior = std::move(posterior), .noise_ratio = std::move(ratio), .scale = noise.trace() / fit.noise.trace()});
   });

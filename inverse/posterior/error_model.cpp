@@ -15,7 +15,6 @@ namespace {
 constexpr double arrival_share = 0.05;                                        ///< of a gauge's greatest value: it begins where the record passes this
 constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< over the scale of its prior
 
-constexpr double usual_gain = 0.01;  ///< relative sd of a gauge's gain where nothing is said of it
 
 // Of the numerical noise.
 constexpr double least_noise = 1e-3;  ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
@@ -68,7 +67,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
   noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
   const auto p = Eigen::Index(grid_.size());
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(p, p);
-  data_.resize(p);
+  data_.resize(p), record_noise_.resize(p);
   for (std::size_t i = 0; i < problem.observations.size(); ++i)
     data_.segment(Eigen::Index(grid_.offset(i)), Eigen::Index(grid_.windows(i).size())) =
         grid_.apply_record(i, problem.observations[i].mean) / noise_.series[i].mean_energy;  // strain about proportional to energy: of the order of 0.1 %
@@ -82,17 +81,13 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const SeriesNoise& s = noise_.series[i];
     const Eigen::VectorXd y = part(data_, grid_, i), g = part(by_energy, grid_, i);
     const auto at = Eigen::Index(grid_.offset(i));
-    if (s.given) {  // one number is all that is known of such a gauge's noise: independent errors, and its gain
-      block(of_mean, grid_, i) = s.pulse / double(s.pulses);
-      block(gain, grid_, i) = std::pow(o.gain_sd.value_or(0), 2) * y * y.transpose();
-      if (recording_options.energy_sd)
-        own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = *recording_options.energy_sd / std::sqrt(double(s.pulses)) * g;
-      continue;
-    }
+    if (s.given)  // the scatter of repeats has it already
+      own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = recording_options.energy_sd.value_or(directions.energy_sd) / std::sqrt(double(s.pulses)) * g;
     block(of_mean, grid_, i) = s.pulse * (drift / double(s.pulses) + o.coherent_noise * o.coherent_noise);
     block(baseline, grid_, i).array() += std::pow(o.baseline * s.sd(), 2);
-    block(gain, grid_, i) = std::pow(o.gain_sd.value_or(usual_gain), 2) * y * y.transpose();
+    block(gain, grid_, i) = std::pow(o.gain_sd, 2) * y * y.transpose();
     energy.segment(at, y.size()) = o.energy_scale_sd * g;
+    record_noise_.segment(at, y.size()).setConstant(o.record_noise * (s.given ? std::sqrt(double(directions.pulses) / double(s.pulses)) : 1));
   }
   add("noise", std::move(of_mean));
   add("baseline", std::move(baseline));
@@ -128,6 +123,10 @@ double ErrorModel::freedom() const {
   if (std::isinf(of_noise) || !(noise > 0)) return infinity;
   const double freedom = of_noise / std::pow(noise / trace, 2);
   return freedom > 1e8 ? infinity : freedom;
+}
+
+ErrorModel ErrorModel::with_record_noise(const Eigen::MatrixXd& noise) const {
+  return with({record_noise_term, record_noise_.asDiagonal() * noise * record_noise_.asDiagonal()});
 }
 
 ErrorModel ErrorModel::with(ErrorTerm term) const {

@@ -21,7 +21,7 @@ struct ErrorOptions {
   int values = 800;
   double band = 20e3;
   double energy_scale_sd = 0.015;
-  std::optional<double> gain_sd;
+  double gain_sd = 0.01;
   double baseline = 1;
   double coherent_noise = 0.1;
   double young_sd = 0.015;
@@ -44,7 +44,7 @@ struct ErrorOptions {
     v("values", values, {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
     v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
     v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
-    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Default 0.01; of a gauge whose noise is given (recordings.noise), 0"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of a model outside 0"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order follows over a record; 0 holds it"});
@@ -54,7 +54,7 @@ struct ErrorOptions {
     v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
     v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
-    v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator"});
+    v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator; of a gauge whose noise is given times sqrt(campaign.pulses / pulses recorded)"});
     v("mesh", mesh,
       {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element size"});
     v("discrepancy", discrepancy,
@@ -87,12 +87,14 @@ struct ErrorTerm {
   Eigen::MatrixXd covariance;
 };
 
-/// What moves the model's values to first order, on its own output times.
+/// What the model tells of itself: what moves its values to first order, on its own output times, and what a run is.
 struct ErrorDirections {
   Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
   Eigen::MatrixXd gauge_places;     ///< (values, gauges): by one sd of each gauge's place
   Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
   double mesh = 0;                  ///< error of the mesh over the local amplitude that is taken for granted, where there is one mesh only
+  int pulses = 1;                   ///< whose mean a run is
+  double energy_sd = 0;             ///< relative, from pulse to pulse, where the recordings do not say it
 };
 
 /// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
@@ -113,6 +115,9 @@ class ErrorModel {
   [[nodiscard]] double freedom() const;
   /// With one more term.
   [[nodiscard]] ErrorModel with(ErrorTerm term) const;
+  /// With the numerical noise of the records, `errors.record_noise` times that of a run, whose covariance is `noise`, (size, size). Repeats show how it differs from pulse to pulse; where a gauge has none, its records
+  /// carry that of so few pulses, sqrt(pulses of a run / pulses recorded) times that of a run.
+  [[nodiscard]] ErrorModel with_record_noise(const Eigen::MatrixXd& noise) const;
   /// About records that are less by `change`, (size): of a model whose values are more by it.
   [[nodiscard]] ErrorModel less(const Eigen::VectorXd& change) const;
   /// Without the term of this name, where there is one.
@@ -124,7 +129,7 @@ class ErrorModel {
   void add(std::string name, Eigen::MatrixXd covariance);
   Decimation grid_;
   ReplicateNoise noise_;
-  Eigen::VectorXd data_;
+  Eigen::VectorXd data_, record_noise_;  ///< of the latter the sd over that of a run, (size)
   std::vector<ErrorTerm> terms_;
 };
 

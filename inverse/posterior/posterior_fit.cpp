@@ -244,13 +244,12 @@ void Fit::fit() {
   // Errors where the answer stands: at the box's middle first, at the last mode later.
   const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
   if (slopes) directions.energy_slope = out_.histories(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
-  directions.mesh = in_.levels > 1 ? 0 : in_.mesh;
+  directions.mesh = in_.levels > 1 ? 0 : in_.mesh, directions.pulses = in_.pulses, directions.energy_sd = in_.energy_sd;
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom(), in_.errors.amplitude_time);
-  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions)
-                          .with({record_noise_term, in_.errors.record_noise * in_.errors.record_noise * out_.noise}));
+  out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions).with_record_noise(out_.noise));
   out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};
   out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 

@@ -69,6 +69,8 @@ struct PosteriorInputs {
   EmulatorOptions emulator;
   std::vector<Parameter> parameters;  ///< with their final priors, the viscosity among them where it has one
   int levels = 1;                     ///< meshes
+  int pulses = 1;                     ///< whose mean a run is
+  double energy_sd = 0;               ///< relative, from pulse to pulse
   Eigen::MatrixXd positions;          ///< (sensors, 3) [m], or empty
   /// Runs the columns of thetas (n_parameters, n), each on its level's mesh, 0 the finest.
   std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level)> run;

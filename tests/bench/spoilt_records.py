@@ -4,7 +4,7 @@
   spoilt_records.py run   CALOMEL SUITE WORK_DIR --cases case_003,case_011 [--ways two_pulses,hum] [--threads T] [--set table.key=value]...
   spoilt_records.py table SUITE WORK_DIR
 
-SUITE is a suite of `calomel challenge` whose cases are made. Of each case that is named, the records are spoilt in one way after the other and diagnosed anew: few pulses, few gauges, coarse samples, gaps, noise of
+SUITE is a suite of `calomel challenge` whose cases are made. Of each case that is named, the records are spoilt in one way after the other and diagnosed anew: one pulse or two, few gauges, coarse samples, gaps, noise of
 other kinds (white, slow, a tone, spikes, a burst that the beam makes in the cables, clocks that jitter). `table` has a line a way and a column a case; the first line is the case as it is. What is diagnosed already is not diagnosed
 again.
 """
@@ -78,6 +78,7 @@ def ways(peak):
     tone = lambda r, v, phase: [6e-6 * math.sin(2 * math.pi * 12e3 * t + phase) for t, _ in v]
     return {
         "as_it_is": ("as it is", lambda s, r: s),
+        "one_pulse": ("one pulse, its noise as it is without the pulse", lambda s, r: {k: v for k, v in s.items() if k[1] == 0}),
         "two_pulses": ("two pulses", lambda s, r: {k: v for k, v in s.items() if k[1] < 2}),
         "three_gauges": ("three gauges, one a face", lambda s, r: one_of_each_face(s)),
         "coarse": ("every fourth sample, after a low pass", lambda s, r: {k: low_passed(v, 4) for k, v in s.items()}),
@@ -100,13 +101,24 @@ def text_of(case, sensors):
     return "".join(b for b in blocks if not b.startswith("[[sensor]]") or named(b) in sensors)
 
 
-def spoil(source, place, way):
+def noise_lines(truth):
+    """[recordings] of a single pulse: what an engineer reads off the record before the pulse comes."""
+    with open(truth) as f:
+        text = f.read()
+    gauges = re.findall(r"(?ms)^\[nuisance\.gauge\.(\w+)\].*?^noise = (\S+)", text)
+    return "noise = { " + ", ".join(f"{g} = {n}" for g, n in gauges) + " }\nnoise_time = " + re.search(r"(?m)^noise_time = (\S+)", text).group(1) + "\n"
+
+
+def spoil(suite, name, place, way):
+    source = os.path.join(suite, "cases", name)
     series = read(os.path.join(source, "recordings.csv"))
     peak = max(abs(x) for v in series.values() for _, x in v)
     spoilt = ways(peak)[way][1](series, random.Random(way))
     os.makedirs(place, exist_ok=True)
     with open(os.path.join(source, "case.toml")) as f:
         case = text_of(f.read(), {sensor for sensor, _ in spoilt})
+    if way == "one_pulse":
+        case = case.replace('file = "recordings.csv"\n', 'file = "recordings.csv"\n' + noise_lines(os.path.join(suite, "truth", name + ".toml")), 1)
     with open(os.path.join(place, "case.toml"), "w") as f:
         f.write(case)
     with open(os.path.join(place, "recordings.csv"), "w") as f:
@@ -120,7 +132,7 @@ def run(args):
             place = os.path.join(args.work, f"{case}_{way}")
             if os.path.exists(os.path.join(place, "out", "diagnosis.json")):
                 continue
-            spoil(os.path.join(args.suite, "cases", case), place, way)
+            spoil(args.suite, case, place, way)
             with open(os.path.join(place, "log"), "w") as log:
                 status = subprocess.run([args.calomel, "diagnose", os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads), *[x for s in args.set for x in ("--set", s)]],
                                         stdout=log, stderr=log).returncode

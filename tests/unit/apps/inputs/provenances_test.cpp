@@ -11,8 +11,6 @@ using calomel::testing::folder_with;
 using calomel::testing::slice_case;
 using ::testing::ElementsAre;
 
-namespace {
-
 /// Names of a provenance's inputs in a folder where what it may hash stands.
 class Provenances : public ::testing::Test {
  protected:
@@ -31,8 +29,6 @@ class Provenances : public ::testing::Test {
     return names;
   }
 };
-
-}  // namespace
 
 TEST_F(Provenances, ListTheSurrogateWhereTheBasinIsFoundOnIt) {
   EXPECT_THAT(inputs("sample"), ElementsAre("model", "recordings", "surrogate.nc"));

@@ -215,29 +215,54 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
   EXPECT_NEAR(total, 1, 1e-12);
 }
 
-TEST(ErrorModel, NoiseAloneIsIndependentAndHasNoNuisances) {
-  const auto model = waves(40);
-  const auto recordings = pulses_of(model, {1}, {.pulses = 1, .noise = 2}, 2);
-  RecordingOptions options;
-  options.noise = 2.0;
-  const Problem problem = make_problem(model.shape(), recordings, options);
-  const ErrorModel m(problem, recordings, options, {.band = 1e9}, {});
-  EXPECT_LT((m.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80)).cwiseAbs().maxCoeff(), 1e-12);
+/// A single pulse of two gauges, whose noise the case has to tell.
+struct OnePulse {
+  AnalyticModel model = waves(40);
+  Recordings recordings = pulses_of(model, {1}, {.pulses = 1, .noise = 2}, 2);
+  RecordingOptions options{.noise = 2.0};
+  Problem problem = make_problem(model.shape(), recordings, options);
+  ErrorOptions plain{.values = 80, .band = 1e9, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0};
+  Eigen::MatrixXd noise = 4 * Eigen::MatrixXd::Identity(80, 80);
+
+  [[nodiscard]] double off(const ErrorModel& m, const Eigen::MatrixXd& expected) const { return (m.covariance() - expected).cwiseAbs().maxCoeff(); }
+};
+
+TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
+  OnePulse s;
+  const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
+  EXPECT_LT(s.off(m, s.noise), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
-  options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of it stays without memory
-  const ErrorModel coloured(problem, recordings, options, {.band = 1e9}, {});
+  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of it stays without memory
+  const ErrorModel coloured(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
   EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
-  options.noise_time = 0;
-  // A gain counts where the case says it, by gauge.
-  const ErrorModel calibrated(problem, recordings, options, {.band = 1e9, .gain_sd = 0.03}, {});
-  const Eigen::VectorXd first = calibrated.data().head(40);
-  EXPECT_LT((calibrated.covariance().topLeftCorner(40, 40) - 4 * Eigen::MatrixXd::Identity(40, 40) - 9e-4 * first * first.transpose()).cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_EQ(calibrated.covariance()(10, 50), 0);
-  options.energy_sd = 0.05;
-  const ErrorModel own(problem, recordings, options, {.band = 1e9}, {});
-  EXPECT_LT((own.covariance() - 4 * Eigen::MatrixXd::Identity(80, 80) - 0.0025 * own.data() * own.data().transpose()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// What is not known of a gauge and of the beam is not known of a single pulse either: a target recorded once was held for known to its noise, and earlier pulses were named where nothing was left out.
+TEST(ErrorModel, ASinglePulseHasTheErrorsOfItsGaugesAndAnEnergyOfItsOwn) {
+  OnePulse s;
+  s.plain.gain_sd = 0.03, s.plain.energy_scale_sd = 0.02, s.plain.baseline = 0.5;
+  const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
+  const Eigen::VectorXd y = m.data();
+  Eigen::MatrixXd expected = s.noise + 4e-4 * y * y.transpose();
+  for (const Eigen::Index at : {0, 40}) expected.block(at, at, 40, 40) += 9e-4 * y.segment(at, 40) * y.segment(at, 40).transpose() + Eigen::MatrixXd::Constant(40, 40, 1);
+  EXPECT_LT(s.off(m, expected), 1e-9);
+  const auto with_energy = [&](const RecordingOptions& options) { return ErrorModel(s.problem, s.recordings, options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .energy_sd = 0.04}); };
+  EXPECT_LT(s.off(with_energy(s.options), expected + 16e-4 * y * y.transpose()), 1e-9);
+  s.options.energy_sd = 0.05;  // the recordings' word comes first
+  EXPECT_LT(s.off(with_energy(s.options), expected + 25e-4 * y * y.transpose()), 1e-9);
+}
+
+TEST(ErrorModel, NumericalNoiseIsThatOfThePulsesThatWereRecorded) {
+  const Eigen::MatrixXd of_a_run = Eigen::VectorXd::LinSpaced(80, 1, 2).asDiagonal();
+  OnePulse s;
+  s.plain.record_noise = 0.5;
+  const ErrorModel one(s.problem, s.recordings, s.options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});  // a run is the mean over eight
+  EXPECT_LT(s.off(one.with_record_noise(of_a_run), s.noise + 0.25 * 8 * of_a_run), 1e-12);
+  const Small repeated;  // whose scatter tells it
+  const ErrorModel six(repeated.problem, repeated.recordings, {}, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});
+  EXPECT_LT((six.with_record_noise(of_a_run).covariance() - six.covariance() - 0.25 * of_a_run).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
