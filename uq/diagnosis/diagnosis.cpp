@@ -64,6 +64,8 @@ void DiagnosisEngine::describe_base() {
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
   e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
+  out_.mixed_up = mixed_up(in_.base.problem, grid(), out_.base.errors->data(), out_.base.prediction(m.at));
+  for (const auto& slip : out_.mixed_up) say(plain_mixed_up(slip));
 }
 
 /// Questions about a fit with these numbers added.

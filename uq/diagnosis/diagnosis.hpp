@@ -14,6 +14,7 @@
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/locate.hpp"
 #include "uq/diagnosis/missing_terms.hpp"
+#include "uq/diagnosis/mixed_up.hpp"
 #include "uq/diagnosis/question.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
@@ -81,6 +82,7 @@ struct Diagnosis {
   std::vector<Alternative> candidates;   ///< the best first
   Verdict verdict;
   LocatedMismatch location;
+  std::vector<MixedUp> mixed_up;         ///< gauges that look wired wrongly; told first, whatever the verdict
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
   std::vector<double> base_history;          ///< (values of the model)

@@ -178,6 +178,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
   Json absorbed = Json::array();
   for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
     if (std::abs(d.handbook_pulls[k]) > absorbing) absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
+  Json mixed_up = Json::array();
+  for (const auto& m : d.mixed_up) mixed_up.push_back({{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"text", plain_mixed_up(m)}});
   return {{"verdict", text(d.verdict.kind)},
           {"mechanisms", d.verdict.mechanisms},
           {"reason", d.verdict.reason},
@@ -194,6 +196,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"absorbed", absorbed},
           {"missing", missing_json(d.missing)},
           {"separating_measurement", d.separating},
+          {"mixed_up", mixed_up},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
                         {"by_discrepancy", by_scale_json(d.evidence.by_scale)}}},
           {"runs", d.runs},

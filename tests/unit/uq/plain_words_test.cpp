@@ -267,5 +267,12 @@ TEST(PlainWords, NumbersHaveUnitsThatAPersonWouldUse) {
   EXPECT_EQ(value("Pa", 0, -1 / 98e3, 1e-7, true, 0), "-98.00 ± 0.96 kPa | none");
 }
 
+// What no physics explains comes before what is left out.
+TEST(PlainSummary, BeginsWithGaugesThatLookWiredWrongly) {
+  Diagnosis d = judged({beam()});
+  d.mixed_up = {{.gauge = "T2", .other = "", .own = -0.98, .like = 0.98}, {.gauge = "T3", .other = "B1", .own = 0.31, .like = 0.96}};
+  EXPECT_THAT(plain_summary(d, groups(), {}).next_step, AllOf(StartsWith("Gauge T2 reads what is simulated there with the other sign (correlation -0.98)"), HasSubstr("Gauge T3 reads what is simulated at B1"), HasSubstr("run the diagnosis again")));
+}
+
 }  // namespace
 }  // namespace calomel

@@ -1,0 +1,46 @@
+#include "uq/diagnosis/mixed_up.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace calomel {
+
+namespace {
+
+// Fits with the wrong physics have correlations of 0.95 and more with their own gauges, neighbours on one wall up to 0.97 with each other.
+constexpr double unlike = 0.7, alike = 0.9;
+
+}  // namespace
+
+std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
+  const std::size_t n = grid.observations();
+  const auto part = [&](const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); };
+  const auto correlation = [&](std::size_t record, std::size_t gauge) {
+    const auto y = part(records, record), f = part(simulation, gauge);
+    const double size = y.norm() * f.norm();
+    return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
+  };
+  std::vector<MixedUp> out;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double own = correlation(i, i);
+    if (own >= unlike) continue;
+    if (own <= -alike) {
+      out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = -own});
+      continue;
+    }
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double like = std::min(correlation(i, j), correlation(j, i));
+      if (problem.observations[i].condition == problem.observations[j].condition && like >= alike && correlation(j, j) < unlike)
+        out.push_back({.gauge = problem.label(problem.observations[i]), .other = problem.label(problem.observations[j]), .own = own, .like = like});
+    }
+  }
+  return out;
+}
+
+std::string plain_mixed_up(const MixedUp& m) {
+  if (m.other.empty()) return fmt::format("Gauge {} reads what is simulated there with the other sign (correlation {:.2f}): see whether it is wired the wrong way round, or its direction wrong.", m.gauge, m.own);
+  return fmt::format("Gauge {} reads what is simulated at {}, and {} what is simulated at {} (correlation {:.2f}, with its own {:.2f}): see whether the two are taken for each other.", m.gauge, m.other, m.other, m.gauge, m.like, m.own);
+}
+
+}  // namespace calomel
