@@ -26,6 +26,7 @@ Diagnosis DiagnosisEngine::run() {
   describe_base();
   hold_out_base();
   ask_all();
+  ask_clock();
   fit_linear();
   fit_leaders();
   judge_all();
@@ -89,6 +90,15 @@ void DiagnosisEngine::ask_all() {
   for (const auto& q : asked_)
     if (q.worth.log_bayes_factor > worth_fitting)
       say(fmt::format("{}: log Bayes factor {:.3g} to first order, p {:.2g}", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor, q.p_value));
+}
+
+/// Whether all records are late together, which no mechanism is: the beam's profile, as a longer pulse, would come nearest.
+void DiagnosisEngine::ask_clock() {
+  const FirstOrder worth = FirstOrderModel(*out_.base.posterior, mode()).worth(lateness(in_.base.problem, grid(), values(out_.base_history)));
+  const Gates gates;
+  if (worth.log_bayes_factor < gates.log_bayes_factor || (!asked_.empty() && worth.log_bayes_factor < asked_[0].worth.log_bayes_factor + gates.lead)) return;
+  out_.late = LateRecords{.late = worth.value[0], .sd = worth.sd[0], .log_bayes_factor = worth.log_bayes_factor};
+  say(plain_late(*out_.late));
 }
 
 void DiagnosisEngine::judge_all() {

@@ -83,6 +83,7 @@ struct Diagnosis {
   Verdict verdict;
   LocatedMismatch location;
   std::vector<MixedUp> mixed_up;         ///< gauges that look wired wrongly; told first, whatever the verdict
+  std::optional<LateRecords> late;       ///< where all records being late says more than any explanation, to first order; told first, too
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations
   std::vector<double> base_history;          ///< (values of the model)

@@ -1,11 +1,12 @@
 #pragma once
-/// Gauges that look wired the wrong way round, or taken for one another: slips that no physics explains and that spoil a fit, but can be seen at once.
+/// Gauges that look wired the wrong way round, or taken for one another, and a clock that is off: slips that no physics explains and that spoil a fit, but can be seen at once.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "inverse/data/decimation.hpp"
 #include "inverse/data/problem.hpp"
+#include "uq/diagnosis/first_order.hpp"
 
 namespace calomel {
 
@@ -22,5 +23,17 @@ struct MixedUp {
 
 /// "Gauge T2 reads the simulation of it with the other sign (correlation -0.98): is it wired the wrong way round?"
 [[nodiscard]] std::string plain_mixed_up(const MixedUp& m);
+
+/// All records together, by the clock of the simulation.
+struct LateRecords {
+  double late = 0, sd = 0;      ///< [s]; early where it is negative
+  double log_bayes_factor = 0;  ///< over the base model, to first order
+};
+
+/// What a delay of all records by 1 s does, -d history / dt on the grid of the fit; its prior has a hundredth of the record's length as standard deviation. history: (values of the model).
+[[nodiscard]] AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history);
+
+/// "All records look 3.07 ± 0.12 µs late ..."
+[[nodiscard]] std::string plain_late(const LateRecords& l);
 
 }  // namespace calomel

@@ -394,11 +394,10 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
     told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   }
-  if (!d.mixed_up.empty()) {  // nothing else is worth doing before
-    std::string slips;
-    for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
-    told.next_step = slips + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";
-  }
+  std::string slips;
+  for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
+  if (d.late) slips += plain_late(*d.late) + ' ';
+  if (!slips.empty()) told.next_step = slips + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";  // nothing else is worth doing before
   return told;
 }
 

@@ -67,5 +67,20 @@ TEST_F(Wiring, OfADeadGaugeIsNotGuessedAt) {
   EXPECT_THAT(mixed_up(problem, grid, records, simulation), IsEmpty());
 }
 
+TEST_F(Wiring, ALateClockIsWhatMovesAllRecords) {
+  const Eigen::VectorXd history = Eigen::Map<const Eigen::VectorXd>(model.evaluate(std::vector<double>{1}).mean.data(), 800);
+  const AddedDirections late = lateness(problem, grid, history);
+  EXPECT_NEAR(late.prior_sd[0], 0.01 * 199e-6, 1e-12);
+  Eigen::VectorXd moved(800);
+  const double delay = 0.5e-6, rates[] = {6e4, 6e4, 9e4, 4e4}, phases[] = {0, 0.3, 1, 2};
+  for (Eigen::Index i = 0; i < 4; ++i)
+    for (Eigen::Index k = 0; k < 200; ++k) moved[i * 200 + k] = std::sin(rates[i] * (1e-6 * double(k) - delay) + phases[i]);
+  const Eigen::VectorXd change = grid.apply(moved) - grid.apply(history);
+  for (std::size_t i = 0; i < 4; ++i)  // the ends have no difference
+    EXPECT_LT((change - delay * late.by_number.col(0)).segment(at(i) + 1, size() - 2).norm(), 0.05 * change.segment(at(i) + 1, size() - 2).norm());
+  EXPECT_THAT(plain_late({.late = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6}), AllOf(HasSubstr("All records look 3.07 \u00b1 0.12 \u00b5s late"), HasSubstr("75.6"), HasSubstr("recordings.trigger_offset")));
+  EXPECT_THAT(plain_late({.late = -2e-3, .sd = 1e-4, .log_bayes_factor = 9}), HasSubstr("2 \u00b1 0.1 ms early"));
+}
+
 }  // namespace
 }  // namespace calomel
