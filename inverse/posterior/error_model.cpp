@@ -15,7 +15,6 @@ namespace {
 constexpr double arrival_share = 0.05;                                        ///< of a gauge's greatest value: it begins where the record passes this
 constexpr std::array<double, 6> scales_of_prior{0, 0.1, 0.3, 0.6, 1.2, 2.4};  ///< over the scale of its prior
 
-
 // Of the numerical noise.
 constexpr double least_noise = 1e-3;  ///< of its mean square over the gauge, so that the quiet start of a record is not infinitely sure
 

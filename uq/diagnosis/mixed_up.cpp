@@ -1,9 +1,6 @@
 #include "uq/diagnosis/mixed_up.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
 namespace calomel {
 
@@ -41,11 +38,6 @@ std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, co
   return out;
 }
 
-std::string plain_mixed_up(const MixedUp& m) {
-  if (m.other.empty()) return fmt::format("Gauge {} reads what is simulated there with the other sign (correlation {:.2f}): see whether it is wired the wrong way round, or its direction wrong.", m.gauge, m.own);
-  return fmt::format("Gauge {} reads what is simulated at {}, and {} what is simulated at {} (correlation {:.2f}, with its own {:.2f}): see whether the two are taken for each other.", m.gauge, m.other, m.other, m.gauge, m.like, m.own);
-}
-
 AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history) {
   const auto& t = problem.shape.times;
   const auto n = Eigen::Index(t.size());
@@ -53,13 +45,6 @@ AddedDirections lateness(const Problem& problem, const Decimation& grid, const E
   for (Eigen::Index first = 0; first < history.size(); first += n)
     for (Eigen::Index k = 1; k + 1 < n; ++k) late[first + k] = -(history[first + k + 1] - history[first + k - 1]) / (t[std::size_t(k + 1)] - t[std::size_t(k - 1)]);
   return {.by_number = grid.apply(Eigen::MatrixXd(late)), .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (t.back() - t.front()))};
-}
-
-std::string plain_late(const LateRecords& l) {
-  const bool micro = std::abs(l.late) < 1e-3, milli = !micro && std::abs(l.late) < 1;
-  const double unit = micro ? 1e-6 : milli ? 1e-3 : 1;
-  return fmt::format("All records look {:.3g} ± {:.2g} {} {}, which says more than any physics to first order (log Bayes factor {:.3g}): see from which instant they count, and set recordings.trigger_offset.", std::abs(l.late) / unit, l.sd / unit,
-                     micro ? "µs" : milli ? "ms" : "s", l.late > 0 ? "late" : "early", l.log_bayes_factor);
 }
 
 }  // namespace calomel

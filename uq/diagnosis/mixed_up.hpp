@@ -21,9 +21,6 @@ struct MixedUp {
 /// Each pair once. records, simulation: (size) on the grid; of a base fit, which the other gauges hold near the truth.
 [[nodiscard]] std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation);
 
-/// "Gauge T2 reads the simulation of it with the other sign (correlation -0.98): is it wired the wrong way round?"
-[[nodiscard]] std::string plain_mixed_up(const MixedUp& m);
-
 /// All records together, by the clock of the simulation.
 struct LateRecords {
   double late = 0, sd = 0;      ///< [s]; early where it is negative
@@ -32,8 +29,5 @@ struct LateRecords {
 
 /// What a delay of all records by 1 s does, -d history / dt on the grid of the fit; its prior has a hundredth of the record's length as standard deviation. history: (values of the model).
 [[nodiscard]] AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history);
-
-/// "All records look 3.07 ± 0.12 µs late ..."
-[[nodiscard]] std::string plain_late(const LateRecords& l);
 
 }  // namespace calomel

@@ -365,6 +365,17 @@ std::string plain_missing(const MissingTerms& m) {
   return told + " It holds where the effect is small alone: a run with " + with + " does not come nearer to the records (" + compared + "). This is a hint of the place at most, not a name.";
 }
 
+std::string plain_mixed_up(const MixedUp& m) {
+  if (m.other.empty()) return fmt::format("Gauge {} reads what is simulated there with the other sign (correlation {:.2f}): see whether it is wired the wrong way round, or its direction wrong.", m.gauge, m.own);
+  return fmt::format("Gauge {} reads what is simulated at {}, and {} what is simulated at {} (correlation {:.2f}, with its own {:.2f}): see whether the two are taken for each other.", m.gauge, m.other, m.other, m.gauge, m.like, m.own);
+}
+
+std::string plain_late(const LateRecords& l) {
+  const ShownUnit unit = shown_unit("s", std::abs(l.late));
+  return fmt::format("All records look {:.3g} ± {:.2g} {} {}, which says more than any physics to first order (log Bayes factor {:.3g}): see from which instant they count, and set recordings.trigger_offset.", unit.factor * std::abs(l.late),
+                     unit.factor * l.sd, unit.name, l.late > 0 ? "late" : "early", l.log_bayes_factor);
+}
+
 PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
   PlainSummary told;
   const auto& names = d.verdict.mechanisms;

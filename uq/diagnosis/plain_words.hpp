@@ -49,7 +49,12 @@ struct Why {
 /// What is missing, in one sentence or two; says so where no term says anything.
 [[nodiscard]] std::string plain_missing(const MissingTerms& missing);
 
-/// A verdict in two sentences.
+/// "Gauge T2 reads what is simulated there with the other sign (correlation -0.98): see whether it is wired the wrong way round, or its direction wrong."
+[[nodiscard]] std::string plain_mixed_up(const MixedUp& m);
+/// "All records look 3.07 ± 0.12 µs late, which says more than any physics to first order (log Bayes factor 75.6): ..."
+[[nodiscard]] std::string plain_late(const LateRecords& l);
+
+/// A verdict in two sentences; where there are slips, these in place of the second.
 struct PlainSummary {
   std::string finding, next_step;
   [[nodiscard]] std::string text() const { return finding + ' ' + next_step; }

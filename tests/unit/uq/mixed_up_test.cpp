@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/unit/inverse/lines.hpp"
+#include "uq/diagnosis/plain_words.hpp"
 
 namespace calomel {
 namespace {
