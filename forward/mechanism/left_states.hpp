@@ -18,7 +18,7 @@ struct LeftState {
 /// pulse comes; a mean over time of free motions is a free motion. The mean of all is taken off each: with it goes what the heat holds at rest.
 class LeftStates {
  public:
-  static constexpr std::size_t count = 32;
+  static constexpr std::size_t count = 64;  ///< 2 B T, which tell a motion with tones up to B = 16 kHz that is watched for T = 2 ms
 
   /// record: how long a record is; output_interval: of the run, of which pictures are a whole number apart; highest: tones up to here stay whole, none is left above thrice that [Hz].
   LeftStates(double record, double output_interval, double highest = 10e3);
