@@ -30,7 +30,7 @@ MechanismEntry beam_profile() {
   return {.law = "offset, width, strength and length of the pulse",
           .plain = "the proton beam's profile",
           .check = "compare the beam's position, width, charge and length with what the beam monitors read during these pulses",
-          .keys = {{.name = "offset_y", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .doc = "of the axis, sideways; needs the full model"},
+          .keys = {{.name = "offset_y", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .needs_full = true, .doc = "of the axis, sideways; needs the full model"},
                    {.name = "offset_z", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .doc = "of the axis, upwards"},
                    ratio("width_ratio_y", 0.85, 1.15, "of the width along y to the one in [load]"),
                    ratio("width_ratio_z", 0.85, 1.15, "of the width along z to the one in [load]"),

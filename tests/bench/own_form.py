@@ -88,7 +88,7 @@ def slice_target(r, draw):
 # Ranges of a jet-flow target's dimensions and of its beam's widths, coarser and finer elements [m], time and interval of its records [s].
 JET_FLOW = {"length": (0.5, 0.6), "width": (0.36, 0.44), "height": (0.10, 0.14), "walls": (0.004, 0.005, 0.006), "wide": (0.05, 0.065), "high": (0.017, 0.023), "channel": 0.02, "plate": 0.005, "coarse": 0.010, "fine": 0.007, "end": 0.3e-3, "interval": "2e-6"}
 SMALL_JET_FLOW = {"length": (0.25, 0.3), "width": (0.18, 0.22), "height": (0.05, 0.07), "walls": (0.003, 0.00375, 0.0045), "wide": (0.025, 0.0325), "high": (0.0085, 0.0115), "channel": 0.01, "plate": 0.0025, "coarse": 0.007, "fine": 0.005, "end": 0.2e-3, "interval": "2e-6"}
-BENCH_JET_FLOW = {"length": (0.09, 0.11), "width": (0.036, 0.046), "height": (0.032, 0.041), "walls": (0.003, 0.0035, 0.004), "wide": (0.011, 0.015), "high": (0.011, 0.015), "channel": 0.005, "plate": 0.002, "coarse": 0.0025, "fine": 0.0015, "end": 0.15e-3, "interval": "1e-6"}
+BENCH_JET_FLOW = {"length": (0.09, 0.11), "width": (0.06, 0.08), "height": (0.032, 0.041), "walls": (0.003, 0.0035, 0.004), "wide": (0.011, 0.015), "high": (0.011, 0.015), "channel": 0.005, "plate": 0.002, "coarse": 0.0025, "fine": 0.0015, "end": 0.2e-3, "interval": "1e-6"}
 
 
 def jet_target(r, draw, of):

@@ -8,11 +8,15 @@
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
+#include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
 using calomel::testing::greatest_difference;
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace {
 
@@ -85,6 +89,19 @@ TEST(BeamProfile, ABeamOffToOneSideNeedsTheFullModel) {
     EXPECT_THAT(e.what(), HasSubstr("geometry.half = false"));
   }
   EXPECT_NO_THROW(BuiltInModel(box(true, "offset_z = 1e-3\n"), {.pulses = 1}));
+}
+
+// A diagnosis of a half model does not ask for what it would refuse.
+TEST(BeamProfile, AHalfModelIsNotAskedForABeamOffToOneSide) {
+  const auto numbers = [](bool half) {
+    std::vector<std::string> names;
+    for (const auto& g : offered_groups(box(half, "")))
+      if (g.name == "beam_profile")
+        for (const auto& a : g.added) names.push_back(a.parameter.name);
+    return names;
+  };
+  EXPECT_THAT(numbers(false), Contains("beam_profile.offset_y"));
+  EXPECT_THAT(numbers(true), AllOf(Not(Contains("beam_profile.offset_y")), Contains("beam_profile.offset_z"), Contains("beam_profile.width_ratio_y")));
 }
 
 TEST(BeamProfile, ALoadGivenByItsEnergyKeepsIt) {
