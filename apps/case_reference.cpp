@@ -46,15 +46,22 @@ std::string prior_text(const MechanismKey& k) {
   return k.log_uniform ? "half-Cauchy about the geometric middle" : "normal";
 }
 
+/// What stands behind a key's name in its row.
+std::string cells(const MechanismKey& k) {
+  if (!k.choices.empty()) return fmt::format(" |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
+  return fmt::format(" | {} | {} | {} | {} | {} | {} |\n", k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high), prior_text(k), k.doc);
+}
+
+/// A name without the number that it ends with: "left_" of left_1.
+std::string stem(const std::string& name) { return name.substr(0, name.find_last_not_of("0123456789") + 1); }
+
+/// A row a key; numbered keys that are alike, as left_1 to left_64, share one.
 std::string mechanism_rows(const std::vector<MechanismKey>& keys) {
   std::string s = "\n\n| key | unit | off | low | high | prior | meaning |\n|---|---|---|---|---|---|---|\n";
-  for (const auto& k : keys) {
-    if (!k.choices.empty()) {
-      s += fmt::format("| `{}` |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.name, k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
-      continue;
-    }
-    s += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", k.name, k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high),
-                     prior_text(k), k.doc);
+  for (auto k = keys.begin(); k != keys.end();) {
+    const auto end = std::find_if(k + 1, keys.end(), [&](const auto& other) { return stem(other.name) != stem(k->name) || cells(other) != cells(*k); });
+    s += fmt::format("| `{}`{}", k->name, end - k > 1 ? fmt::format(" to `{}`", (end - 1)->name) : "") + cells(*k);
+    k = end;
   }
   return s;
 }
