@@ -108,10 +108,24 @@ std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& ga
   return rows;
 }
 
+/// What breaks a symmetry by which only a part is modelled cannot show there.
+void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Mesh& mesh) {
+  for (const auto& k : m.entry->keys) {
+    const double value = m.values[k.name];
+    if (!k.off_centre || !mirrored(mesh, *k.off_centre) || value == at.off_value(k)) continue;
+    const char axis = "xyz"[*k.off_centre];
+    throw InputError({.problem = fmt::format("only one side of a plane across {0} is modelled, and the other is taken for its mirror image: what is off centre along {0} cannot show", axis),
+                      .key = "mechanism." + m.name + '.' + k.name,
+                      .value = number_text(value),
+                      .suggestion = axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis)});
+  }
+}
+
 /// The load with what mechanisms change of it.
 LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh) {
   LoadOptions load = at.load;
   for_active(at, [&](const EnabledMechanism& m) {
+    expect_symmetric(m, at, mesh);
     if (m.entry->load) m.entry->load(m.values, mesh, load);
   });
   return load;

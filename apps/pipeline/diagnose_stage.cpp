@@ -41,7 +41,7 @@ ExitStatus diagnose_stage(StageCall& call) {
       return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
     };
     const DiagnosisInputs in{.base = *base,
-                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward),
+                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward, inputs.model().mesh()),
                              .terms = quick ? std::vector<ParameterGroup>{} : correction_groups(study.forward),
                              .run = run,
                              .options = study.diagnosis,

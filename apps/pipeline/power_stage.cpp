@@ -160,7 +160,7 @@ ExitStatus power_stage(StageCall& call) {
     put_first_box(*in, nominal(shape));
     in->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, in->parameters)); };
     const PosteriorFit fit = fit_posterior(*in);
-    const auto groups = offered_groups(study.forward);
+    const auto groups = offered_groups(study.forward, inputs.model().mesh());
     const Answers answers = ask({.fit = fit,
                                  .problem = problem,
                                  .groups = groups,

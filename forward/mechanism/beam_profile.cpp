@@ -1,18 +1,10 @@
 #include "forward/mechanism/beam_profile.hpp"
 
-#include <algorithm>
-
 namespace calomel {
 
 namespace {
 
-void change_source(const MechanismValues& v, const Mesh& mesh, LoadOptions& load) {
-  const bool half = std::any_of(mesh.mirrors.begin(), mesh.mirrors.end(), [](const MirrorPlane& m) { return m.axis == 1; });
-  if (half && v["offset_y"] != 0)
-    throw InputError({.problem = "a half model is symmetric about y = 0 and cannot show a beam that is off to one side",
-                      .key = "mechanism.beam_profile.offset_y",
-                      .value = number_text(v["offset_y"]),
-                      .suggestion = "set geometry.half = false"});
+void change_source(const MechanismValues& v, const Mesh&, LoadOptions& load) {
   auto& p = load.profile;
   p.center[0] += v["offset_y"], p.center[1] += v["offset_z"];
   p.widths[0] *= v["width_ratio_y"], p.widths[1] *= v["width_ratio_z"];
@@ -30,8 +22,8 @@ MechanismEntry beam_profile() {
   return {.law = "offset, width, strength and length of the pulse",
           .plain = "the proton beam's profile",
           .check = "compare the beam's position, width, charge and length with what the beam monitors read during these pulses",
-          .keys = {{.name = "offset_y", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .needs_full = true, .doc = "of the axis, sideways; needs the full model"},
-                   {.name = "offset_z", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .doc = "of the axis, upwards"},
+          .keys = {{.name = "offset_y", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .off_centre = 1, .doc = "of the axis, sideways; not in a model that is mirrored along y"},
+                   {.name = "offset_z", .unit = "m", .off = 0, .low = -5e-3, .high = 5e-3, .off_centre = 2, .doc = "of the axis, upwards; not in a model that is mirrored along z"},
                    ratio("width_ratio_y", 0.85, 1.15, "of the width along y to the one in [load]"),
                    ratio("width_ratio_z", 0.85, 1.15, "of the width along z to the one in [load]"),
                    ratio("energy_ratio", 0.97, 1.03, "of the heating pressure everywhere to the one that the widths and [load] give"),

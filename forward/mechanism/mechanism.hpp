@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ struct MechanismKey {
   bool log_uniform = false;
   bool decides = true;      ///< the mechanism is off when every deciding key has its off value
   bool asked = true;        ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
-  bool needs_full = false;  ///< breaks the symmetry about y = 0: an error in a half model, which a diagnosis does not ask it of
+  std::optional<int> off_centre = std::nullopt;  ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of
   bool shapes = false;      ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;

@@ -1,5 +1,6 @@
 #pragma once
 /// The discretised target: hexahedra, what is fixed, what slips, and the faces that loads, boundaries and gauges need.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -60,6 +61,11 @@ struct Mesh {
   MeshQuality quality;
   std::vector<std::string> notes;               ///< what the reader of a mesh file has to tell
 };
+
+/// Whether only the part on one side of a plane across this axis is modelled.
+inline bool mirrored(const Mesh& mesh, int axis) {
+  return std::any_of(mesh.mirrors.begin(), mesh.mirrors.end(), [axis](const MirrorPlane& m) { return m.axis == axis; });
+}
 
 /// How many times the modelled part the whole target is.
 inline double symmetry_factor(const Mesh& mesh) { return double(1 << mesh.mirrors.size()); }

@@ -27,7 +27,7 @@ Diagnosis DiagnosisEngine::run() {
   hold_out_base();
   ask_all();
   ask_clock();
-  fit_linear();
+  fit_worst_gauge();
   fit_leaders();
   judge_all();
   if (in_.options.pairs) fit_pair();

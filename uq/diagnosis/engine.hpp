@@ -87,7 +87,7 @@ class DiagnosisEngine {
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups);
   void ask_all();
   void ask_clock();
-  void fit_linear();
+  void fit_worst_gauge();
   void fit_linear(const Question& q, const Alternative* on_top_of = nullptr);
   std::optional<Alternative> linear_fit(Linearised& about, const Alternative* on_top_of);
   bool linearise(Linearised& about, const Alternative* on_top_of);

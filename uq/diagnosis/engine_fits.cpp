@@ -30,21 +30,20 @@ Alternative begun(const ParameterGroup& group, const Question& q, const Alternat
 
 }  // namespace
 
-/// The worst gauge and the groups of many small numbers: what they do is linear in their numbers, so that these are one more term of the errors.
-void DiagnosisEngine::fit_linear() {
+/// The gauge that says most, for what its fault does is linear in its numbers to first order: one more term of the errors, which costs no runs.
+void DiagnosisEngine::fit_worst_gauge() {
   const auto worst = std::find_if(asked_.begin(), asked_.end(), [](const auto& q) { return q.sensor.has_value(); });
   if (worst != asked_.end()) fit_linear(*worst);
-  for (const auto& q : asked_)
-    if (groups_[q.group].linear) fit_linear(q);
 }
 
-/// Such a group beside the base model's parameters, or beside those of what was fitted already: about no numbers, and where it is worth that, about those that come out until they stay.
+/// A group whose effect is linear in its numbers, as one more term of the errors, beside the base model's parameters or beside those of what was fitted already: about no numbers, and where it may
+/// lead, about those that come out until they stay.
 void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of) {
   Linearised about;
   about.q = q, about.rest = Eigen::VectorXd::Zero(q.effects.rows());
   std::optional<Alternative> c = linear_fit(about, on_top_of);
   const int before = runs_, more = int(q.numbers.size()) + 2;
-  for (int round = 0; c && !q.sensor && c->explanation.log_bayes_factor > worth_fitting; ++round) {
+  for (int round = 0; c && !q.sensor && may_lead(c->explanation.log_bayes_factor); ++round) {
     c->settled = c->settled && about.stays;
     if (about.stays || round == most_linearised) break;
     if (runs_ + more > in_.options.max_runs) {
@@ -189,6 +188,10 @@ void DiagnosisEngine::fit_leaders() {
       continue;
     }
     if (there) continue;  // a wall that says less, too
+    if (group.linear) {
+      fit_linear(q);
+      continue;
+    }
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
       group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
       ++fitted;

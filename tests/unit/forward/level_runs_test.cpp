@@ -9,6 +9,8 @@
 
 #include "base/provenance.hpp"
 
+#include "forward/mesh/make_mesh.hpp"
+#include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/scratch.hpp"
 
@@ -72,7 +74,7 @@ TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
   RunStore store({.stage = "runs", .options = "a wall", .seed = 0, .inputs = {}}, scratch_file("wall"));
   LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
   std::set<std::string> walls;
-  for (const auto& g : offered_groups(c)) {
+  for (const auto& g : offered_groups(c, make_mesh(c.geometry))) {
     if (g.name != "wall_thinning") continue;
     const Eigen::MatrixXd theta = Eigen::MatrixXd::Constant(1, 1, 0.2);
     const RunRecord r = runs.run(theta, {0}, g.added, 1, {}, nullptr)[0];
@@ -101,7 +103,7 @@ TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
 // A face's strength is a share of the cutoff: that of the run where it is a parameter, else the case's.
 TEST(OfferedGroups, AStrengthIsAShareOfTheCutoff) {
   const ForwardCase c = testing::small_case();
-  const auto groups = offered_groups(c);
+  const auto groups = offered_groups(c, make_mesh(c.geometry));
   const auto face = std::find_if(groups.begin(), groups.end(), [](const auto& g) { return g.name == "interface" && g.part; });
   ASSERT_NE(face, groups.end());
   const AddedParameter& strength = face->added[0];
@@ -121,7 +123,7 @@ TEST(LevelRuns, MovesTheEndsOfAStretch) {
   RunStore store({.stage = "runs", .options = "ends", .seed = 0, .inputs = {}}, scratch_file("ends"));
   LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
   int moved = 0;
-  for (const auto& g : offered_groups(c)) {
+  for (const auto& g : offered_groups(c, make_mesh(c.geometry))) {
     if (g.name != "wall_thinning" || !g.part) continue;
     ASSERT_EQ(g.shapes.size(), 2u);
     const Parameter &begin = g.shapes[0].parameter, &end = g.shapes[1].parameter;
@@ -144,7 +146,7 @@ TEST(LevelRuns, MovesTheEndsOfAStretch) {
 
 // A range is two standard deviations of a normal prior about off. A fit may leave it up to twice, as far as the law goes: a bound where the range ends would hold a number there.
 TEST(OfferedGroups, MayLeaveTheirRangeAsFarAsTheLawGoes) {
-  const auto groups = offered_groups(testing::small_case());
+  const auto groups = offered_groups(testing::small_case(), make_mesh(testing::small_case().geometry));
   const auto number = [&](const std::string& name) {
     for (const auto& g : groups)
       for (const auto& a : g.added)
@@ -165,7 +167,7 @@ TEST(OfferedGroups, MayLeaveTheirRangeAsFarAsTheLawGoes) {
 }
 
 TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
-  for (const auto& g : offered_groups(testing::small_case())) {
+  for (const auto& g : offered_groups(testing::small_case(), make_mesh(testing::small_case().geometry))) {
     EXPECT_FALSE(g.plain.empty() || g.check.empty()) << g.name;
     if (g.name == "beam_profile") EXPECT_EQ(g.plain, mechanisms().get("beam_profile", "").plain);
     for (const auto& a : g.added) {

@@ -8,6 +8,7 @@
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
+#include "forward/mesh/make_mesh.hpp"
 #include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
@@ -85,23 +86,28 @@ TEST(BeamProfile, ABeamOffToOneSideNeedsTheFullModel) {
     FAIL() << "it should have been refused";
   } catch (const InputError& e) {
     EXPECT_EQ(e.parts().key, "mechanism.beam_profile.offset_y");
-    EXPECT_THAT(e.what(), HasSubstr("a half model is symmetric about y = 0"));
+    EXPECT_EQ(e.parts().value, "0.001");
+    EXPECT_THAT(e.what(), HasSubstr("what is off centre along y cannot show"));
     EXPECT_THAT(e.what(), HasSubstr("geometry.half = false"));
   }
   EXPECT_NO_THROW(BuiltInModel(box(true, "offset_z = 1e-3\n"), {.pulses = 1}));
 }
 
-// A diagnosis of a half model does not ask for what it would refuse.
-TEST(BeamProfile, AHalfModelIsNotAskedForABeamOffToOneSide) {
-  const auto numbers = [](bool half) {
+// A diagnosis of a model that is cut by a symmetry does not ask for what the model would refuse: a half model, and any mesh with a mirror plane.
+TEST(BeamProfile, IsNotAskedForAnOffsetAcrossAMirrorPlane) {
+  const auto numbers = [](const Mesh& mesh) {
     std::vector<std::string> names;
-    for (const auto& g : offered_groups(box(half, "")))
+    for (const auto& g : offered_groups(box(false, ""), mesh))
       if (g.name == "beam_profile")
         for (const auto& a : g.added) names.push_back(a.parameter.name);
     return names;
   };
-  EXPECT_THAT(numbers(false), Contains("beam_profile.offset_y"));
-  EXPECT_THAT(numbers(true), AllOf(Not(Contains("beam_profile.offset_y")), Contains("beam_profile.offset_z"), Contains("beam_profile.width_ratio_y")));
+  const auto full = make_mesh(box(false, "").geometry), half = make_mesh(box(true, "").geometry);
+  Mesh quarter = half;
+  quarter.mirrors.push_back({.axis = 2});
+  EXPECT_THAT(numbers(full), AllOf(Contains("beam_profile.offset_y"), Contains("beam_profile.offset_z")));
+  EXPECT_THAT(numbers(half), AllOf(Not(Contains("beam_profile.offset_y")), Contains("beam_profile.offset_z"), Contains("beam_profile.width_ratio_y")));
+  EXPECT_THAT(numbers(quarter), AllOf(Not(Contains("beam_profile.offset_y")), Not(Contains("beam_profile.offset_z")), Contains("beam_profile.width_ratio_y")));
 }
 
 TEST(BeamProfile, ALoadGivenByItsEnergyKeepsIt) {

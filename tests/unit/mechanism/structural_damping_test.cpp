@@ -103,7 +103,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
 
 // Mass and stiffness are left to the case: about a high frequency the loss does what a stiffness does, and costs no steps.
 TEST(StructuralDamping, ADiagnosisAsksForTheLossAboutAFrequency) {
-  for (const auto& g : offered_groups(small_case()))
+  for (const auto& g : offered_groups(small_case(), make_mesh(small_case().geometry)))
     if (g.name == "structural_damping") {
       ASSERT_EQ(g.added.size(), 1u);
       EXPECT_EQ(g.added[0].parameter.name, "structural_damping.loss");

@@ -6,6 +6,7 @@
 
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/mesh/make_mesh.hpp"
 #include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/verification/small_runs.hpp"
@@ -85,7 +86,7 @@ TEST(WallThinning, TheWallIsNoParameter) {
 TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
   const ForwardCase c = small_case();
   std::size_t wholes = 0, parts = 0;
-  for (const auto& g : offered_groups(c)) {
+  for (const auto& g : offered_groups(c, make_mesh(c.geometry))) {
     if (g.name != "wall_thinning") continue;
     ++(g.part ? parts : wholes);
     ASSERT_EQ(g.shapes.size(), 2u);
@@ -109,7 +110,7 @@ TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
 TEST(WallThinning, IsOfferedOnTheWallsThatThereAre) {
   const auto walls = [](const ForwardCase& c) {
     std::set<std::string> names;
-    for (const auto& g : offered_groups(c))
+    for (const auto& g : offered_groups(c, make_mesh(c.geometry)))
       if (g.name == "wall_thinning") names.insert(g.place.substr(0, g.place.find(',')));
     return names;
   };
