@@ -9,6 +9,8 @@
 #include "forward/surrogate/feasibility.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/posterior/basin.hpp"
+#include "uq/diagnosis/mixed_up.hpp"
+#include "uq/diagnosis/plain_words.hpp"
 
 namespace calomel {
 
@@ -48,6 +50,11 @@ CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress&
     expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], study.map);
   }
   out.fit = fit_posterior(in);
+  const PosteriorFit& fit = out.fit;
+  const auto late = late_records(in.problem, fit);
+  auto slips = plain_slips(mixed_up(in.problem, fit.errors->grid(), fit.errors->data(), fit.prediction(fit.modes[0].at)), late);
+  if (late) slips.back() += " Physics that was left out may look so, too: ask calomel diagnose.";
+  in.warnings.insert(in.warnings.begin(), slips.begin(), slips.end());
   return out;
 }
 

@@ -1,9 +1,12 @@
 #include "inverse/data/decimation.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "base/errors.hpp"
 
 namespace calomel {
 
@@ -83,6 +86,16 @@ Eigen::VectorXd Decimation::apply_record(std::size_t observation, std::span<cons
     y[Eigen::Index(k)] = share >= least_share ? sum / share : std::numeric_limits<double>::quiet_NaN();
   }
   return y;
+}
+
+std::vector<double> change_when_late(std::span<const double> history, std::span<const double> times) {
+  expect(history.size() == times.size() && times.size() >= 2, "a history of two values or more, and their times");
+  std::vector<double> change(history.size());
+  for (std::size_t k = 0; k < history.size(); ++k) {
+    const std::size_t before = k > 0 ? k - 1 : k, after = std::min(k + 1, history.size() - 1);
+    change[k] = -(history[after] - history[before]) / (times[after] - times[before]);
+  }
+  return change;
 }
 
 Eigen::MatrixXd filtered_covariance(std::span<const Window> windows, std::span<const double> record_time, double time, double white, bool zeroed,

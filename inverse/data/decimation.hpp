@@ -52,6 +52,9 @@ class Decimation {
   Eigen::SparseMatrix<double, Eigen::RowMajor> map_;  ///< (size, values of the model)
 };
 
+/// What a delay by 1 s does to a history to first order, -dx/dt by differences of its neighbours, in the unit of x per second; NaN beside a value that is absent. history, times: equally many, at least two.
+[[nodiscard]] std::vector<double> change_when_late(std::span<const double> history, std::span<const double> times);
+
 /// Covariance of the windows for noise of unit variance on the record grid: (1 - white) exp(-|t - t'| / time) + white [t = t'].
 /// `time` 0 is white noise. With `zeroed` the noise of the sample at `zero_time` (not later than any other) is subtracted from all:
 /// c(t, t') - c(t, t0) - c(t0, t') + c(t0, t0). Result: (windows, windows).

@@ -27,6 +27,12 @@ auto part(const Eigen::VectorXd& v, const Decimation& grid, std::size_t i) {
   return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
 }
 
+/// What a clock that is late by 1 s does to an observation, on the grid; 0 where it cannot be told.
+Eigen::VectorXd late_by_a_second(const Decimation& grid, std::size_t i, const Observation& o) {
+  const Eigen::VectorXd change = grid.apply_record(i, change_when_late(o.mean, grid.record_time()));
+  return change.array().isFinite().select(change, 0);
+}
+
 /// Root mean square of `amplitude` over `local` seconds, (size).
 Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& amplitude, double local) {
   const Eigen::VectorXd t = grid.times();
@@ -72,7 +78,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
         grid_.apply_record(i, problem.observations[i].mean) / noise_.series[i].mean_energy;  // strain about proportional to energy: of the order of 0.1 %
 
   Eigen::MatrixXd of_mean = zero, baseline = zero, gain = zero;
-  Eigen::VectorXd energy = Eigen::VectorXd::Zero(p);
+  Eigen::VectorXd energy = Eigen::VectorXd::Zero(p), late = Eigen::VectorXd::Zero(p);
   Eigen::MatrixXd own_energy = Eigen::MatrixXd::Zero(p, Eigen::Index(problem.shape.conditions.size()));
   const Eigen::VectorXd& by_energy = slope.size() ? slope : data_;
   const double drift = std::max(1.0, noise_.split_half);
@@ -86,12 +92,14 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     block(baseline, grid_, i).array() += std::pow(o.baseline * s.sd(), 2);
     block(gain, grid_, i) = std::pow(o.gain_sd, 2) * y * y.transpose();
     energy.segment(at, y.size()) = o.energy_scale_sd * g;
+    if (o.trigger_sd > 0) late.segment(at, y.size()) = o.trigger_sd * late_by_a_second(grid_, i, problem.observations[i]);
     record_noise_.segment(at, y.size()).setConstant(o.record_noise * (s.given ? std::sqrt(double(directions.pulses) / double(s.pulses)) : 1));
   }
   add("noise", std::move(of_mean));
   add("baseline", std::move(baseline));
   add("gain", std::move(gain));
   add("energy scale", energy * energy.transpose());
+  add("trigger", late * late.transpose());
   add("pulse energy", own_energy * own_energy.transpose());
   if (directions.gauge_places.size()) {
     const Eigen::MatrixXd moved = grid_.apply(directions.gauge_places);

@@ -28,6 +28,7 @@ struct ErrorOptions {
   double wall_film = 5e-5;
   double wall_film_sd = 7e-5;
   double gauge_place_sd = 0.0004;
+  double trigger_sd = 0;
   double beyond = 0.15;
   double beyond_sd = 0.15;
   double beyond_rest = 0.5;
@@ -51,6 +52,7 @@ struct ErrorOptions {
     v("wall_film", wall_film, {.unit = "m", .range = between(0, 5e-4), .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: prior mean"});
     v("wall_film_sd", wall_film_sd, {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
     v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
+    v("trigger_sd", trigger_sd, {.unit = "s", .range = at_least(0), .doc = "sd of the instant on the record's clock at which the simulation starts (recordings.trigger_offset), the same for all gauges; marginalised to first order. 0: it is known"});
     v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
     v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});

@@ -137,6 +137,24 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_LT(read_json(dir / "a" / "posterior.json")["parameters"][0]["sd"].get<double>(), 31);
 }
 
+// A clock that is off moves the answer without any sign in the chains: it is told, and a trigger that is known to so much only takes it in.
+TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
+  const auto dir = folder("sample_late");
+  const auto late = run(dir, "sample case.toml --out late --set recordings.trigger_offset=-1e-6");
+  EXPECT_THAT(late.said, HasSubstr("µs late (log Bayes factor"));
+  const Json told = read_json(dir / "late" / "posterior.json");
+  EXPECT_FALSE(told["final"].get<bool>());
+  EXPECT_THAT(told["warnings"].dump(), HasSubstr("All records look"));
+  const auto with_clock = run(dir, "sample case.toml --out clock --set recordings.trigger_offset=-1e-6 --set errors.trigger_sd=1e-6");
+  ASSERT_EQ(with_clock.status, 0) << with_clock.said;
+  const Json json = read_json(dir / "clock" / "posterior.json");
+  EXPECT_THAT(json["warnings"].dump(), Not(HasSubstr("All records look")));
+  const std::array<double, 2> truth{true_density, true_speed};
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_LT(std::abs(json["parameters"][k]["mean"].get<double>() - truth[k]), 3 * json["parameters"][k]["sd"].get<double>()) << json["parameters"][k];
+  // Sound speed makes up for the clock where that is taken for known.
+  EXPECT_GT(std::abs(told["parameters"][1]["mean"].get<double>() - true_speed), 3 * told["parameters"][1]["sd"].get<double>());
+}
+
 TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   const auto dir = folder("sample_killed");
   ASSERT_EQ(run(dir, "sample case.toml --out whole").status, 0);

@@ -94,10 +94,9 @@ void DiagnosisEngine::ask_all() {
 
 /// Whether all records are late together, which no mechanism is: the beam's profile, as a longer pulse, would come nearest.
 void DiagnosisEngine::ask_clock() {
-  const FirstOrder worth = FirstOrderModel(*out_.base.posterior, mode()).worth(lateness(in_.base.problem, grid(), values(out_.base_history)));
-  const Gates gates;
-  if (worth.log_bayes_factor < gates.log_bayes_factor || (!asked_.empty() && worth.log_bayes_factor < asked_[0].worth.log_bayes_factor + gates.lead)) return;
-  out_.late = LateRecords{.late = worth.value[0], .sd = worth.sd[0], .log_bayes_factor = worth.log_bayes_factor};
+  const auto late = late_records(in_.base.problem, out_.base);
+  if (!late || (!asked_.empty() && late->log_bayes_factor < asked_[0].worth.log_bayes_factor + Gates{}.lead)) return;
+  out_.late = late;
   say(plain_late(*out_.late));
 }
 

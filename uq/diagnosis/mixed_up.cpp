@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "uq/diagnosis/verdict.hpp"
+
 namespace calomel {
 
 namespace {
@@ -40,11 +42,16 @@ std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, co
 
 AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history) {
   const auto& t = problem.shape.times;
-  const auto n = Eigen::Index(t.size());
-  Eigen::VectorXd late = Eigen::VectorXd::Zero(history.size());
-  for (Eigen::Index first = 0; first < history.size(); first += n)
-    for (Eigen::Index k = 1; k + 1 < n; ++k) late[first + k] = -(history[first + k + 1] - history[first + k - 1]) / (t[std::size_t(k + 1)] - t[std::size_t(k - 1)]);
+  Eigen::VectorXd late(history.size());
+  for (Eigen::Index first = 0; first < history.size(); first += Eigen::Index(t.size()))
+    std::ranges::copy(change_when_late({history.data() + first, t.size()}, t), late.data() + first);
   return {.by_number = grid.apply(Eigen::MatrixXd(late)), .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (t.back() - t.front()))};
+}
+
+std::optional<LateRecords> late_records(const Problem& problem, const PosteriorFit& fit) {
+  const FirstOrder worth = FirstOrderModel(*fit.posterior, fit.modes[0]).worth(lateness(problem, fit.errors->grid(), fit.history_at_mode()));
+  if (worth.log_bayes_factor < Gates{}.log_bayes_factor) return {};
+  return LateRecords{.late = worth.value[0], .sd = worth.sd[0], .log_bayes_factor = worth.log_bayes_factor};
 }
 
 }  // namespace calomel

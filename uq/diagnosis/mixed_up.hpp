@@ -1,6 +1,7 @@
 #pragma once
 /// Gauges that look wired the wrong way round, or taken for one another, and a clock that is off: slips that no physics explains and that spoil a fit, but can be seen at once.
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,8 @@ struct LateRecords {
 
 /// What a delay of all records by 1 s does, -d history / dt on the grid of the fit; its prior has a hundredth of the record's length as standard deviation. history: (values of the model).
 [[nodiscard]] AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history);
+
+/// Of the mode of a fit, where their log Bayes factor is one that a name would need.
+[[nodiscard]] std::optional<LateRecords> late_records(const Problem& problem, const PosteriorFit& fit);
 
 }  // namespace calomel

@@ -372,8 +372,15 @@ std::string plain_mixed_up(const MixedUp& m) {
 
 std::string plain_late(const LateRecords& l) {
   const ShownUnit unit = shown_unit("s", std::abs(l.late));
-  return fmt::format("All records look {:.3g} ± {:.2g} {} {}, which says more than any physics to first order (log Bayes factor {:.3g}): see from which instant they count, and set recordings.trigger_offset.", unit.factor * std::abs(l.late),
-                     unit.factor * l.sd, unit.name, l.late > 0 ? "late" : "early", l.log_bayes_factor);
+  return fmt::format("All records look {} {} (log Bayes factor {:.3g} to first order): see from which instant they count, and set recordings.trigger_offset, or errors.trigger_sd where that is not known.",
+                     with_sd(unit.factor * std::abs(l.late), unit.factor * l.sd, unit.name), l.late > 0 ? "late" : "early", l.log_bayes_factor);
+}
+
+std::vector<std::string> plain_slips(std::span<const MixedUp> mixed_up, const std::optional<LateRecords>& late) {
+  std::vector<std::string> told;
+  for (const auto& m : mixed_up) told.push_back(plain_mixed_up(m));
+  if (late) told.push_back(plain_late(*late));
+  return told;
 }
 
 PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
@@ -406,8 +413,7 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   }
   std::string slips;
-  for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
-  if (d.late) slips += plain_late(*d.late) + ' ';
+  for (const auto& slip : plain_slips(d.mixed_up, d.late)) slips += slip + ' ';
   if (!slips.empty()) told.next_step = slips + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";  // nothing else is worth doing before
   return told;
 }

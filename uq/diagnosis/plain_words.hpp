@@ -51,8 +51,10 @@ struct Why {
 
 /// "Gauge T2 reads what is simulated there with the other sign (correlation -0.98): see whether it is wired the wrong way round, or its direction wrong."
 [[nodiscard]] std::string plain_mixed_up(const MixedUp& m);
-/// "All records look 3.07 ± 0.12 µs late, which says more than any physics to first order (log Bayes factor 75.6): ..."
+/// "All records look 3.07 ± 0.12 µs late (log Bayes factor 75.6 to first order): see from which instant they count, ..."
 [[nodiscard]] std::string plain_late(const LateRecords& l);
+/// One sentence for each slip.
+[[nodiscard]] std::vector<std::string> plain_slips(std::span<const MixedUp> mixed_up, const std::optional<LateRecords>& late);
 
 /// A verdict in two sentences; where there are slips, these in place of the second.
 struct PlainSummary {

@@ -215,6 +215,24 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
   EXPECT_NEAR(total, 1, 1e-12);
 }
 
+// Records whose clock is late differ from those in time by the term's one direction, the same delay for all gauges.
+TEST(ErrorModel, AnUncertainTriggerIsWhatLateRecordsDifferBy) {
+  constexpr double delay = 0.4e-6;
+  const auto at = [](double late) {
+    const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {[=](auto, double t) { return 100 * std::sin(6e4 * (t - late)); }, [=](auto, double t) { return 60 * std::sin(9e4 * (t - late)); }}, 300, 1e-6);
+    const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.5}, 3);
+    return ErrorModel(make_problem(model.shape(), recordings, {}), recordings, {}, {.values = 100, .trigger_sd = delay}, {});
+  };
+  const ErrorModel in_time = at(0);
+  const auto term = std::find_if(in_time.terms().begin(), in_time.terms().end(), [](const auto& t) { return t.name == "trigger"; });
+  ASSERT_NE(term, in_time.terms().end());
+  const Eigen::VectorXd change = at(delay).data() - in_time.data();
+  EXPECT_LT((term->covariance - change * change.transpose()).norm(), 0.05 * term->covariance.norm());  // half of the delay times the frequency, to second order
+  const ErrorModel known = in_time.without("trigger");
+  EXPECT_LT(Cholesky(in_time.covariance()).solve_lower(change).squaredNorm(), 1.1);  // one deviation, and what is left to second order
+  EXPECT_GT(Cholesky(known.covariance()).solve_lower(change).squaredNorm(), 100);
+}
+
 /// A single pulse of two gauges, whose noise the case has to tell.
 struct OnePulse {
   AnalyticModel model = waves(40);
