@@ -16,6 +16,7 @@
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/provenance.hpp"
+#include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/posterior_moments.hpp"
 #include "uq/posterior_file.hpp"
@@ -57,6 +58,9 @@ ExitStatus sample_stage(StageCall& call) {
   const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);
+  const GoodnessOfFit goodness = goodness_of_fit(fit);
+  auto warnings = made.inputs->warnings;
+  if (!goodness.adequate) warnings.push_back(goodness.sentence);
 
   auto groups = posterior_groups(parameters, result);
   for (auto& g : predictive_groups(predicting(fit, parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
@@ -64,7 +68,7 @@ ExitStatus sample_stage(StageCall& call) {
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
   json["product"] = study.map.product == "physical" ? "physical" : "tuned";
-  json["final"] = trusted && made.inputs->warnings.empty();  // a warning says what would move the answer: finer meshes, for one
+  json["final"] = trusted && warnings.empty();  // a warning says what would move the answer: finer meshes, for one
   // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
   json["chains_converged"] = convergence.converged, json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);
@@ -77,13 +81,14 @@ ExitStatus sample_stage(StageCall& call) {
   for (const auto& p : study.parameters()) own.push_back(p.name);
   json["regions"] = regions_json(regions(result.quantities, own));
   for (const auto& form : study.posterior.compare) json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler, {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
-  json["absorption"] = alarms, json["warnings"] = made.inputs->warnings;
+  json["adequate"] = goodness.adequate, json["adequacy"] = goodness.sentence;
+  json["absorption"] = alarms, json["warnings"] = warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));
   notes.warn(alarms);
-  notes.warn(made.inputs->warnings);
+  notes.warn(warnings);
   notes.say(stage_line("sample", convergence.message));
   if (exact.failed() > 0) notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
   if (!fit.settled) notes.warn(emulator_sentence(fit.message));

@@ -26,6 +26,15 @@ std::string verdict(const Json& sample) {
   return s;
 }
 
+/// Whether the records contradict the fit.
+std::string adequacy(const Study& study, const ReportInput& input) {
+  const std::string told = escape_html(text_at(*study.sample, "adequacy"));
+  if (told.empty()) return "";
+  if (part_at(*study.sample, "adequate") == Json(false))
+    return "<p class=\"outcome\"><strong>By chi-squared, " + told + ".</strong> What the posterior calls its uncertainty does not hold that: " + command(input, "diagnose") + " asks what was left out.</p>\n";
+  return "<p>By chi-squared, " + told + ".</p>\n";
+}
+
 /// The alarm: a parameter that sits far from what was known of it has taken the place of something else.
 std::string absorbed(const Study& study, const ReportInput& input) {
   const Json& alarms = list_at(*study.sample, "absorption");
@@ -127,7 +136,7 @@ std::string posterior_section(const Study& study, const ReportInput& input) {
     return missing("No posterior has been sampled (posterior.nc, posterior.json). Sample it with " + command(input, "sample") + ".");
   std::string s;
   if (study.sample) {
-    s += verdict(*study.sample) + absorbed(study, input);
+    s += verdict(*study.sample) + adequacy(study, input) + absorbed(study, input);
     if (const Table t = posterior_table(study, input); !t.empty()) s += t.html();
   } else {
     s += missing("posterior.json is missing, so nothing is said of convergence.");

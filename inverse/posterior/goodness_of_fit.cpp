@@ -57,4 +57,10 @@ GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mo
   return out;
 }
 
+GoodnessOfFit goodness_of_fit(const PosteriorFit& fit) {
+  const LogPosterior& posterior = *fit.posterior;
+  const LocalMode& mode = fit.modes[0];
+  return goodness_of_fit(posterior, mode, fit.hypotheses[posterior.likeliest(mode.at)].errors, fit.coefficients, fit.noise);
+}
+
 }  // namespace calomel

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "inverse/posterior/mode.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
 
 namespace calomel {
 
@@ -20,5 +21,7 @@ struct GoodnessOfFit {
 /// Of a mode. `errors`: the likeliest hypothesis there; noise: of one run of the finest mesh, (size, size), which counts with the emulator's variance.
 [[nodiscard]] GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mode, const ErrorModel& errors, const Eigen::MatrixXd& coefficients,
                                             const Eigen::MatrixXd& noise);
+/// Of the highest mode of a fit.
+[[nodiscard]] GoodnessOfFit goodness_of_fit(const PosteriorFit& fit);
 
 }  // namespace calomel

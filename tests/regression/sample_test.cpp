@@ -9,6 +9,7 @@ using calomel::Json;
 using calomel::NetcdfReader;
 using calomel::read_json;
 using calomel::read_text;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -99,7 +100,8 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_TRUE(json["converged"].get<bool>());
   EXPECT_TRUE(json["true_model_check"]["holds"].get<bool>());
   EXPECT_EQ(json["final"], json["converged"].get<bool>() && json["warnings"].empty());
-  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions"}) EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_TRUE(json["adequate"].get<bool>());
+  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions", "adequacy"}) EXPECT_TRUE(json.contains(key)) << key;
   ASSERT_EQ(json["parameters"].size(), 3u);  // the two, and how far past the finest mesh
   for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
   const std::array<double, 2> truth{true_density, true_speed};
@@ -144,7 +146,8 @@ TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
   EXPECT_THAT(late.said, HasSubstr("µs late (log Bayes factor"));
   const Json told = read_json(dir / "late" / "posterior.json");
   EXPECT_FALSE(told["final"].get<bool>());
-  EXPECT_THAT(told["warnings"].dump(), HasSubstr("All records look"));
+  EXPECT_THAT(told["warnings"].dump(), AllOf(HasSubstr("All records look"), HasSubstr("the fit is not adequate")));
+  EXPECT_FALSE(told["adequate"].get<bool>());
   const auto with_clock = run(dir, "sample case.toml --out clock --set recordings.trigger_offset=-1e-6 --set errors.trigger_sd=1e-6");
   ASSERT_EQ(with_clock.status, 0) << with_clock.said;
   const Json json = read_json(dir / "clock" / "posterior.json");
