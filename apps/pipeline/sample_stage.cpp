@@ -68,7 +68,7 @@ ExitStatus sample_stage(StageCall& call) {
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
   json["product"] = study.map.product == "physical" ? "physical" : "tuned";
-  json["final"] = trusted && warnings.empty();  // a warning says what would move the answer: finer meshes, for one
+  json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning says what would move the answer: finer meshes, for one
   // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
   json["chains_converged"] = convergence.converged, json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);

@@ -253,6 +253,24 @@ TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsToldAtTheTopAndInItsSectio
   EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
 }
 
+TEST(ReportPosterior, AFitThatTheRecordsContradictIsToldAndItsNumbersAreNotFinal) {
+  const auto dir = scratch("posterior_inadequate");
+  write_sample(dir, ridge_draws());
+  Json json = read_json(dir / "posterior.json");
+  json["final"] = false, json["adequate"] = false, json["adequacy"] = "the fit is not adequate: chi-squared 369 for 80 values";
+  json["warnings"] = {json["adequacy"]};
+  write_json(dir / "posterior.json", json);
+  const std::string told = markup(report_of(dir, input()));
+  EXPECT_THAT(told, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
+  EXPECT_THAT(told, HasSubstr("<li>sampling: the fit is not adequate"));
+  EXPECT_THAT(told, HasSubstr("<strong>Not final</strong>: the warnings say why."));
+  json["final"] = true, json["adequate"] = true, json["adequacy"] = "the records do not contradict the fit: chi-squared 33 for 80 values", json["warnings"] = Json::array();
+  write_json(dir / "posterior.json", json);
+  const std::string fits = markup(report_of(dir, input()));
+  EXPECT_THAT(fits, HasSubstr("<p>By chi-squared, the records do not contradict the fit: chi-squared 33 for 80 values.</p>"));
+  EXPECT_THAT(fits, Not(HasSubstr("Not final")));
+}
+
 TEST(ReportPosterior, BandsHoldDrawsAndErrors) {
   const auto dir = scratch("posterior_bands");
   const auto in = input();
