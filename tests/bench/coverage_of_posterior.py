@@ -68,10 +68,10 @@ def seed_of(work):
         return str(json.load(f)["provenance"]["seed"])
 
 
-def truth_of(work, name):
-    """[parameter] of the truth, by name."""
+def truth_of(suite, name):
+    """[parameter] of the truth of a case, by name."""
     values, table = {}, ""
-    with open(os.path.join(work, "suite", "truth", name + ".toml"), encoding="utf-8") as f:
+    with open(os.path.join(suite, "truth", name + ".toml"), encoding="utf-8") as f:
         for line in f:
             line = line.split("#")[0].strip()
             if line.startswith("["):
@@ -131,7 +131,7 @@ def rows_of(work, name):
         return []
     with open(path, encoding="utf-8") as f:
         told = json.load(f)
-    truth, seed = truth_of(work, name), seed_of(work)
+    truth, seed = truth_of(os.path.join(work, "suite"), name), seed_of(work)
     rows = []
     for form, part in [("posterior", told)] + [(form, told["compared"][form]) for form in FORMS]:
         region = part["regions"]

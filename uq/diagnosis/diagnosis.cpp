@@ -27,8 +27,9 @@ Diagnosis DiagnosisEngine::run() {
   hold_out_base();
   ask_all();
   ask_clock();
-  fit_worst_gauge();
+  fit_terms();
   fit_leaders();
+  follow_terms();
   judge_all();
   if (in_.options.pairs) fit_pair();
   hold_out_verdict();

@@ -29,6 +29,7 @@ class DiagnosisEngine {
   Diagnosis run();
 
  private:
+  static constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
   static constexpr double worth_fitting = 3;            ///< log Bayes factor to first order
   static constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 
@@ -87,8 +88,9 @@ class DiagnosisEngine {
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups);
   void ask_all();
   void ask_clock();
-  void fit_worst_gauge();
-  void fit_linear(const Question& q, const Alternative* on_top_of = nullptr);
+  void fit_terms();
+  void follow_terms();
+  void fit_linear(const Question& q, const Alternative* on_top_of = nullptr, int rounds = most_linearised);
   std::optional<Alternative> linear_fit(Linearised& about, const Alternative* on_top_of);
   bool linearise(Linearised& about, const Alternative* on_top_of);
   void fit_leaders();

@@ -12,7 +12,6 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t gauges_tried = 2;  ///< beside the one that says most to first order
-constexpr int most_linearised = 4;     ///< times that many small numbers are linearised anew
 
 /// What is known of an explanation before its fit: a group by itself, or on top of what was fitted already.
 Alternative begun(const ParameterGroup& group, const Question& q, const Alternative* on_top_of) {
@@ -30,22 +29,35 @@ Alternative begun(const ParameterGroup& group, const Question& q, const Alternat
 
 }  // namespace
 
-/// The gauge that says most, for what its fault does is linear in its numbers to first order: one more term of the errors, which costs no runs.
-void DiagnosisEngine::fit_worst_gauge() {
+/// What costs no runs: the gauge that says most and the groups of many small numbers, each as one more term of the errors.
+void DiagnosisEngine::fit_terms() {
   const auto worst = std::find_if(asked_.begin(), asked_.end(), [](const auto& q) { return q.sensor.has_value(); });
-  if (worst != asked_.end()) fit_linear(*worst);
+  if (worst != asked_.end()) fit_linear(*worst, nullptr, 0);
+  for (const auto& q : asked_)
+    if (groups_[q.group].linear) fit_linear(q, nullptr, 0);
+}
+
+/// The groups of many small numbers once more, in place of what they are worth about none: they are the dearest to follow, so what could lead them is fitted before.
+void DiagnosisEngine::follow_terms() {
+  for (const auto& q : asked_) {
+    if (!groups_[q.group].linear) continue;
+    const auto about_none = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == groups_[q.group].name; });
+    if (about_none == out_.candidates.end() || !may_lead(about_none->explanation.log_bayes_factor)) continue;
+    out_.candidates.erase(about_none);
+    fit_linear(q);
+  }
 }
 
 /// A group whose effect is linear in its numbers, as one more term of the errors, beside the base model's parameters or beside those of what was fitted already: about no numbers, and where it may
-/// lead, about those that come out until they stay.
-void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of) {
+/// lead, at most `rounds` times about those that come out, until they stay.
+void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of, int rounds) {
   Linearised about;
   about.q = q, about.rest = Eigen::VectorXd::Zero(q.effects.rows());
   std::optional<Alternative> c = linear_fit(about, on_top_of);
   const int before = runs_, more = int(q.numbers.size()) + 2;
-  for (int round = 0; c && !q.sensor && may_lead(c->explanation.log_bayes_factor); ++round) {
+  for (int round = 0; c && rounds > 0 && !q.sensor && may_lead(c->explanation.log_bayes_factor); ++round) {
     c->settled = c->settled && about.stays;
-    if (about.stays || round == most_linearised) break;
+    if (about.stays || round == rounds) break;
     if (runs_ + more > in_.options.max_runs) {
       out_.spent = true;
       out_.skipped.push_back(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_, in_.options.max_runs));
@@ -188,10 +200,6 @@ void DiagnosisEngine::fit_leaders() {
       continue;
     }
     if (there) continue;  // a wall that says less, too
-    if (group.linear) {
-      fit_linear(q);
-      continue;
-    }
     if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
       group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
       ++fitted;

@@ -59,7 +59,7 @@ TEST(Diagnosis, AConditionIsPredictedByTheOthersBetterWithWhatIsNamed) {
 
 TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const auto folder = scratch("diagnosis_artefacts");
-  const Experiment experiment(0.3, 0, 0, 1, 1);
+  const Experiment experiment(0.3, 0.12, 0, 1, 1);
   const Diagnosis d = experiment.diagnosed(folder);
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo"));
@@ -112,7 +112,7 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
 
 // A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of the whole.
 TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
-  const Experiment experiment(0.3, 0, 0, 1, 1);
+  const Experiment experiment(0.3, 0.12, 0, 1, 1);
   ParameterGroup opened = Experiment::groups()[1];
   opened.name = "opened";
   AddedParameter& a = opened.added[0];
@@ -237,6 +237,19 @@ TEST(Diagnosis, ManySmallNumbersAreLinearisedWhereTheyComeOut) {
   EXPECT_LT(named.numbers[0].sd, 0.02);
   EXPECT_TRUE(named.settled);
   EXPECT_GT(named.runs, 0);
+}
+
+// They are followed after all fits, and only where they could still lead: alone they are, beside the echo that is there they cost no runs.
+TEST(Diagnosis, ManySmallNumbersThatCannotLeadCostNoRuns) {
+  const ParameterGroup left{.name = "left", .added = {added("drift", "rate", -1, 1, {0.1})}, .linear = true};
+  const Experiment experiment(0.3, 0.12, 0, 1, 1);
+  const Diagnosis alone = experiment.diagnosed({}, {left});
+  ASSERT_NE(alone.alternative("left"), nullptr);
+  EXPECT_GT(alone.alternative("left")->runs, 0) << alone.alternative("left")->explanation.log_bayes_factor;
+  const Diagnosis beside = experiment.diagnosed({}, {left, Experiment::groups()[1]});
+  ASSERT_NE(beside.alternative("left"), nullptr);
+  EXPECT_EQ(beside.alternative("left")->runs, 0);
+  EXPECT_GT(beside.alternative("echo")->explanation.log_bayes_factor, beside.alternative("left")->explanation.log_bayes_factor + 20);
 }
 
 TEST(Diagnosis, WhatNobodyOffersIsUnknown) {

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Posteriors of cases that are wrong in one way: does `calomel sample` say so, and how far off is its answer? Needs Python 3 alone.
+
+  mistaken_cases.py run   CALOMEL SUITE WORK_DIR --cases case_144 [--ways late,gain] [--threads T] [--set table.key=value]...
+  mistaken_cases.py table SUITE WORK_DIR
+
+SUITE is a suite of `calomel challenge` whose cases are made, WORK_DIR/CASE_WAY what is made of a case. Of each case that is named one number of the case file or of its records is wrong in one way after the other, as by a slip
+of the hand; the posterior is sampled on meshes of 2 and 1 mm. `table` has a line a way of each case: how far the parameters lie from the truth in the deviations told, chi-squared, and what is warned of, the mesh apart. What is
+sampled already is not sampled again.
+"""
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+
+from coverage_of_posterior import truth_of
+from spoilt_records import late, read
+
+SET = ('solver.precision="single"', "emulator.element_sizes=[2e-3,1e-3]", 'emulator.start="nominal"')
+GAUGE = "T2"  # of those at fault
+
+
+def of_gauge(change):
+    """The records with those of GAUGE changed by change(values, greatest, share of the record that has passed)."""
+
+    def changed(series):
+        greatest = max(abs(x) for (sensor, _), v in series.items() if sensor == GAUGE for _, x in v)
+        return {k: [(t, change(x, greatest, i / len(v)) if k[0] == GAUGE else x) for i, (t, x) in enumerate(v)] for k, v in series.items()}
+
+    return changed
+
+
+def times(pattern, factor):
+    """The case with the number behind this pattern multiplied."""
+    return lambda case: re.sub(pattern + r"([\d.e+-]+)", lambda m: m.group(1) + f"{factor * float(m.group(2)):.6g}", case, count=1)
+
+
+def plus(pattern, added):
+    return lambda case: re.sub(pattern + r"([\d.e+-]+)", lambda m: m.group(1) + f"{added + float(m.group(2)):.6g}", case, count=1)
+
+
+def higher(case):
+    """The target and its upper gauges 1 mm higher."""
+    height = re.search(r"(?m)^height = (\S+)", case).group(1)
+    return case.replace(f"height = {height}", f"height = {float(height) + 1e-3:g}").replace(f"0.0, {height}]", f"0.0, {float(height) + 1e-3:g}]")
+
+
+def same(x):
+    return x
+
+
+WAYS = {  # name: (what is wrong, of the case, of the records)
+    "as_it_is": ("nothing", same, same),
+    "late": ("records 1.5 µs late", same, lambda s: {k: late(v, 1.5e-6) for k, v in s.items()}),
+    "pulse": ("pulse length 1.4 times its value", times(r"(pulse_length = )", 1.4), same),
+    "pressure": ("heating pressure 5 % low", times(r"(peak_pressure = )", 0.95), same),
+    "width": ("beam 10 % wider", times(r"(widths = \[[\d.e+]+, )", 1.1), same),
+    "wall": ("front wall 1 mm thinner", plus(r"(front = )", -1e-3), same),
+    "height": ("target 1 mm higher", higher, same),
+    "gains": ("all gains 10 % high", same, lambda s: {k: [(t, 1.1 * x) for t, x in v] for k, v in s.items()}),
+    "gain": (f"gain of {GAUGE} 15 % high", same, of_gauge(lambda x, greatest, share: 1.15 * x)),
+    "place": (f"{GAUGE} 5 mm from its place", plus(f'(name = "{GAUGE}"\nposition = \\[)', 5e-3), same),
+    "clipped": (f"{GAUGE} clipped at 80 % of its greatest strain", same, of_gauge(lambda x, greatest, share: max(-0.8 * greatest, min(0.8 * greatest, x)))),
+    "drift": (f"{GAUGE} drifts by half of its greatest strain", same, of_gauge(lambda x, greatest, share: x + 0.5 * greatest * share)),
+    "dead": (f"{GAUGE} dead", same, of_gauge(lambda x, greatest, share: 0.0)),
+    "sign": (f"{GAUGE} of the other sign", same, of_gauge(lambda x, greatest, share: -x)),
+}
+
+
+def run(args):
+    for case in args.cases:
+        source = os.path.join(args.suite, "cases", case)
+        with open(os.path.join(source, "case.toml"), encoding="utf-8") as f:
+            text = f.read()
+        series = read(os.path.join(source, "recordings.csv"))
+        for way in args.ways or WAYS:
+            place = os.path.join(args.work, f"{case}_{way}")
+            if os.path.exists(os.path.join(place, "out", "posterior.json")):
+                continue
+            _, of_case, of_records = WAYS[way]
+            os.makedirs(place, exist_ok=True)
+            with open(os.path.join(place, "case.toml"), "w", encoding="utf-8") as f:
+                f.write(of_case(text))
+            with open(os.path.join(place, "recordings.csv"), "w", encoding="utf-8") as f:
+                f.write("sensor,pulse,time,strain\n")
+                f.writelines(f"{sensor},{pulse},{t:.6e},{x:.6e}\n" for (sensor, pulse), v in of_records(series).items() for t, x in v)
+            command = [args.calomel, "sample", os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads)]
+            with open(os.path.join(place, "log"), "w", encoding="utf-8") as log:
+                status = subprocess.run([*command, *[x for s in (*SET, *args.set) for x in ("--set", s)]], stdout=log, stderr=log).returncode
+            if status not in (0, 4):
+                print(f"{place}: exit status {status}", file=sys.stderr)
+
+
+def table(args):
+    names = ("tensile_cutoff", "density", "sound_speed")
+    print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | what is said |\n|---|" + "---|" * (len(names) + 2))
+    cases = sorted({name[: -len(way) - 1] for name in os.listdir(args.work) for way in WAYS if name.endswith("_" + way)})
+    for case in cases:
+        truth = truth_of(args.suite, case)
+        for way, (wrong, _, _) in WAYS.items():
+            try:
+                with open(os.path.join(args.work, f"{case}_{way}", "out", "posterior.json"), encoding="utf-8") as f:
+                    told = json.load(f)
+            except FileNotFoundError:
+                continue
+            found = {p["name"]: p for p in told["parameters"]}
+            off = [f"{(found[n]['mean'] - truth[n]) / found[n]['sd']:+.1f}" for n in names]
+            chi2, values = re.search(r"chi-squared (\S+) for (\d+) values", told["adequacy"]).groups()
+            said = [w for w in told["warnings"] if "elements through the front" not in w] + told["absorption"] + ([] if told["converged"] else [told["message"]])
+            print(f"| {wrong} | " + " | ".join(off) + f" | {float(chi2):.0f} of {values} | {'; '.join(s.split(':')[0] for s in said) or 'nothing'} |")
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    verbs = p.add_subparsers(dest="verb", required=True)
+    one = verbs.add_parser("run")
+    for name in ("calomel", "suite", "work"):
+        one.add_argument(name)
+    one.add_argument("--cases", required=True, type=lambda s: s.split(","))
+    one.add_argument("--ways", type=lambda s: s.split(","))
+    one.add_argument("--threads", type=int, default=1)
+    one.add_argument("--set", action="append", default=[])
+    two = verbs.add_parser("table")
+    two.add_argument("suite"), two.add_argument("work")
+    args = p.parse_args()
+    unknown = set(getattr(args, "ways", None) or ()) - set(WAYS)
+    if unknown:
+        p.error(f"--ways: {', '.join(sorted(unknown))}; there are {', '.join(WAYS)}")
+    {"run": run, "table": table}[args.verb](args)
+
+
+if __name__ == "__main__":
+    main()
