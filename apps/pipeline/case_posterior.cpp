@@ -9,6 +9,7 @@
 #include "forward/surrogate/feasibility.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/posterior/basin.hpp"
+#include "inverse/posterior/pulls.hpp"
 #include "uq/diagnosis/mixed_up.hpp"
 #include "uq/diagnosis/plain_words.hpp"
 
@@ -54,6 +55,7 @@ CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress&
   const auto late = late_records(in.problem, fit);
   auto slips = plain_slips(mixed_up(in.problem, fit.errors->grid(), fit.errors->data(), fit.prediction(fit.modes[0].at)), late);
   if (late) slips.back() += " Physics that was left out may look so, too: ask calomel diagnose.";
+  for (auto& pulled : far_pulls(pulls(fit))) slips.push_back(std::move(pulled));
   in.warnings.insert(in.warnings.begin(), slips.begin(), slips.end());
   return out;
 }

@@ -8,6 +8,7 @@
 
 #include "apps/report/html.hpp"
 #include "base/json.hpp"
+#include "inverse/posterior/pulls.hpp"
 
 namespace calomel {
 
@@ -76,12 +77,22 @@ Table share_table(const Study& study) {
   return t;
 }
 
+Table pull_table(const Study& study) {
+  constexpr std::size_t most = 10;
+  Table t{.id = "pulls", .caption = "What the records say of numbers that were taken for known to so much, farthest first."};
+  t.columns = {{"number", "Number", 4, true}, {"pull", "Pulled by, of its sd before", -1}, {"sd", "Sd by the records, of that before", -2}};
+  for (const auto& p : list_at(emulator_of(study), "pulls"))
+    if (t.rows.size() < most) t.rows.push_back({pulled_number(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
+  t.note = "A number beyond three of its deviations is not what was said of it, or takes up something that the model leaves out.";
+  return t;
+}
+
 std::string emulator_section(const Study& study) {
   const Json &map = map_json_of(study), &emulator = emulator_of(study), &check = check_of(study);
   std::string s = told(text_at(map, "identified")) + told(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + told(text_at(part_at(map, "score_tests"), "sentence"));
   if (const auto message = text_at(emulator, "message"); !message.empty()) s += told("the emulator: " + message, part_at(emulator, "settled") == Json(false));
   s += told(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
-  for (const Table& t : {nuisance_table(study), emulator_table(study), share_table(study)})
+  for (const Table& t : {nuisance_table(study), pull_table(study), emulator_table(study), share_table(study)})
     if (!t.empty()) s += t.html();
   return s;
 }

@@ -10,6 +10,8 @@ namespace calomel {
 
 /// Viscosity, the steel's modulus and the multiple beyond the finest mesh with their priors and how far the records pull them. Empty without map.json.
 Table nuisance_table(const Study& study);
+/// What the records say of the numbers that are marginalised, the ten that are farthest from what was said of them, of the same.
+Table pull_table(const Study& study);
 /// Runs, left-out error and numerical noise by mesh, of map.json, else of posterior.json.
 Table emulator_table(const Study& study);
 /// Shares of the terms in the trace of the errors' covariance, greatest first, of the same.

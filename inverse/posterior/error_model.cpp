@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/errors.hpp"
 #include "base/not_finite.hpp"
 
 namespace calomel {
@@ -77,8 +78,9 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     data_.segment(Eigen::Index(grid_.offset(i)), Eigen::Index(grid_.windows(i).size())) =
         grid_.apply_record(i, problem.observations[i].mean) / noise_.series[i].mean_energy;  // strain about proportional to energy: of the order of 0.1 %
 
-  Eigen::MatrixXd of_mean = zero, baseline = zero, gain = zero;
+  Eigen::MatrixXd of_mean = zero, baseline = Eigen::MatrixXd::Zero(p, Eigen::Index(noise_.series.size())), gain = baseline;
   Eigen::VectorXd energy = Eigen::VectorXd::Zero(p), late = Eigen::VectorXd::Zero(p);
+  std::vector<std::string> labels;
   Eigen::MatrixXd own_energy = Eigen::MatrixXd::Zero(p, Eigen::Index(problem.shape.conditions.size()));
   const Eigen::VectorXd& by_energy = slope.size() ? slope : data_;
   const double drift = std::max(1.0, noise_.split_half);
@@ -89,22 +91,20 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     if (s.given)  // the scatter of repeats has it already
       own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = recording_options.energy_sd.value_or(directions.energy_sd) / std::sqrt(double(s.pulses)) * g;
     block(of_mean, grid_, i) = s.pulse * (drift / double(s.pulses) + o.coherent_noise * o.coherent_noise);
-    block(baseline, grid_, i).array() += std::pow(o.baseline * s.sd(), 2);
-    block(gain, grid_, i) = std::pow(o.gain_sd, 2) * y * y.transpose();
+    labels.push_back(problem.label(problem.observations[i]));
+    baseline.col(Eigen::Index(i)).segment(at, y.size()).setConstant(o.baseline * s.sd());
+    gain.col(Eigen::Index(i)).segment(at, y.size()) = o.gain_sd * y;
     energy.segment(at, y.size()) = o.energy_scale_sd * g;
     if (o.trigger_sd > 0) late.segment(at, y.size()) = o.trigger_sd * late_by_a_second(grid_, i, problem.observations[i]);
     record_noise_.segment(at, y.size()).setConstant(o.record_noise * (s.given ? std::sqrt(double(directions.pulses) / double(s.pulses)) : 1));
   }
   add("noise", std::move(of_mean));
-  add("baseline", std::move(baseline));
-  add("gain", std::move(gain));
-  add("energy scale", energy * energy.transpose());
-  add("trigger", late * late.transpose());
-  add("pulse energy", own_energy * own_energy.transpose());
-  if (directions.gauge_places.size()) {
-    const Eigen::MatrixXd moved = grid_.apply(directions.gauge_places);
-    add("gauge places", moved * moved.transpose());
-  }
+  add("baseline", baseline, labels);
+  add("gain", gain, labels);
+  add("energy scale", energy, {""});
+  add("trigger", late, {""});
+  add("pulse energy", own_energy, problem.shape.conditions);
+  if (directions.gauge_places.size()) add("gauge places", grid_.apply(directions.gauge_places), problem.shape.sensors);
   if (directions.last_difference.size() && o.beyond_rest > 0) {
     const Eigen::VectorXd last = o.beyond_rest * grid_.apply(directions.last_difference).col(0);
     add(beyond_term, process(problem, grid_, local_amplitude(grid_, last, o.amplitude_time), white_noise(grid_)));
@@ -114,6 +114,13 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
 
 void ErrorModel::add(std::string name, Eigen::MatrixXd covariance) {
   if (covariance.diagonal().maxCoeff() > 0) terms_.push_back({std::move(name), std::move(covariance)});
+}
+
+void ErrorModel::add(const std::string& name, const Eigen::MatrixXd& changes, const std::vector<std::string>& gauges) {
+  expect(std::size_t(changes.cols()) == gauges.size(), "a label for each number");
+  add(name, changes * changes.transpose());
+  for (Eigen::Index i = 0; i < changes.cols(); ++i)
+    if (changes.col(i).squaredNorm() > 0) directions_.push_back({name, gauges[std::size_t(i)], changes.col(i)});
 }
 
 Eigen::MatrixXd ErrorModel::covariance() const {
@@ -151,6 +158,7 @@ ErrorModel ErrorModel::less(const Eigen::VectorXd& change) const {
 ErrorModel ErrorModel::without(std::string_view name) const {
   ErrorModel out = *this;
   std::erase_if(out.terms_, [&](const ErrorTerm& t) { return t.name == name; });
+  std::erase_if(out.directions_, [&](const MarginalDirection& d) { return d.term == name; });
   return out;
 }
 

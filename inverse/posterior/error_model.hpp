@@ -89,6 +89,13 @@ struct ErrorTerm {
   Eigen::MatrixXd covariance;
 };
 
+/// A number that is marginalised: what one standard deviation of it does to the records, (size).
+struct MarginalDirection {
+  std::string term;   ///< of the covariance
+  std::string gauge;  ///< Problem::label of the observation, a gauge or a condition; empty: of all records
+  Eigen::VectorXd change;
+};
+
 /// What the model tells of itself: what moves its values to first order, on its own output times, and what a run is.
 struct ErrorDirections {
   Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
@@ -111,6 +118,8 @@ class ErrorModel {
   /// Mean records, (size), carried to mean energy 1 where a gauge lacks pulses.
   [[nodiscard]] const Eigen::VectorXd& data() const { return data_; }
   [[nodiscard]] const std::vector<ErrorTerm>& terms() const { return terms_; }
+  /// Of those terms that are sums over numbers.
+  [[nodiscard]] const std::vector<MarginalDirection>& directions() const { return directions_; }
   /// Sum of the terms.
   [[nodiscard]] Eigen::MatrixXd covariance() const;
   /// Degrees of freedom of the covariance's scale: the noise's, diluted by what is known otherwise (Satterthwaite 1946); infinity for a Gaussian.
@@ -129,10 +138,13 @@ class ErrorModel {
 
  private:
   void add(std::string name, Eigen::MatrixXd covariance);
+  /// A term that is a sum over numbers: changes (size, numbers), of the gauges of these labels.
+  void add(const std::string& name, const Eigen::MatrixXd& changes, const std::vector<std::string>& gauges);
   Decimation grid_;
   ReplicateNoise noise_;
   Eigen::VectorXd data_, record_noise_;  ///< of the latter the sd over that of a run, (size)
   std::vector<ErrorTerm> terms_;
+  std::vector<MarginalDirection> directions_;
 };
 
 /// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, 0 before the first arrival (`arrival_share`), and `kernel` as its correlation

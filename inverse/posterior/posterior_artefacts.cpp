@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "inverse/posterior/pulls.hpp"
 
 namespace calomel {
 
@@ -11,12 +12,13 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
   const auto density = fit.posterior->density(best.at);
   const Eigen::MatrixXd covariance = parameter_covariance(*fit.posterior, best);
   const Eigen::VectorXd sd = covariance.diagonal().cwiseSqrt();
-  Json rounds = Json::array(), levels = Json::array(), shares = Json::object(), others = Json::array(), discrepancy = Json::array();
+  Json rounds = Json::array(), pulled = Json::array(), levels = Json::array(), shares = Json::object(), others = Json::array(), discrepancy = Json::array();
   for (const auto& r : fit.rounds)
     rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", named(parameters, r.theta)}, {"moved_sds", number(r.moved)},
                       {"emulator_variance", number(r.variance)}, {"box_moved", r.moved_box}});
   for (const auto& l : fit.levels) levels.push_back({{"runs", l.runs}, {"left_out", number(l.left_out)}, {"noise", number(l.noise)}});
   for (const auto& [name, share] : fit.errors->shares()) shares[name] = number(share);
+  for (const auto& p : pulls(fit)) pulled.push_back({{"term", p.term}, {"gauge", p.gauge}, {"pull", number(p.pull)}, {"sd", number(p.sd)}});
   for (std::size_t i = 1; i < fit.modes.size(); ++i)
     others.push_back({{"theta", named(parameters, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
   if (fit.hypotheses.size() > 1)
@@ -40,7 +42,8 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
           {"message", fit.message},
           {"rounds", rounds},
           {"levels", levels},
-          {"covariance_shares", shares}};
+          {"covariance_shares", shares},
+          {"pulls", pulled}};
 }
 
 Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters) {

@@ -1,0 +1,66 @@
+#include "inverse/posterior/pulls.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/linear_algebra.hpp"
+
+namespace calomel {
+
+namespace {
+
+constexpr double far = 3;  ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
+
+struct Words {
+  const char *term, *number, *of_gauge, *key;
+};
+constexpr std::array words{Words{"gain", "the gain", " of ", "errors.gain_sd"},
+                           Words{"baseline", "the zero", " of ", "errors.baseline"},
+                           Words{"gauge places", "the place", " of ", "errors.gauge_place_sd"},
+                           Words{"energy scale", "the energy of all pulses", "", "errors.energy_scale_sd"},
+                           Words{"pulse energy", "the energy of the pulses", " of ", "recordings.energy_sd"},
+                           Words{"trigger", "the clock of all records", "", "errors.trigger_sd"}};
+
+const Words* words_of(const std::string& term) {
+  const auto at = std::find_if(words.begin(), words.end(), [&](const Words& w) { return term == w.term; });
+  return at == words.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+std::vector<Pull> pulls(const PosteriorFit& fit) {
+  const LogPosterior& posterior = *fit.posterior;
+  const LocalMode& mode = fit.modes[0];
+  const ErrorModel& errors = fit.hypotheses[posterior.likeliest(mode.at)].errors;
+  const Cholesky covariance(errors.covariance() + posterior.density(mode.at).variance * fit.noise);
+  const Eigen::VectorXd residual = covariance.solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(mode.at)));
+  std::vector<Pull> all;
+  for (const auto& d : errors.directions()) {
+    const Eigen::VectorXd change = covariance.solve_lower(d.change);
+    all.push_back({.term = d.term, .gauge = d.gauge, .pull = change.dot(residual), .sd = std::sqrt(std::max(0.0, 1 - change.squaredNorm()))});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Pull& a, const Pull& b) { return std::abs(a.pull) > std::abs(b.pull); });
+  return all;
+}
+
+std::string pulled_number(const std::string& term, const std::string& gauge) {
+  const Words* w = words_of(term);
+  if (!w) return term + (gauge.empty() ? "" : " of " + gauge);
+  return w->number + (gauge.empty() || *w->of_gauge == 0 ? "" : w->of_gauge + gauge);
+}
+
+std::vector<std::string> far_pulls(const std::vector<Pull>& pulls) {
+  std::vector<std::string> told;
+  for (const auto& p : pulls) {
+    if (std::abs(p.pull) <= far) continue;
+    const Words* w = words_of(p.term);
+    told.push_back(fmt::format("the records pull {} by {:+.1f} of its standard deviations{}: it is not what was said of it, or takes up something that the model leaves out", pulled_number(p.term, p.gauge), p.pull,
+                               w ? fmt::format(" ({})", w->key) : ""));
+  }
+  return told;
+}
+
+}  // namespace calomel
