@@ -14,6 +14,8 @@ namespace {
 
 constexpr double far = 3;  ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
 
+constexpr std::size_t most_told = 3;  ///< the farthest: where much is wrong, much is pulled
+
 struct Words {
   const char *term, *number, *of_gauge, *key;
 };
@@ -54,12 +56,18 @@ std::string pulled_number(const std::string& term, const std::string& gauge) {
 
 std::vector<std::string> far_pulls(const std::vector<Pull>& pulls) {
   std::vector<std::string> told;
+  std::size_t more = 0;
   for (const auto& p : pulls) {
     if (std::abs(p.pull) <= far) continue;
+    if (told.size() == most_told) {
+      ++more;
+      continue;
+    }
     const Words* w = words_of(p.term);
     told.push_back(fmt::format("the records pull {} by {:+.1f} of its standard deviations{}: it is not what was said of it, or takes up something that the model leaves out", pulled_number(p.term, p.gauge), p.pull,
                                w ? fmt::format(" ({})", w->key) : ""));
   }
+  if (more > 0) told.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
   return told;
 }
 

@@ -17,7 +17,7 @@ struct Pull {
 /// d^T C^-1 r and the variance 1 - d^T C^-1 d. Farthest first.
 [[nodiscard]] std::vector<Pull> pulls(const PosteriorFit& fit);
 
-/// One sentence for each that is farther than three deviations from what was said of it: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd): ...".
+/// One sentence for each that is farther than three deviations from what was said of it, three at most: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd): ...".
 [[nodiscard]] std::vector<std::string> far_pulls(const std::vector<Pull>& pulls);
 
 /// "the gain of T2"

@@ -158,6 +158,16 @@ TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
   EXPECT_GT(std::abs(told["parameters"][1]["mean"].get<double>() - true_speed), 3 * told["parameters"][1]["sd"].get<double>());
 }
 
+// A gauge of the other sign pulls the fit away from all records: it is told by the runs that most gauges are like.
+TEST(SampleVerb, AGaugeOfTheOtherSignIsToldThoughItSpoilsTheFit) {
+  const auto dir = folder("sample_sign");
+  const std::string text = with(read_text(dir / "case.toml"), "name = \"F\"", "name = \"F\"\ngain = -1");
+  std::ofstream(dir / "case.toml") << text;
+  const auto out = run(dir, "sample case.toml --out a --set emulator.rounds=2");
+  EXPECT_THAT(out.said, HasSubstr("Gauge F reads what is simulated there with the other sign"));
+  EXPECT_FALSE(read_json(dir / "a" / "posterior.json")["final"].get<bool>());
+}
+
 TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   const auto dir = folder("sample_killed");
   ASSERT_EQ(run(dir, "sample case.toml --out whole").status, 0);

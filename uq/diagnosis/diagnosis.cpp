@@ -66,7 +66,7 @@ void DiagnosisEngine::describe_base() {
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
   e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
-  out_.mixed_up = mixed_up(in_.base.problem, grid(), out_.base.errors->data(), out_.base.prediction(m.at));
+  out_.mixed_up = mixed_up(in_.base.problem, out_.base);
   for (const auto& slip : out_.mixed_up) say(plain_mixed_up(slip));
 }
 

@@ -15,29 +15,56 @@ constexpr double unlike = 0.7, alike = 0.9;
 
 }  // namespace
 
+namespace {
+
+/// Correlation sum(record simulation) / |record| |simulation| of the record of one observation with the simulation of another; 0 where they have other times.
+double correlation(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation, std::size_t record, std::size_t gauge) {
+  const auto part = [&](const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); };
+  const auto y = part(records, record), f = part(simulation, gauge);
+  const double size = y.norm() * f.norm();
+  return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
+}
+
+/// Median over the gauges of |correlation| with their own simulation.
+double likeness(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
+  std::vector<double> own;
+  for (std::size_t i = 0; i < grid.observations(); ++i) own.push_back(std::abs(correlation(grid, records, simulation, i, i)));
+  std::nth_element(own.begin(), own.begin() + std::ptrdiff_t(own.size() / 2), own.end());
+  return own[own.size() / 2];
+}
+
+}  // namespace
+
 std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
   const std::size_t n = grid.observations();
-  const auto part = [&](const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); };
-  const auto correlation = [&](std::size_t record, std::size_t gauge) {
-    const auto y = part(records, record), f = part(simulation, gauge);
-    const double size = y.norm() * f.norm();
-    return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
-  };
   std::vector<MixedUp> out;
   for (std::size_t i = 0; i < n; ++i) {
-    const double own = correlation(i, i);
+    const double own = correlation(grid, records, simulation, i, i);
     if (own >= unlike) continue;
     if (own <= -alike) {
       out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = -own});
       continue;
     }
     for (std::size_t j = i + 1; j < n; ++j) {
-      const double like = std::min(correlation(i, j), correlation(j, i));
-      if (problem.observations[i].condition == problem.observations[j].condition && like >= alike && correlation(j, j) < unlike)
+      const double like = std::min(correlation(grid, records, simulation, i, j), correlation(grid, records, simulation, j, i));
+      if (problem.observations[i].condition == problem.observations[j].condition && like >= alike && correlation(grid, records, simulation, j, j) < unlike)
         out.push_back({.gauge = problem.label(problem.observations[i]), .other = problem.label(problem.observations[j]), .own = own, .like = like});
     }
   }
   return out;
+}
+
+std::vector<MixedUp> mixed_up(const Problem& problem, const PosteriorFit& fit) {
+  const Decimation& grid = fit.errors->grid();
+  const Eigen::VectorXd& records = fit.errors->data();
+  Eigen::VectorXd nearest = fit.prediction(fit.modes[0].at);
+  double greatest = likeness(grid, records, nearest);
+  for (const auto& run : fit.runs) {
+    if (!run.record.done) continue;
+    Eigen::VectorXd simulation = grid.apply(run.record.history());
+    if (const double like = likeness(grid, records, simulation); like > greatest) greatest = like, nearest = std::move(simulation);
+  }
+  return mixed_up(problem, grid, records, nearest);
 }
 
 AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history) {

@@ -19,8 +19,11 @@ struct MixedUp {
   double like = 0;     ///< with what it is like: -own, or the lesser of the two of the pair
 };
 
-/// Each pair once. records, simulation: (size) on the grid; of a base fit, which the other gauges hold near the truth.
+/// Each pair once. records, simulation: (size) on the grid.
 [[nodiscard]] std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation);
+
+/// By that of a fit's runs, or of its mode, which most gauges are like (the greatest median of |own|): a gauge of the other sign may have pulled the mode away from all.
+[[nodiscard]] std::vector<MixedUp> mixed_up(const Problem& problem, const PosteriorFit& fit);
 
 /// All records together, by the clock of the simulation.
 struct LateRecords {
