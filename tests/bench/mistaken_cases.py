@@ -93,6 +93,13 @@ def run(args):
                 print(f"{place}: exit status {status}", file=sys.stderr)
 
 
+def short(sentence):
+    """What is said, without what it means."""
+    sentence = re.sub(r"the records pull (.*) by (\S+) of its standard deviations.*", r"\1 \2 sd", sentence)
+    sentence = re.sub(r"(\S+) sits (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
+    return re.sub(r" \((log Bayes factor|correlation).*", "", sentence).split(":")[0]
+
+
 def table(args):
     names = ("tensile_cutoff", "density", "sound_speed")
     print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | what is said |\n|---|" + "---|" * (len(names) + 2))
@@ -109,7 +116,7 @@ def table(args):
             off = [f"{(found[n]['mean'] - truth[n]) / found[n]['sd']:+.1f}" for n in names]
             chi2, values = re.search(r"chi-squared (\S+) for (\d+) values", told["adequacy"]).groups()
             said = [w for w in told["warnings"] if "elements through the front" not in w] + told["absorption"] + ([] if told["converged"] else [told["message"]])
-            print(f"| {wrong} | " + " | ".join(off) + f" | {float(chi2):.0f} of {values} | {'; '.join(s.split(':')[0] for s in said) or 'nothing'} |")
+            print(f"| {wrong} | " + " | ".join(off) + f" | {float(chi2):.0f} of {values} | {'; '.join(map(short, said)) or 'nothing'} |")
 
 
 def main():
