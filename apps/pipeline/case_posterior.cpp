@@ -56,7 +56,7 @@ CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress&
     const auto late = late_records(in.problem, out.fit);
     slips = plain_slips({}, late);
     if (late) slips.back() += " Physics that was left out may look so, too: ask calomel diagnose.";
-    for (auto& pulled : far_pulls(pulls(out.fit))) slips.push_back(std::move(pulled));
+    for (auto& pulled : far_pulls(pulls(out.fit), in.errors)) slips.push_back(std::move(pulled));
   }
   in.warnings.insert(in.warnings.begin(), slips.begin(), slips.end());
   return out;

@@ -18,13 +18,16 @@ constexpr std::size_t most_told = 3;  ///< the farthest: where much is wrong, mu
 
 struct Words {
   const char *term, *number, *of_gauge, *key;
+  double ErrorOptions::*sd = nullptr;  ///< where it has a unit of its own
+  double shown = 1;                    ///< units in one of ErrorOptions'
+  const char* unit = "";
 };
-constexpr std::array words{Words{"gain", "the gain", " of ", "errors.gain_sd"},
+constexpr std::array words{Words{"gain", "the gain", " of ", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
                            Words{"baseline", "the zero", " of ", "errors.baseline"},
-                           Words{"gauge places", "the place", " of ", "errors.gauge_place_sd"},
-                           Words{"energy scale", "the energy of all pulses", "", "errors.energy_scale_sd"},
+                           Words{"gauge places", "the place", " of ", "errors.gauge_place_sd", &ErrorOptions::gauge_place_sd, 1e3, "mm"},
+                           Words{"energy scale", "the energy of all pulses", "", "errors.energy_scale_sd", &ErrorOptions::energy_scale_sd, 100, "%"},
                            Words{"pulse energy", "the energy of the pulses", " of ", "recordings.energy_sd"},
-                           Words{"trigger", "the clock of all records", "", "errors.trigger_sd"}};
+                           Words{"trigger", "the clock of all records", "", "errors.trigger_sd", &ErrorOptions::trigger_sd, 1e6, "µs"}};
 
 const Words* words_of(const std::string& term) {
   const auto at = std::find_if(words.begin(), words.end(), [&](const Words& w) { return term == w.term; });
@@ -54,7 +57,7 @@ std::string pulled_number(const std::string& term, const std::string& gauge) {
   return w->number + (gauge.empty() || *w->of_gauge == 0 ? "" : w->of_gauge + gauge);
 }
 
-std::vector<std::string> far_pulls(const std::vector<Pull>& pulls) {
+std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors) {
   std::vector<std::string> told;
   std::size_t more = 0;
   for (const auto& p : pulls) {
@@ -64,8 +67,8 @@ std::vector<std::string> far_pulls(const std::vector<Pull>& pulls) {
       continue;
     }
     const Words* w = words_of(p.term);
-    told.push_back(fmt::format("the records pull {} by {:+.1f} of its standard deviations{}: it is not what was said of it, or takes up something that the model leaves out", pulled_number(p.term, p.gauge), p.pull,
-                               w ? fmt::format(" ({})", w->key) : ""));
+    const std::string key = w ? fmt::format(" ({})", w->key) : "", value = w && w->sd ? fmt::format(", {:+.2g} {}", p.pull * errors.*(w->sd) * w->shown, w->unit) : "";
+    told.push_back(fmt::format("the records pull {} by {:+.1f} of its standard deviations{}{}: it is not what was said of it, or takes up something that the model leaves out", pulled_number(p.term, p.gauge), p.pull, key, value));
   }
   if (more > 0) told.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
   return told;
