@@ -59,7 +59,7 @@ TEST(Diagnosis, AConditionIsPredictedByTheOthersBetterWithWhatIsNamed) {
 
 TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const auto folder = scratch("diagnosis_artefacts");
-  const Experiment experiment(0.3, 0.12, 0, 1, 1);
+  const Experiment experiment(0.3, 0, 0, 1, 1);
   const Diagnosis d = experiment.diagnosed(folder);
   ASSERT_EQ(d.verdict.kind, VerdictKind::named) << d.verdict.reason;
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo"));
@@ -112,7 +112,7 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
 
 // A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of the whole.
 TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
-  const Experiment experiment(0.3, 0.12, 0, 1, 1);
+  const Experiment experiment(0.3, 0, 0, 1, 1);
   ParameterGroup opened = Experiment::groups()[1];
   opened.name = "opened";
   AddedParameter& a = opened.added[0];
