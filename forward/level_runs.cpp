@@ -142,7 +142,7 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
     if (case_.enables(row.name) || !row.entry.built() || row.entry.cost > greatest_cost) continue;
     rows.push_back(&row);
     for (const auto& key : row.entry.keys) {
-      if (!key.decides || (key.off_centre && mirrored(model(level).mesh(), *key.off_centre))) continue;
+      if (!key.decides || hidden_by_mirror(key, model(level).mesh())) continue;
       const double off = case_.off_value(key), range = key.high - key.low;
       Difference d{.mechanism = rows.size() - 1, .key = &key, .off = off, .low = off, .high = key.low + part_of_range * range, .from = 0, .to = 0};
       if (std::isfinite(off) && off >= key.low) d.high = off + part_of_range * (key.high - off);

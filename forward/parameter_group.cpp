@@ -171,7 +171,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c, const Mesh& mes
       ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.left != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                        .plain = entry.plain, .check = entry.check};
       for (const auto& k : entry.keys) {
-        if ((!k.law.empty() && k.law != law) || (k.off_centre && mirrored(mesh, *k.off_centre))) continue;
+        if ((!k.law.empty() && k.law != law) || hidden_by_mirror(k, mesh)) continue;
         if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));
         if (g.linear && !g.added.empty()) g.added.back().strengths.resize(1);
         if (k.shapes) g.shapes.push_back(shape_of(row.name, k));

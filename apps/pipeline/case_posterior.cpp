@@ -9,9 +9,6 @@
 #include "forward/surrogate/feasibility.hpp"
 #include "forward/surrogate/surrogate.hpp"
 #include "inverse/posterior/basin.hpp"
-#include "inverse/posterior/pulls.hpp"
-#include "uq/diagnosis/mixed_up.hpp"
-#include "uq/diagnosis/plain_words.hpp"
 
 namespace calomel {
 
@@ -51,14 +48,6 @@ CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress&
     expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], study.map);
   }
   out.fit = fit_posterior(in);
-  auto slips = plain_slips(mixed_up(in.problem, out.fit), {});
-  if (slips.empty()) {  // else all that follows is their doing
-    const auto late = late_records(in.problem, out.fit);
-    slips = plain_slips({}, late);
-    if (late) slips.back() += " Physics that was left out may look so, too: ask calomel diagnose.";
-    for (auto& pulled : far_pulls(pulls(out.fit), in.errors)) slips.push_back(std::move(pulled));
-  }
-  in.warnings.insert(in.warnings.begin(), slips.begin(), slips.end());
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/presentation/calibration_lines.hpp"
 #include "base/artefact.hpp"
+#include "uq/slips.hpp"
 
 namespace calomel {
 
@@ -30,6 +31,8 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
                                         &stop_requested());
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
+  const auto told = slips(*made.inputs, made.fit);
+  summary.warnings.insert(summary.warnings.begin(), told.begin(), told.end());
   write_map(summary, *made.inputs, made.fit, provenance, command.out);
   inputs.notes().say(map_lines(summary));
   return summary;

@@ -23,6 +23,7 @@
 #include "uq/refinement.hpp"
 #include "uq/regions.hpp"
 #include "uq/sampler/sampler.hpp"
+#include "uq/slips.hpp"
 #include "uq/true_model_density.hpp"
 
 namespace calomel {
@@ -59,7 +60,8 @@ ExitStatus sample_stage(StageCall& call) {
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);
   const GoodnessOfFit goodness = goodness_of_fit(fit);
-  auto warnings = made.inputs->warnings;
+  auto warnings = slips(*made.inputs, fit);
+  warnings.insert(warnings.end(), made.inputs->warnings.begin(), made.inputs->warnings.end());
   if (!goodness.adequate) warnings.push_back(goodness.sentence);
 
   auto groups = posterior_groups(parameters, result);

@@ -40,6 +40,9 @@ struct MechanismKey {
   std::vector<std::string> choices;  ///< a word in the case file, one of these; its value is that one's index. Such a key does not decide and is no parameter
 };
 
+/// Whether the mesh is cut by a symmetry that this key breaks: what it does cannot show there.
+inline bool hidden_by_mirror(const MechanismKey& key, const Mesh& mesh) { return key.off_centre && mirrored(mesh, *key.off_centre); }
+
 /// The values of an enabled mechanism's keys; a gauge's own where it has any. Not a number where a key follows a number of the case and has none of its
 /// own: ForwardCase::active_mechanisms fills it in.
 class MechanismValues {

@@ -202,7 +202,7 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
   const LogPosterior& on_emulator = *fit.posterior;
   const LocalMode& m = fit.modes[0];
   const EmulatorBox& box = on_emulator.box();
-  const WeightedErrors& likeliest = fit.hypotheses[on_emulator.likeliest(m.at)];
+  const WeightedErrors& likeliest = fit.likeliest();
   std::optional<DirectStart> polished;
   try {
     polished = find_direct_start(in, {.design_runs = 0, .design_runs_a_parameter = 0, .descents = 0, .iterations = polish_iterations, .tolerance = polish_tolerance, .starts = {m.at.theta}, .errors = &likeliest.errors});

@@ -31,13 +31,15 @@ double critical(double freedom, double of_scale) {
 
 }  // namespace
 
-GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mode, const ErrorModel& errors, const Eigen::MatrixXd& coefficients,
-                              const Eigen::MatrixXd& noise) {
+GoodnessOfFit goodness_of_fit(const PosteriorFit& fit) {
+  const LogPosterior& posterior = *fit.posterior;
+  const LocalMode& mode = fit.modes[0];
+  const ErrorModel& errors = fit.likeliest().errors;
   GoodnessOfFit out;
   const auto density = posterior.density(mode.at);
-  const Eigen::MatrixXd covariance = errors.covariance() + density.variance * noise;
+  const Eigen::MatrixXd covariance = errors.covariance() + density.variance * fit.noise;
   const Eigen::VectorXd variance = covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
-  const Eigen::VectorXd residual = errors.data() - coefficients * posterior.emulator().features(mode.at.u, mode.at.beyond);
+  const Eigen::VectorXd residual = errors.data() - fit.prediction(mode.at);
   const double p = double(residual.size()), parameters = double(posterior.dimension()), of_scale = posterior.freedom(posterior.likeliest(mode.at));
   out.values = std::size_t(residual.size());
   out.chi2 = density.chi2;
@@ -55,12 +57,6 @@ GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mo
     out.sentence += fmt::format("; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not seen what adds less than {:.3g} to it",
                                 std::sqrt(freedom / out.chi2), out.chi2_critical, out.chi2_critical - out.chi2);
   return out;
-}
-
-GoodnessOfFit goodness_of_fit(const PosteriorFit& fit) {
-  const LogPosterior& posterior = *fit.posterior;
-  const LocalMode& mode = fit.modes[0];
-  return goodness_of_fit(posterior, mode, fit.hypotheses[posterior.likeliest(mode.at)].errors, fit.coefficients, fit.noise);
 }
 
 }  // namespace calomel

@@ -2,7 +2,6 @@
 /// Whether the records contradict a fit: chi-squared of its residual against what the errors explain.
 #include <string>
 
-#include "inverse/posterior/mode.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 
 namespace calomel {
@@ -18,10 +17,7 @@ struct GoodnessOfFit {
   std::string sentence;
 };
 
-/// Of a mode. `errors`: the likeliest hypothesis there; noise: of one run of the finest mesh, (size, size), which counts with the emulator's variance.
-[[nodiscard]] GoodnessOfFit goodness_of_fit(const LogPosterior& posterior, const LocalMode& mode, const ErrorModel& errors, const Eigen::MatrixXd& coefficients,
-                                            const Eigen::MatrixXd& noise);
-/// Of the highest mode of a fit.
+/// Of the highest mode of a fit, under its likeliest errors; the noise of one run of the finest mesh counts with the emulator's variance.
 [[nodiscard]] GoodnessOfFit goodness_of_fit(const PosteriorFit& fit);
 
 }  // namespace calomel

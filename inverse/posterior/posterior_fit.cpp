@@ -179,7 +179,7 @@ bool Fit::may_draw_in() const {
 }
 
 /// Whether what a quadratic misses over the box, which is no noise, keeps the posterior wide and so the box.
-bool Fit::misses_much() const { return out_.noise.trace() > much_missed * out_.hypotheses[out_.posterior->likeliest(out_.modes[0].at)].errors.covariance().trace(); }
+bool Fit::misses_much() const { return out_.noise.trace() > much_missed * out_.likeliest().errors.covariance().trace(); }
 
 /// About the mode.
 void Fit::draw_in_box() {

@@ -145,6 +145,8 @@ struct PosteriorFit {
   [[nodiscard]] Eigen::VectorXd history(const Eigen::VectorXd& u, double beyond) const;
   /// What the emulator says at a point, (size) on the grid.
   [[nodiscard]] Eigen::VectorXd prediction(const LogPosterior::Point& at) const;
+  /// The hypothesis about the errors that is likeliest at the highest mode.
+  [[nodiscard]] const WeightedErrors& likeliest() const { return hypotheses[posterior->likeliest(modes[0].at)]; }
   /// The history of the mode, (values of the model): the run there, or the emulator's.
   [[nodiscard]] Eigen::VectorXd history_at_mode() const;
   /// The posterior on the same emulator, with the same priors, under other errors.

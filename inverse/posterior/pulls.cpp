@@ -13,21 +13,20 @@ namespace calomel {
 namespace {
 
 constexpr double far = 3;  ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
-
 constexpr std::size_t most_told = 3;  ///< the farthest: where much is wrong, much is pulled
 
 struct Words {
-  const char *term, *number, *of_gauge, *key;
+  const char *term, *number, *key;
   double ErrorOptions::*sd = nullptr;  ///< where it has a unit of its own
   double shown = 1;                    ///< units in one of ErrorOptions'
   const char* unit = "";
 };
-constexpr std::array words{Words{"gain", "the gain", " of ", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
-                           Words{"baseline", "the zero", " of ", "errors.baseline"},
-                           Words{"gauge places", "the place", " of ", "errors.gauge_place_sd", &ErrorOptions::gauge_place_sd, 1e3, "mm"},
-                           Words{"energy scale", "the energy of all pulses", "", "errors.energy_scale_sd", &ErrorOptions::energy_scale_sd, 100, "%"},
-                           Words{"pulse energy", "the energy of the pulses", " of ", "recordings.energy_sd"},
-                           Words{"trigger", "the clock of all records", "", "errors.trigger_sd", &ErrorOptions::trigger_sd, 1e6, "µs"}};
+constexpr std::array words{Words{"gain", "the gain", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
+                           Words{"baseline", "the zero", "errors.baseline"},
+                           Words{"gauge places", "the place", "errors.gauge_place_sd", &ErrorOptions::gauge_place_sd, 1e3, "mm"},
+                           Words{"energy scale", "the energy of all pulses", "errors.energy_scale_sd", &ErrorOptions::energy_scale_sd, 100, "%"},
+                           Words{"pulse energy", "the energy of the pulses", "recordings.energy_sd"},
+                           Words{"trigger", "the clock of all records", "errors.trigger_sd", &ErrorOptions::trigger_sd, 1e6, "µs"}};
 
 const Words* words_of(const std::string& term) {
   const auto at = std::find_if(words.begin(), words.end(), [&](const Words& w) { return term == w.term; });
@@ -37,10 +36,9 @@ const Words* words_of(const std::string& term) {
 }  // namespace
 
 std::vector<Pull> pulls(const PosteriorFit& fit) {
-  const LogPosterior& posterior = *fit.posterior;
   const LocalMode& mode = fit.modes[0];
-  const ErrorModel& errors = fit.hypotheses[posterior.likeliest(mode.at)].errors;
-  const Cholesky covariance(errors.covariance() + posterior.density(mode.at).variance * fit.noise);
+  const ErrorModel& errors = fit.likeliest().errors;
+  const Cholesky covariance(errors.covariance() + fit.posterior->density(mode.at).variance * fit.noise);
   const Eigen::VectorXd residual = covariance.solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(mode.at)));
   std::vector<Pull> all;
   for (const auto& d : errors.directions()) {
@@ -53,8 +51,7 @@ std::vector<Pull> pulls(const PosteriorFit& fit) {
 
 std::string pulled_number(const std::string& term, const std::string& gauge) {
   const Words* w = words_of(term);
-  if (!w) return term + (gauge.empty() ? "" : " of " + gauge);
-  return w->number + (gauge.empty() || *w->of_gauge == 0 ? "" : w->of_gauge + gauge);
+  return (w ? w->number : term) + (gauge.empty() ? "" : " of " + gauge);
 }
 
 std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors) {

@@ -8,15 +8,12 @@ SUITE is a suite of `calomel challenge` whose cases are made, WORK_DIR/CASE_WAY 
 of the hand; the posterior is sampled on meshes of 2 and 1 mm. `table` has a line a way of each case: how far the parameters lie from the truth in the deviations told, chi-squared, and what is warned of, the mesh apart. What is
 sampled already is not sampled again.
 """
-import argparse
 import json
 import os
 import re
-import subprocess
-import sys
 
 from coverage_of_posterior import truth_of
-from spoilt_records import late, read
+from spoilt_records import late, main, read, run_case, write
 
 SET = ('solver.precision="single"', "emulator.element_sizes=[2e-3,1e-3]", 'emulator.start="nominal"')
 GAUGE = "T2"  # of those at fault
@@ -32,13 +29,9 @@ def of_gauge(change):
     return changed
 
 
-def times(pattern, factor):
-    """The case with the number behind this pattern multiplied."""
-    return lambda case: re.sub(pattern + r"([\d.e+-]+)", lambda m: m.group(1) + f"{factor * float(m.group(2)):.6g}", case, count=1)
-
-
-def plus(pattern, added):
-    return lambda case: re.sub(pattern + r"([\d.e+-]+)", lambda m: m.group(1) + f"{added + float(m.group(2)):.6g}", case, count=1)
+def changed_number(before, change):
+    """The case with change(number) in place of the number behind this pattern."""
+    return lambda case: re.sub(f"({before})" + r"([\d.e+-]+)", lambda m: m[1] + f"{change(float(m[2])):.6g}", case, count=1)
 
 
 def higher(case):
@@ -54,14 +47,14 @@ def same(x):
 WAYS = {  # name: (what is wrong, of the case, of the records)
     "as_it_is": ("nothing", same, same),
     "late": ("records 1.5 µs late", same, lambda s: {k: late(v, 1.5e-6) for k, v in s.items()}),
-    "pulse": ("pulse length 1.4 times its value", times(r"(pulse_length = )", 1.4), same),
-    "pressure": ("heating pressure 5 % low", times(r"(peak_pressure = )", 0.95), same),
-    "width": ("beam 10 % wider", times(r"(widths = \[[\d.e+]+, )", 1.1), same),
-    "wall": ("front wall 1 mm thinner", plus(r"(front = )", -1e-3), same),
+    "pulse": ("pulse length 1.4 times its value", changed_number("pulse_length = ", lambda x: 1.4 * x), same),
+    "pressure": ("heating pressure 5 % low", changed_number("peak_pressure = ", lambda x: 0.95 * x), same),
+    "width": ("beam 10 % wider", changed_number(r"widths = \[[\d.e+]+, ", lambda x: 1.1 * x), same),
+    "wall": ("front wall 1 mm thinner", changed_number("front = ", lambda x: x - 1e-3), same),
     "height": ("target 1 mm higher", higher, same),
     "gains": ("all gains 10 % high", same, lambda s: {k: [(t, 1.1 * x) for t, x in v] for k, v in s.items()}),
     "gain": (f"gain of {GAUGE} 15 % high", same, of_gauge(lambda x, greatest, share: 1.15 * x)),
-    "place": (f"{GAUGE} 5 mm from its place", plus(f'(name = "{GAUGE}"\nposition = \\[)', 5e-3), same),
+    "place": (f"{GAUGE} 5 mm from its place", changed_number(f'name = "{GAUGE}"\nposition = \\[', lambda x: x + 5e-3), same),
     "clipped": (f"{GAUGE} clipped at 80 % of its greatest strain", same, of_gauge(lambda x, greatest, share: max(-0.8 * greatest, min(0.8 * greatest, x)))),
     "drift": (f"{GAUGE} drifts by half of its greatest strain", same, of_gauge(lambda x, greatest, share: x + 0.5 * greatest * share)),
     "dead": (f"{GAUGE} dead", same, of_gauge(lambda x, greatest, share: 0.0)),
@@ -83,14 +76,8 @@ def run(args):
             os.makedirs(place, exist_ok=True)
             with open(os.path.join(place, "case.toml"), "w", encoding="utf-8") as f:
                 f.write(of_case(text))
-            with open(os.path.join(place, "recordings.csv"), "w", encoding="utf-8") as f:
-                f.write("sensor,pulse,time,strain\n")
-                f.writelines(f"{sensor},{pulse},{t:.6e},{x:.6e}\n" for (sensor, pulse), v in of_records(series).items() for t, x in v)
-            command = [args.calomel, "sample", os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads)]
-            with open(os.path.join(place, "log"), "w", encoding="utf-8") as log:
-                status = subprocess.run([*command, *[x for s in (*SET, *args.set) for x in ("--set", s)]], stdout=log, stderr=log).returncode
-            if status not in (0, 4):
-                print(f"{place}: exit status {status}", file=sys.stderr)
+            write(os.path.join(place, "recordings.csv"), of_records(series))
+            run_case(args, "sample", place, SET)
 
 
 def short(sentence):
@@ -119,24 +106,5 @@ def table(args):
             print(f"| {wrong} | " + " | ".join(off) + f" | {float(chi2):.0f} of {values} | {'; '.join(map(short, said)) or 'nothing'} |")
 
 
-def main():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    verbs = p.add_subparsers(dest="verb", required=True)
-    one = verbs.add_parser("run")
-    for name in ("calomel", "suite", "work"):
-        one.add_argument(name)
-    one.add_argument("--cases", required=True, type=lambda s: s.split(","))
-    one.add_argument("--ways", type=lambda s: s.split(","))
-    one.add_argument("--threads", type=int, default=1)
-    one.add_argument("--set", action="append", default=[])
-    two = verbs.add_parser("table")
-    two.add_argument("suite"), two.add_argument("work")
-    args = p.parse_args()
-    unknown = set(getattr(args, "ways", None) or ()) - set(WAYS)
-    if unknown:
-        p.error(f"--ways: {', '.join(sorted(unknown))}; there are {', '.join(WAYS)}")
-    {"run": run, "table": table}[args.verb](args)
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, WAYS, run, table)

@@ -32,6 +32,21 @@ def read(path):
     return series
 
 
+def write(path, series):
+    with open(path, "w") as f:
+        f.write("sensor,pulse,time,strain\n")
+        f.writelines(f"{sensor},{pulse},{t:.6e},{x:.6e}\n" for (sensor, pulse), v in series.items() for t, x in v)
+
+
+def run_case(args, verb, place, settings=()):
+    """calomel VERB of place/case.toml into place/out, what it says in place/log; another exit status than 0 and 4 is told."""
+    command = [args.calomel, verb, os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads)]
+    with open(os.path.join(place, "log"), "w") as log:
+        status = subprocess.run([*command, *[x for s in (*settings, *args.set) for x in ("--set", s)]], stdout=log, stderr=log).returncode
+    if status not in (0, 4):
+        print(f"{place}: exit status {status}", file=sys.stderr)
+
+
 def add(series, noise):
     """noise(samples) of every series on its own."""
     return {k: [(t, x + n) for (t, x), n in zip(v, noise(v))] for k, v in series.items()}
@@ -121,9 +136,7 @@ def spoil(suite, name, place, way):
         case = case.replace('file = "recordings.csv"\n', 'file = "recordings.csv"\n' + noise_lines(os.path.join(suite, "truth", name + ".toml")), 1)
     with open(os.path.join(place, "case.toml"), "w") as f:
         f.write(case)
-    with open(os.path.join(place, "recordings.csv"), "w") as f:
-        f.write("sensor,pulse,time,strain\n")
-        f.writelines(f"{sensor},{pulse},{t:.6e},{x:.6e}\n" for (sensor, pulse), v in spoilt.items() for t, x in v)
+    write(os.path.join(place, "recordings.csv"), spoilt)
 
 
 def run(args):
@@ -133,11 +146,7 @@ def run(args):
             if os.path.exists(os.path.join(place, "out", "diagnosis.json")):
                 continue
             spoil(args.suite, case, place, way)
-            with open(os.path.join(place, "log"), "w") as log:
-                status = subprocess.run([args.calomel, "diagnose", os.path.join(place, "case.toml"), "--out", os.path.join(place, "out"), "--threads", str(args.threads), *[x for s in args.set for x in ("--set", s)]],
-                                        stdout=log, stderr=log).returncode
-            if status not in (0, 4):
-                print(f"{place}: exit status {status}", file=sys.stderr)
+            run_case(args, "diagnose", place)
 
 
 def told(place):
@@ -165,8 +174,9 @@ def table(args):
             print(f"| {text} | " + " | ".join(row) + " |")
 
 
-def main():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(doc, ways, run, table):
+    """The command line of a bench of cases that are made worse, one way after the other."""
+    p = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = p.add_subparsers(dest="verb", required=True)
     one = verbs.add_parser("run")
     for name in ("calomel", "suite", "work"):
@@ -178,11 +188,11 @@ def main():
     two = verbs.add_parser("table")
     two.add_argument("suite"), two.add_argument("work")
     args = p.parse_args()
-    unknown = set(getattr(args, "ways", None) or ()) - set(ways(1))
+    unknown = set(getattr(args, "ways", None) or ()) - set(ways)
     if unknown:
-        p.error(f"--ways: {', '.join(sorted(unknown))}; there are {', '.join(ways(1))}")
+        p.error(f"--ways: {', '.join(sorted(unknown))}; there are {', '.join(ways)}")
     {"run": run, "table": table}[args.verb](args)
 
 
 if __name__ == "__main__":
-    main()
+    main(__doc__, ways(1), run, table)

@@ -104,7 +104,7 @@ FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const Poste
   std::vector<double> off = base.modes[0].at.theta;
   for (std::size_t k = off.size(); k < planned.parameters.size(); ++k) off.push_back(*planned.parameters[k].nominal);
   search.starts.push_back(std::move(off));
-  const WeightedErrors& likeliest = base.hypotheses[base.posterior->likeliest(base.modes[0].at)];
+  const WeightedErrors& likeliest = base.likeliest();
   std::vector<const ErrorModel*> errors{nullptr};
   if (likeliest.discrepancy > 0) errors.push_back(&likeliest.errors);
   std::optional<FittedCandidate> best;

@@ -13,10 +13,6 @@ constexpr double clock_share = 0.01;  ///< of the record's length: prior standar
 // Fits with the wrong physics have correlations of 0.95 and more with their own gauges, neighbours on one wall up to 0.97 with each other.
 constexpr double unlike = 0.7, alike = 0.9;
 
-}  // namespace
-
-namespace {
-
 /// Correlation sum(record simulation) / |record| |simulation| of the record of one observation with the simulation of another; 0 where they have other times.
 double correlation(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation, std::size_t record, std::size_t gauge) {
   const auto part = [&](const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); };

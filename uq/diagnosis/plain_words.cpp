@@ -376,13 +376,6 @@ std::string plain_late(const LateRecords& l) {
                      with_sd(unit.factor * std::abs(l.late), unit.factor * l.sd, unit.name), l.late > 0 ? "late" : "early", l.log_bayes_factor);
 }
 
-std::vector<std::string> plain_slips(std::span<const MixedUp> mixed_up, const std::optional<LateRecords>& late) {
-  std::vector<std::string> told;
-  for (const auto& m : mixed_up) told.push_back(plain_mixed_up(m));
-  if (late) told.push_back(plain_late(*late));
-  return told;
-}
-
 PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
   PlainSummary told;
   const auto& names = d.verdict.mechanisms;
@@ -413,7 +406,8 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   }
   std::string slips;
-  for (const auto& slip : plain_slips(d.mixed_up, d.late)) slips += slip + ' ';
+  for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
+  if (d.late) slips += plain_late(*d.late) + ' ';
   if (!slips.empty()) told.next_step = slips + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";  // nothing else is worth doing before
   return told;
 }

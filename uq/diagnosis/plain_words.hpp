@@ -53,8 +53,6 @@ struct Why {
 [[nodiscard]] std::string plain_mixed_up(const MixedUp& m);
 /// "All records look 3.07 ± 0.12 µs late (log Bayes factor 75.6 to first order): see from which instant they count, ..."
 [[nodiscard]] std::string plain_late(const LateRecords& l);
-/// One sentence for each slip.
-[[nodiscard]] std::vector<std::string> plain_slips(std::span<const MixedUp> mixed_up, const std::optional<LateRecords>& late);
 
 /// A verdict in two sentences; where there are slips, these in place of the second.
 struct PlainSummary {

@@ -71,7 +71,7 @@ TEST(Pulls, NameTheEnergyWhereAllGaugesAreOff) {
 TEST(Pulls, AreTheFormulaWrittenOut) {
   const PosteriorFit fit = Target().fitted(1, 1.03, 1.01);
   const LocalMode& m = fit.modes[0];
-  const ErrorModel& errors = fit.hypotheses[fit.posterior->likeliest(m.at)].errors;
+  const ErrorModel& errors = fit.likeliest().errors;
   const Eigen::MatrixXd inverse = inverse_symmetric(errors.covariance() + fit.posterior->density(m.at).variance * fit.noise);
   const Eigen::VectorXd r = errors.data() - fit.prediction(m.at);
   const auto all = pulls(fit);
