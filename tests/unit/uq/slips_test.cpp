@@ -23,7 +23,9 @@ TEST(Slips, AreNotToldOfRecordsThatAreRight) { EXPECT_THAT(told({}), IsEmpty());
 
 TEST(Slips, TellAGaugeOfTheOtherSignAlone) { EXPECT_THAT(told({.gauge = 2, .gain = -1}), ElementsAre(AllOf(HasSubstr("S2"), HasSubstr("the other sign")))); }
 
-TEST(Slips, TellAClockThatIsOff) { EXPECT_THAT(told({.late = 2e-6}), Contains(AllOf(HasSubstr("All records look"), HasSubstr("late"), HasSubstr("calomel diagnose")))); }
+TEST(Slips, TellAClockThatIsOff) {
+  EXPECT_THAT(told({.late = 2e-6}), Contains(AllOf(HasSubstr("All records look"), HasSubstr("late"), HasSubstr("calomel diagnose"))));
+}
 
 TEST(Slips, TellWhatTheRecordsPullFar) { EXPECT_THAT(told({.gauge = 1, .gain = 1.08}), ElementsAre(HasSubstr("the gain of S1"))); }
 

@@ -24,7 +24,11 @@ struct FourGauges {
   Recordings recordings;
   RecordingOptions recording_options;
   Problem problem{make_problem(known.shape(), recordings, recording_options)};
-  PosteriorInputs inputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = {.values = 160, .band = 2e5, .young_sd = 0, .beyond_sd = 0}, .emulator = {}};
+  PosteriorInputs inputs{.problem = problem,
+                         .recordings = recordings,
+                         .recording_options = recording_options,
+                         .errors = {.values = 160, .band = 2e5, .young_sd = 0, .beyond_sd = 0},
+                         .emulator = {}};
   PosteriorFit fit;
 
   explicit FourGauges(const Spoilt& spoilt) : recordings(pulses_of(model(parameters, spoilt), {1.01}, {.pulses = 10, .noise = 2, .noise_time = 3e-6}, 5)) {
