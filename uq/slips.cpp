@@ -6,13 +6,27 @@
 
 namespace calomel {
 
-std::vector<std::string> slips(const PosteriorInputs& in, const PosteriorFit& fit) {
+namespace {
+
+std::vector<std::string> sentences(const std::vector<MixedUp>& mixed) {
   std::vector<std::string> told;
-  for (const auto& m : mixed_up(in.problem, fit)) told.push_back(plain_mixed_up(m));
+  for (const auto& m : mixed) told.push_back(plain_mixed_up(m));
+  return told;
+}
+
+}  // namespace
+
+std::vector<std::string> slips(const PosteriorInputs& in, const PosteriorFit& fit) {
+  auto told = sentences(mixed_up(in.problem, fit));
   if (!told.empty()) return told;
   if (const auto late = late_records(in.problem, fit)) told.push_back(plain_late(*late) + " Physics that was left out may look so, too: ask calomel diagnose.");
-  for (auto& pulled : far_pulls(pulls(fit), in.errors)) told.push_back(std::move(pulled));
+  for (auto& pulled : far_pulls(pulls(residual_of(fit)), in.errors)) told.push_back(std::move(pulled));
   return told;
+}
+
+std::vector<std::string> slips(const Problem& problem, const ErrorOptions& options, const ErrorModel& errors, const Eigen::VectorXd& prediction, const FitResidual& left) {
+  const auto told = sentences(mixed_up(problem, errors.grid(), errors.data(), prediction));
+  return told.empty() ? far_pulls(pulls(left), options) : told;
 }
 
 }  // namespace calomel

@@ -12,11 +12,15 @@
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
+#include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/design.hpp"
 #include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/goodness_of_fit.hpp"
+#include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/model_density.hpp"
 #include "uq/sampler/modes.hpp"
+#include "uq/slips.hpp"
 
 namespace calomel {
 
@@ -75,6 +79,26 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   return ErrorModel(problem, inputs.recordings(), *study.recordings, study.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }
 
+/// What the records say of the model at a mode: for posterior.json, and as warnings.
+struct Judged {
+  Json told;
+  std::vector<std::string> warnings;
+};
+
+Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPosterior& posterior, const Eigen::VectorXd& mode) {
+  const ErrorModel& errors = *posterior.errors();
+  const Eigen::VectorXd prediction = errors.grid().apply(posterior.prediction(mode));
+  if (!prediction.allFinite()) return {.told = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
+  const FitResidual left = residual_of(errors, prediction, std::size_t(posterior.dimension()));
+  const GoodnessOfFit goodness = goodness_of_fit(left);
+  Judged out{.told = {{"mode", {{"theta", named(posterior.parameters(), posterior.theta(mode))}, {"chi2", number(goodness.chi2)}, {"values", goodness.values}, {"covariance_shares", shares_json(errors)}, {"pulls", pulls_json(left)}}},
+                      {"adequate", goodness.adequate},
+                      {"adequacy", goodness.sentence}},
+             .warnings = slips(problem, options, errors, prediction, left)};
+  if (!goodness.adequate) out.warnings.push_back(goodness.sentence);
+  return out;
+}
+
 }  // namespace
 
 ExitStatus sample_model_stage(StageCall& call) {
@@ -82,13 +106,11 @@ ExitStatus sample_model_stage(StageCall& call) {
   const auto& command = inputs.command();
   const auto& study = inputs.study();
   const auto& notes = inputs.notes();
-  auto errors = errors_of(inputs);
+  auto errors = errors_of(inputs);  // before any long work, so that wrong recordings are told at once
   const auto provenance = posterior_provenance(inputs);
   if (const auto status = finished_sample(call, provenance)) return *status;
   const auto& model = inputs.external();
   const auto& parameters = model.shape().parameters;
-  const auto grid = errors ? std::optional(errors->grid()) : std::nullopt;
-  const Eigen::VectorXd error_variance = errors ? Eigen::VectorXd(errors->covariance().diagonal()) : Eigen::VectorXd();
   const ModelPosterior posterior(model, std::move(errors));
   const ModelDensity density(posterior);
   const Clock clock;
@@ -112,26 +134,29 @@ ExitStatus sample_model_stage(StageCall& call) {
     groups.push_back(prior_group(parameters, posterior.priors(), command.seed));
   else
     for (auto& g : predictive_groups({.parameters = parameters, .priors = posterior.priors(), .log_prior = [&](const Eigen::VectorXd& q) { return posterior.log_prior(q); },
-                                      .history = [&](const Eigen::VectorXd& q) {
-                                        auto y = posterior.history(posterior.theta(q));
-                                        y.resize(model.shape().values(), std::numeric_limits<double>::quiet_NaN());
-                                        return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())));
-                                      },
-                                      .error_variance = error_variance,
-                                      .grid = grid ? &*grid : nullptr},
+                                      .history = [&](const Eigen::VectorXd& q) { return posterior.prediction(q); },
+                                      .error_variance = posterior.errors()->covariance().diagonal(),
+                                      .grid = &posterior.errors()->grid()},
                                      inputs.problem(), result, command.seed))
       groups.push_back(std::move(g));
   Json json = posterior_json(convergence, s.kind, result, provenance);
   json["status"] = convergence.converged ? "done" : "not_to_be_trusted";
-  json["final"] = convergence.converged, json["chains_converged"] = convergence.converged;
+  std::vector<std::string> warnings;
+  if (!posterior.is_log_density()) {
+    const Judged judged = judge(inputs.problem(), study.errors, posterior, modes[0].x);
+    json.update(judged.told);
+    warnings = judged.warnings;
+  }
+  json["final"] = convergence.converged && warnings.empty() && alarms.empty(), json["chains_converged"] = convergence.converged;
   json["true_model_check"] = {{"needed", false}, {"holds", true}, {"sentence", "every draw is by the model itself"}};
-  json["absorption"] = alarms, json["warnings"] = Json::array();
+  json["absorption"] = alarms, json["warnings"] = warnings;
   json["modes"] = modes_json(density, modes);
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (posterior.failed() > 0) notes.warn({fmt::format("the model gave no answer {} times; its density counts as zero there", posterior.failed())});
   notes.warn(alarms);
+  notes.warn(warnings);
   notes.say(stage_line("sample", convergence.message));
   return convergence.converged ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }

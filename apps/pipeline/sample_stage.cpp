@@ -59,7 +59,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto result = second_stage ? run_sampler(density, exact, begin, study.sampler, run) : run_sampler(density, begin, study.sampler, run);
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);
-  const GoodnessOfFit goodness = goodness_of_fit(fit);
+  const GoodnessOfFit goodness = goodness_of_fit(residual_of(fit));
   auto warnings = slips(*made.inputs, fit);
   warnings.insert(warnings.end(), made.inputs->warnings.begin(), made.inputs->warnings.end());
   if (!goodness.adequate) warnings.push_back(goodness.sentence);

@@ -137,7 +137,7 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.nuisances = nuisances_of(in, fit);
   out.log_likelihood = density.log_likelihood, out.log_prior = density.log_prior;
   out.log_evidence_laplace = log_evidence(posterior, mode);
-  out.fit = goodness_of_fit(fit);
+  out.fit = goodness_of_fit(residual_of(fit));
   out.identification = identification_of(in, fit, out.covariance);
   const auto checks = std::size_t(std::max(1, in.emulator.check_coarse + in.emulator.check_fine));
   out.check = check_by_true_model(in, fit, gaussian_draws(posterior, mode, checks, in.seed ^ check_stream).topRows(posterior.box().size()), in.emulator.check_coarse, in.emulator.check_fine);

@@ -31,20 +31,14 @@ double critical(double freedom, double of_scale) {
 
 }  // namespace
 
-GoodnessOfFit goodness_of_fit(const PosteriorFit& fit) {
-  const LogPosterior& posterior = *fit.posterior;
-  const LocalMode& mode = fit.modes[0];
-  const ErrorModel& errors = fit.likeliest().errors;
+GoodnessOfFit goodness_of_fit(const FitResidual& left) {
   GoodnessOfFit out;
-  const auto density = posterior.density(mode.at);
-  const Eigen::MatrixXd covariance = errors.covariance() + density.variance * fit.noise;
-  const Eigen::VectorXd variance = covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
-  const Eigen::VectorXd residual = errors.data() - fit.prediction(mode.at);
-  const double p = double(residual.size()), parameters = double(posterior.dimension()), of_scale = posterior.freedom(posterior.likeliest(mode.at));
-  out.values = std::size_t(residual.size());
-  out.chi2 = density.chi2;
-  out.effective_data = p * p / (unit.asDiagonal() * covariance * unit.asDiagonal()).squaredNorm();
-  out.effective_chi2 = out.effective_data * (residual.array().square() / variance.array()).mean();
+  const Eigen::VectorXd variance = left.covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
+  const double p = double(left.residual.size()), parameters = double(left.parameters), of_scale = left.freedom;
+  out.values = std::size_t(left.residual.size());
+  out.chi2 = left.chi2;
+  out.effective_data = p * p / (unit.asDiagonal() * left.covariance * unit.asDiagonal()).squaredNorm();
+  out.effective_chi2 = out.effective_data * (left.residual.array().square() / variance.array()).mean();
   const double freedom = p - parameters, effective = std::max(1.0, out.effective_data - parameters);
   out.p_value = tail_probability(out.chi2, freedom, of_scale);
   out.effective_p_value = tail_probability(out.effective_chi2, effective, of_scale);

@@ -2,7 +2,7 @@
 /// Whether the records contradict a fit: chi-squared of its residual against what the errors explain.
 #include <string>
 
-#include "inverse/posterior/posterior_fit.hpp"
+#include "inverse/posterior/fit_residual.hpp"
 
 namespace calomel {
 
@@ -17,7 +17,6 @@ struct GoodnessOfFit {
   std::string sentence;
 };
 
-/// Of the highest mode of a fit, under its likeliest errors; the noise of one run of the finest mesh counts with the emulator's variance.
-[[nodiscard]] GoodnessOfFit goodness_of_fit(const PosteriorFit& fit);
+[[nodiscard]] GoodnessOfFit goodness_of_fit(const FitResidual& left);
 
 }  // namespace calomel

@@ -61,6 +61,12 @@ std::vector<double> ModelPosterior::history(std::span<const double> theta) const
   return {};
 }
 
+Eigen::VectorXd ModelPosterior::prediction(const Eigen::VectorXd& q) const {
+  auto y = history(theta(q));
+  y.resize(model_.shape().values(), nan);
+  return Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size()));
+}
+
 double ModelPosterior::log_likelihood(std::span<const double> theta) const {
   const auto y = history(theta);
   if (y.empty()) return -infinity;

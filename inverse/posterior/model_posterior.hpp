@@ -34,6 +34,8 @@ class ModelPosterior {
 
   /// Values of the model at theta; empty where it has none.
   [[nodiscard]] std::vector<double> history(std::span<const double> theta) const;
+  /// The same at q, (values); NaN where it has none.
+  [[nodiscard]] Eigen::VectorXd prediction(const Eigen::VectorXd& q) const;
   /// log L; minus infinity where the model has no answer.
   [[nodiscard]] double log_likelihood(std::span<const double> theta) const;
   /// log prior + log |dtheta/dq|; minus infinity beyond the prior's support.
@@ -45,6 +47,8 @@ class ModelPosterior {
   double log_density(const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
 
   [[nodiscard]] bool is_log_density() const { return !errors_.has_value(); }
+  /// None of a log density.
+  [[nodiscard]] const std::optional<ErrorModel>& errors() const { return errors_; }
   /// Calls of the model that had no answer so far, and the first reason.
   [[nodiscard]] std::size_t failed() const { return failed_; }
 

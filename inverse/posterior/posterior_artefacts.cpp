@@ -12,13 +12,11 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
   const auto density = fit.posterior->density(best.at);
   const Eigen::MatrixXd covariance = parameter_covariance(*fit.posterior, best);
   const Eigen::VectorXd sd = covariance.diagonal().cwiseSqrt();
-  Json rounds = Json::array(), pulled = Json::array(), levels = Json::array(), shares = Json::object(), others = Json::array(), discrepancy = Json::array();
+  Json rounds = Json::array(), levels = Json::array(), others = Json::array(), discrepancy = Json::array();
   for (const auto& r : fit.rounds)
     rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", named(parameters, r.theta)}, {"moved_sds", number(r.moved)},
                       {"emulator_variance", number(r.variance)}, {"box_moved", r.moved_box}});
   for (const auto& l : fit.levels) levels.push_back({{"runs", l.runs}, {"left_out", number(l.left_out)}, {"noise", number(l.noise)}});
-  for (const auto& [name, share] : fit.errors->shares()) shares[name] = number(share);
-  for (const auto& p : pulls(fit)) pulled.push_back({{"term", p.term}, {"gauge", p.gauge}, {"pull", number(p.pull)}, {"sd", number(p.sd)}});
   for (std::size_t i = 1; i < fit.modes.size(); ++i)
     others.push_back({{"theta", named(parameters, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
   if (fit.hypotheses.size() > 1)
@@ -42,8 +40,20 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
           {"message", fit.message},
           {"rounds", rounds},
           {"levels", levels},
-          {"covariance_shares", shares},
-          {"pulls", pulled}};
+          {"covariance_shares", shares_json(*fit.errors)},
+          {"pulls", pulls_json(residual_of(fit))}};
+}
+
+Json pulls_json(const FitResidual& left) {
+  Json all = Json::array();
+  for (const auto& p : pulls(left)) all.push_back({{"term", p.term}, {"gauge", p.gauge}, {"pull", number(p.pull)}, {"sd", number(p.sd)}});
+  return all;
+}
+
+Json shares_json(const ErrorModel& errors) {
+  Json all = Json::object();
+  for (const auto& [name, share] : errors.shares()) all[name] = number(share);
+  return all;
 }
 
 Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters) {

@@ -1,5 +1,6 @@
 #pragma once
 /// What the artefacts tell of a fit of the posterior and of its check by the true model.
+#include "inverse/posterior/fit_residual.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/posterior/true_model_check.hpp"
 
@@ -7,6 +8,10 @@ namespace calomel {
 
 /// Mode, covariance, evidence, rounds, levels and shares of the errors' covariance; theta by name.
 Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters);
+/// [{term, gauge, pull, sd}], the farthest first.
+Json pulls_json(const FitResidual& left);
+/// {term: share of the covariance's trace}.
+Json shares_json(const ErrorModel& errors);
 Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters);
 
 }  // namespace calomel

@@ -35,13 +35,11 @@ const Words* words_of(const std::string& term) {
 
 }  // namespace
 
-std::vector<Pull> pulls(const PosteriorFit& fit) {
-  const LocalMode& mode = fit.modes[0];
-  const ErrorModel& errors = fit.likeliest().errors;
-  const Cholesky covariance(errors.covariance() + fit.posterior->density(mode.at).variance * fit.noise);
-  const Eigen::VectorXd residual = covariance.solve_lower(Eigen::VectorXd(errors.data() - fit.prediction(mode.at)));
+std::vector<Pull> pulls(const FitResidual& left) {
+  const Cholesky covariance(left.covariance);
+  const Eigen::VectorXd residual = covariance.solve_lower(left.residual);
   std::vector<Pull> all;
-  for (const auto& d : errors.directions()) {
+  for (const auto& d : left.directions) {
     const Eigen::VectorXd change = covariance.solve_lower(d.change);
     all.push_back({.term = d.term, .gauge = d.gauge, .pull = change.dot(residual), .sd = std::sqrt(std::max(0.0, 1 - change.squaredNorm()))});
   }

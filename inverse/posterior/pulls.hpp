@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "inverse/posterior/posterior_fit.hpp"
+#include "inverse/posterior/fit_residual.hpp"
 
 namespace calomel {
 
@@ -13,9 +13,9 @@ struct Pull {
   double sd = 1;            ///< its standard deviation by the records, over that; 1: they say nothing of it
 };
 
-/// Of the highest mode of a fit, the parameters where they are: with d what one standard deviation of the number does, C the covariance of all errors, that of the emulator included, and r the residual, the mean is
+/// With the parameters where they are: with d what one standard deviation of the number does, C the covariance of all errors and r the residual, the mean is
 /// d^T C^-1 r and the variance 1 - d^T C^-1 d. Farthest first.
-[[nodiscard]] std::vector<Pull> pulls(const PosteriorFit& fit);
+[[nodiscard]] std::vector<Pull> pulls(const FitResidual& left);
 
 /// One sentence for each that is farther than three deviations from what was said of it, three at most: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %: ...".
 [[nodiscard]] std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors);

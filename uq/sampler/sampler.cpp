@@ -141,7 +141,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   };
   tell(true);
 
-  parallel_for(chains, run.threads, [&](std::size_t c) {
+  std::atomic<bool> failed{false};  // one chain did: the others save what they have and end, so that it is told at once
+  const auto walk = [&](std::size_t c) {
     ChainRecord& r = records[c];
     if (r.transitions == transitions) return;
     RandomStream random(run.seed, c);
@@ -177,9 +178,11 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       note_saved(), saved_at = Clock::now();
     };
     for (; r.transitions < transitions;) {
-      if (run.stop && run.stop->load()) {
+      const bool stopped = run.stop && run.stop->load();
+      if (stopped || failed) {
         save();
-        throw Interrupted();
+        if (stopped) throw Interrupted();
+        return;
       }
       if (r.transitions == warmup) chain->freeze();
       const auto step = chain->step(random, r.transitions < warmup);
@@ -193,6 +196,14 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       if (journal && now - saved_at > std::chrono::duration<double>(run.save_every)) save();
     }
     save();
+  };
+  parallel_for(chains, run.threads, [&](std::size_t c) {
+    try {
+      walk(c);
+    } catch (...) {
+      failed = true;
+      throw;
+    }
   });
   tell(true);
 

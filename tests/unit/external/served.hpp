@@ -1,5 +1,7 @@
 #pragma once
 /// Servers on a free port of this machine, for tests.
+#include <Eigen/Core>  // before httplib, whose <resolv.h> makes a macro of a name of Eigen's
+
 #include <httplib.h>
 
 #include <atomic>

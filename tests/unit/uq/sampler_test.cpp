@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
 #include <fstream>
+#include <thread>
 
 #include "tests/scratch.hpp"
 #include "tests/unit/uq/densities.hpp"
@@ -52,6 +54,28 @@ TEST(Sampler, DrawsFollowAGaussian) {
     EXPECT_NEAR(verdict.parameters[k].sd / sd[k], 1, 4 * verdict.parameters[k].mcse_sd / sd[k]);
   }
   EXPECT_EQ(r.summary.evaluations, density.calls.load());
+}
+
+// What one chain meets is told at once, and what the others have drawn is kept.
+TEST(Sampler, AChainThatFailsEndsTheOthers) {
+  std::atomic<bool> broken{true};
+  std::atomic<std::thread::id> first{};
+  std::atomic<std::size_t> others{0};
+  const Written density(1, [&](std::span<const double> x) {
+    std::thread::id nobody;
+    if (broken && (first.compare_exchange_strong(nobody, std::this_thread::get_id()) || nobody == std::this_thread::get_id())) {
+      while (others < 20000) std::this_thread::yield();
+      return std::nan("");
+    }
+    ++others;
+    return -0.5 * x[0] * x[0];
+  });
+  const SamplerOptions options{.warmup = 500, .draws = 200'000};
+  const SamplerRun run{.threads = 4, .journal = scratch("failed") / "posterior.journal", .provenance = provenance()};
+  EXPECT_THROW((void)run_sampler(density, about_zero(1), options, run), NumericsError);
+  EXPECT_LT(others, 400'000u);  // of a million
+  broken = false;
+  EXPECT_GT(run_sampler(density, about_zero(1), options, run).summary.resumed, 10'000u);
 }
 
 // Delayed rejection with other stages and steps samples the same density, one with a hard wall and two humps.

@@ -29,5 +29,17 @@ TEST(Slips, TellAClockThatIsOff) {
 
 TEST(Slips, TellWhatTheRecordsPullFar) { EXPECT_THAT(told({.gauge = 1, .gain = 1.08}), ElementsAre(HasSubstr("the gain of S1"))); }
 
+// Without an emulator: the same sentences from the same prediction and errors.
+TEST(Slips, OfAModelByItselfAreThoseOfItsFit) {
+  for (const Spoilt& spoilt : {Spoilt{}, Spoilt{.gauge = 2, .gain = -1}, Spoilt{.gauge = 1, .gain = 1.08}}) {
+    const FourGauges target(spoilt);
+    const ErrorModel& errors = target.fit.likeliest().errors;
+    const Eigen::VectorXd prediction = target.fit.prediction(target.fit.modes[0].at);
+    const FitResidual left = residual_of(errors, prediction, 1), fitted = residual_of(target.fit);
+    EXPECT_NEAR(left.chi2, fitted.chi2, 1e-3 * fitted.chi2);  // the emulator's own error is next to nothing
+    EXPECT_EQ(slips(target.problem, target.inputs.errors, errors, prediction, left).size(), slips(target.inputs, target.fit).size());
+  }
+}
+
 }  // namespace
 }  // namespace calomel

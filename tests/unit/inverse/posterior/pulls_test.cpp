@@ -18,13 +18,13 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(Pulls, AreSmallOfNumbersThatAreAsTheyWereSaidToBe) {
-  const auto all = pulls(FourGauges({}).fit);
+  const auto all = pulls(residual_of(FourGauges({}).fit));
   EXPECT_THAT(far_pulls(all, {}), IsEmpty());
   EXPECT_EQ(all.size(), 4u + 4u + 1u);  // gains, zeros, energy
 }
 
 TEST(Pulls, NameTheGaugeWhoseGainIsOff) {
-  const auto all = pulls(FourGauges({.gauge = 2, .gain = 1.08}).fit);
+  const auto all = pulls(residual_of(FourGauges({.gauge = 2, .gain = 1.08}).fit));
   EXPECT_EQ(all[0].term, "gain");
   EXPECT_EQ(pulled_number(all[0].term, all[0].gauge), "the gain of " + all[0].gauge);
   EXPECT_NEAR(all[0].pull, 8 * (1 - all[0].sd * all[0].sd), 1);  // what the records do not say stays where it was said to be
@@ -33,7 +33,7 @@ TEST(Pulls, NameTheGaugeWhoseGainIsOff) {
 }
 
 TEST(Pulls, NameTheEnergyWhereAllGaugesAreOff) {
-  const auto all = pulls(FourGauges({.energy = 0.93}).fit);
+  const auto all = pulls(residual_of(FourGauges({.energy = 0.93}).fit));
   EXPECT_EQ(all[0].term, "energy scale");
   EXPECT_NEAR(all[0].pull, -0.07 / 0.015, 1);
   EXPECT_THAT(far_pulls(all, {})[0], HasSubstr("the energy of all pulses by -"));
@@ -47,7 +47,7 @@ TEST(Pulls, AreTheFormulaWrittenOut) {
   const ErrorModel& errors = fit.likeliest().errors;
   const Eigen::MatrixXd inverse = inverse_symmetric(errors.covariance() + fit.posterior->density(m.at).variance * fit.noise);
   const Eigen::VectorXd r = errors.data() - fit.prediction(m.at);
-  const auto all = pulls(fit);
+  const auto all = pulls(residual_of(fit));
   for (const auto& d : errors.directions())
     for (const auto& p : all)
       if (p.term == d.term && p.gauge == d.gauge) {
