@@ -32,9 +32,7 @@ class ModelPosterior {
   /// dtheta/dq, (dimension).
   [[nodiscard]] Eigen::VectorXd scale(const Eigen::VectorXd& q) const;
 
-  /// Values of the model at theta; empty where it has none.
-  [[nodiscard]] std::vector<double> history(std::span<const double> theta) const;
-  /// The same at q, (values); NaN where it has none.
+  /// Values of the model at q, (values); NaN where it has no answer.
   [[nodiscard]] Eigen::VectorXd prediction(const Eigen::VectorXd& q) const;
   /// log L; minus infinity where the model has no answer.
   [[nodiscard]] double log_likelihood(std::span<const double> theta) const;
@@ -53,6 +51,8 @@ class ModelPosterior {
   [[nodiscard]] std::size_t failed() const { return failed_; }
 
  private:
+  /// Values of the model at theta; empty where it has none.
+  [[nodiscard]] std::vector<double> history(std::span<const double> theta) const;
   const ForwardModel& model_;
   std::optional<ErrorModel> errors_;
   std::vector<Prior> priors_;
