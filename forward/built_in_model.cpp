@@ -357,20 +357,24 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
       }
     }
 
-    out.mean.assign(values, 0), out.energy_slope.assign(values, 0), out.scatter.assign(values, 0);
     double mean_energy = 0, squares = 0;
     for (const double a : out.energies) mean_energy += a / double(m);
     for (const double a : out.energies) squares += (a - mean_energy) * (a - mean_energy);
+    // Pulses of one energy tell no slope, and two pulses no scatter: these are left empty, as zeros would say that energy does nothing.
+    const bool slopes = out.energies.front() != out.energies.back(), scatters = m > 2;
+    out.mean.assign(values, 0), out.energy_slope.assign(slopes ? values : 0, 0), out.scatter.assign(scatters ? values : 0, 0);
     for (std::size_t i = 0; i < values; ++i) {
       double mean = 0, slope = 0, rest = 0;
       for (std::size_t r = 0; r < m; ++r) mean += pulses[r * values + i] / double(m);
-      if (m > 1 && squares > 0)
+      if (slopes)
         for (std::size_t r = 0; r < m; ++r) slope += (out.energies[r] - mean_energy) * pulses[r * values + i] / squares;
       for (std::size_t r = 0; r < m; ++r) {
         const double d = pulses[r * values + i] - mean - slope * (out.energies[r] - mean_energy);
         rest += d * d;
       }
-      out.mean[i] = mean, out.energy_slope[i] = slope, out.scatter[i] = m > 2 ? std::sqrt(rest / double(m - 2)) : 0;
+      out.mean[i] = mean;
+      if (slopes) out.energy_slope[i] = slope;
+      if (scatters) out.scatter[i] = std::sqrt(rest / double(m - 2));
     }
     out.pulses.assign(pulses.begin(), pulses.end());
   } catch (const NumericsError& e) {

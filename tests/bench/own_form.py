@@ -136,7 +136,7 @@ precision = "single"
 {sensors}[recordings]
 file = "records_{draw}.nc"
 [campaign]
-pulses = 2
+pulses = 1
 [emulator]
 element_sizes = [{coarse}, {fine}]
 """

@@ -97,6 +97,19 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
   EXPECT_GT(scatters, 0);          // but not quite: the cutoff
 }
 
+// Zeros there would say that energy changes nothing, and errors of the energy would count for nothing.
+TEST(BuiltInModel, PulsesOfOneEnergyTellNoSlopeAndTwoNoScatter) {
+  const auto sizes = [](const EnsembleOptions& o) {
+    const Prediction p = BuiltInModel(small_case(), o).evaluate({});
+    return std::pair(p.energy_slope.size(), p.scatter.size());
+  };
+  const std::size_t n = 2 * 41;
+  EXPECT_EQ(sizes({.pulses = 1}), std::pair(std::size_t{0}, std::size_t{0}));
+  EXPECT_EQ(sizes({.pulses = 2}), std::pair(n, std::size_t{0}));
+  EXPECT_EQ(sizes({.pulses = 3}), std::pair(n, n));
+  EXPECT_EQ(sizes({.pulses = 10, .energy_sd = 0}), std::pair(std::size_t{0}, n));
+}
+
 TEST(BuiltInModel, ALinearLiquidIsProportionalToTheEnergy) {
   const BuiltInModel model(small_case(law));
   const Prediction p = model.evaluate(std::vector<double>{1e15});

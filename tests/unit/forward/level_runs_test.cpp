@@ -169,10 +169,14 @@ TEST(OfferedGroups, MayLeaveTheirRangeAsFarAsTheLawGoes) {
 TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
   for (const auto& g : offered_groups(testing::small_case(), make_mesh(testing::small_case().geometry))) {
     EXPECT_FALSE(g.plain.empty() || g.check.empty()) << g.name;
-    if (g.name == "beam_profile") EXPECT_EQ(g.plain, mechanisms().get("beam_profile", "").plain);
+    if (g.name == "beam_profile") {
+      EXPECT_EQ(g.plain, mechanisms().get("beam_profile", "").plain);
+    }
     for (const auto& a : g.added) {
       EXPECT_FALSE(a.doc.empty()) << a.parameter.name;
-      if (a.parameter.name == "beam_profile.offset_z") EXPECT_EQ(a.unit, "m");
+      if (a.parameter.name == "beam_profile.offset_z") {
+        EXPECT_EQ(a.unit, "m");
+      }
     }
   }
 }
