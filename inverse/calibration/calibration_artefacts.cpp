@@ -3,9 +3,9 @@
 
 #include "base/artefact.hpp"
 #include "base/json.hpp"
-#include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "inverse/calibration/calibration.hpp"
+#include "inverse/data/history_file.hpp"
 
 namespace calomel {
 
@@ -132,34 +132,16 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
 
 void write_calibration(const std::string& method, const Calibration& s, const Problem& problem, const Json& json, const Provenance& provenance,
                        const std::filesystem::path& out_dir) {
-  const auto& shape = problem.shape;
-  const BandArrays bands = band_arrays(problem);
-  const std::vector<double> absent(shape.values(), std::numeric_limits<double>::quiet_NaN());
-  NetcdfWriter file(out_dir / (method + ".nc"));
-  file.dimension("condition", shape.conditions.size());
-  file.dimension("sensor", shape.sensors.size());
-  file.dimension("time", shape.times.size());
-  file.dimension("record_time", problem.time.size());
-  file.variable("condition", {"condition"}, shape.conditions);
-  file.variable("sensor", {"sensor"}, shape.sensors);
-  file.variable("time", {"time"}, shape.times, {{"units", "s"}});
-  file.variable("record_time", {"record_time"}, problem.time, {{"units", "s"}});
-  const std::string units = problem.unit == "strain" ? "1" : problem.unit;
-  const std::vector<std::string> model{"condition", "sensor", "time"}, record{"condition", "sensor", "record_time"};
-  const auto history = [&](const std::string& name, const std::vector<double>& values, const std::string& what) {
-    file.variable(name, model, values.empty() ? absent : values, {{"units", units}, {"long_name", what}});
-  };
+  const std::vector<double> absent(problem.shape.values(), std::numeric_limits<double>::quiet_NaN());
+  const auto or_absent = [&](const std::vector<double>& values) -> const std::vector<double>& { return values.empty() ? absent : values; };
   const std::string with = s.mesh.used ? ", corrected for the mesh" : "";
-  history("calibrated", s.calibrated, "true model at the calibrated parameters" + with);
-  history("nominal", s.nominal_values, "true model at the nominal parameters" + with);
+  HistoryFile file(out_dir / (method + ".nc"), problem, provenance);
+  file.history("calibrated", or_absent(s.calibrated), "true model at the calibrated parameters" + with);
+  file.history("nominal", or_absent(s.nominal_values), "true model at the nominal parameters" + with);
   if (s.mesh.used) {
-    history("calibrated_working_mesh", s.mesh.calibrated, "true model at the calibrated parameters, on the case's mesh");
-    history("nominal_working_mesh", s.mesh.nominal_values, "true model at the nominal parameters, on the case's mesh");
+    file.history("calibrated_working_mesh", or_absent(s.mesh.calibrated), "true model at the calibrated parameters, on the case's mesh");
+    file.history("nominal_working_mesh", or_absent(s.mesh.nominal_values), "true model at the nominal parameters, on the case's mesh");
   }
-  file.variable("record_mean", record, bands.mean, {{"units", units}, {"long_name", "mean of the recorded pulses"}});
-  file.variable("band_low", record, bands.low, {{"units", units}, {"long_name", "lower end of the 95 % band"}});
-  file.variable("band_high", record, bands.high, {{"units", units}, {"long_name", "upper end of the 95 % band"}});
-  file.attribute("provenance", provenance.json().dump());
   file.commit();
   write_json(out_dir / (method + ".json"), json);
 }

@@ -3,8 +3,8 @@
 
 #include "base/json.hpp"
 #include "base/not_finite.hpp"
-#include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
+#include "inverse/data/history_file.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
 #include "uq/diagnosis/plain_words.hpp"
@@ -216,36 +216,17 @@ const Alternative* shown_explanation(const Diagnosis& d) {
 }
 
 void write_diagnosis_histories(const Diagnosis& d, const Problem& problem, const Provenance& provenance, const std::filesystem::path& path) {
-  const auto& shape = problem.shape;
-  const BandArrays bands = band_arrays(problem);
   const Alternative* shown = shown_explanation(d);
-  NetcdfWriter file(path);
+  HistoryFile file(path, problem, provenance);
   file.attribute("title", "calomel diagnosis");
   file.attribute("verdict", text(d.verdict.kind));
   file.attribute("explanation", shown ? shown->explanation.name : "");
-  file.attribute("provenance", provenance.json().dump());
-  file.dimension("condition", shape.conditions.size());
-  file.dimension("sensor", shape.sensors.size());
-  file.dimension("time", shape.times.size());
-  file.dimension("record_time", problem.time.size());
-  file.variable("condition", {"condition"}, shape.conditions);
-  file.variable("sensor", {"sensor"}, shape.sensors);
-  file.variable("time", {"time"}, shape.times, {{"units", "s"}});
-  file.variable("record_time", {"record_time"}, problem.time, {{"units", "s"}});
-  const std::string units = problem.unit == "strain" ? "1" : problem.unit;
-  const std::vector<std::string> model{"condition", "sensor", "time"}, record{"condition", "sensor", "record_time"};
-  const auto history = [&](const std::string& name, const std::vector<double>& values, const std::string& what) {
-    if (!values.empty()) file.variable(name, model, values, {{"units", units}, {"long_name", what}});
-  };
-  history("base", d.base_history, "base model at its best fit, by the emulator");
-  history("held_out_base", d.held_out_history, "each gauge by the base model fitted without it");
+  file.history("base", d.base_history, "base model at its best fit, by the emulator");
+  file.history("held_out_base", d.held_out_history, "each gauge by the base model fitted without it");
   if (shown) {
-    history("explained", shown->history, "model with " + shown->explanation.name + " at its best fit");
-    history("held_out_explained", shown->held_out_history, "each gauge by the model with " + shown->explanation.name + " fitted without it");
+    file.history("explained", shown->history, "model with " + shown->explanation.name + " at its best fit");
+    file.history("held_out_explained", shown->held_out_history, "each gauge by the model with " + shown->explanation.name + " fitted without it");
   }
-  file.variable("record_mean", record, bands.mean, {{"units", units}, {"long_name", "mean of the recorded pulses"}});
-  file.variable("band_low", record, bands.low, {{"units", units}, {"long_name", "lower end of the 95 % band"}});
-  file.variable("band_high", record, bands.high, {{"units", units}, {"long_name", "upper end of the 95 % band"}});
   file.commit();
 }
 
