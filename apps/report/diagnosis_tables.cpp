@@ -162,17 +162,17 @@ Table band_table(const Study& study) {
 
 Table explanation_table(const Study& study) {
   Table t{.id = "diagnosis_explanations", .caption = "What was tried, the most probable first."};
-  t.columns = {{"explanation", "Explanation", 4, true}, {"probability", "Probability [%]", -1, false, percent}, {"evidence", "Evidence", 3}, {"explained", "Accounts for [% of the mismatch]", -1, false, percent},
+  t.columns = {{"explanation", "Explanation", 4, true}, {"probability", "Probability [%]", -1, false, percent}, {"evidence", "Evidence", 3}, {"log_bayes_factor", "Log Bayes factor", 3}, {"explained", "Accounts for [% of the mismatch]", -1, false, percent},
                {"heldout_gain", "Misfit of gauges left out falls by [%]", -1, false, percent}, {"size", "Size of the effect", 4, true}};
   for (const auto& r : list_at(summary_of(study), "ranking")) {
     const std::string name = text_at(r, "name");
     const bool tried = part_at(r, "heldout_tried") == Json(true), strong = in_verdict(study, name);
-    t.rows.push_back({Cell(title_of(r), strong), Cell(number_at(r, "probability"), strong), number_at(r, "log_evidence"), part_at(r, "fitted") == Json(true) ? Cell(number_at(r, "explained")) : Cell(),
+    t.rows.push_back({Cell(title_of(r), strong), Cell(number_at(r, "probability"), strong), number_at(r, "log_evidence"), number_at(r, "log_bayes_factor"), part_at(r, "fitted") == Json(true) ? Cell(number_at(r, "explained")) : Cell(),
                       tried ? Cell(number_at(r, "heldout_gain")) : Cell(), text_at(r, "size")});
   }
   t.note = fmt::format("Bold is the verdict. Evidence is the logarithm of how many times likelier the records are with this alone than with the simulation as it is and anything else beside it; of what was not tried, with anything else "
-                       "beside what was. An effect is given with one standard deviation; those of explanations that do not lead are estimates to first order. Probabilities are cautious: they stand for the evidences to the power "
-                       "of 1/{:.2g}. A name asks for more than to lead: for {:.2g} over the simulation as it is, and {:.2g} over the next.",
+                       "beside what was. The log Bayes factor allows anything else beside both. An effect is given with one standard deviation; those of explanations that do not lead are estimates to first order. Probabilities are "
+                       "cautious: they stand for the evidences to the power of 1/{:.2g}. A name asks for more than to lead: for a log Bayes factor of {:.2g}, and evidence {:.2g} above that of the next.",
                        Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead);
   return t;
 }

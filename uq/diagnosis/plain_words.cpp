@@ -295,25 +295,25 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
   if (std::find(told.begin(), told.end(), name) != told.end()) {
     if (d.verdict.kind == VerdictKind::named) {
       const auto next = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name != name && !same_class(e, x); });
-      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the next, {}, lies {:.3g} behind", plain_name(*d.alternative(next->name), groups), evidence_of_name(d.evidence, e, g) - evidence_of_name(d.evidence, *next, g));
-      return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with evidence {:.3g}, and {}.", share, b, behind),
+      const std::string behind = next == all.end() ? "nothing else was tried" : fmt::format("the evidence of the next, {}, lies {:.3g} below its own", plain_name(*d.alternative(next->name), groups), evidence_of_name(d.evidence, e, g) - evidence_of_name(d.evidence, *next, g));
+      return {fmt::format("Named: it accounts for {:.0f} % of the mismatch with a log Bayes factor of {:.3g}, and {}.", share, b, behind),
               fmt::format("Another explanation whose evidence comes within {:.0f} of it, or a record that it does not fit.", g.lead)};
     }
     std::vector<std::string> others;
     for (const auto& other : told)
       if (other != name) others.push_back(plain_name(*d.alternative(other), groups));
-    return {fmt::format("May be it: it accounts for {:.0f} % of the mismatch (evidence {:.3g}), but {} cannot be told apart from it by these records.", share, b, listed(others)),
+    return {fmt::format("May be it: it accounts for {:.0f} % of the mismatch (log Bayes factor {:.3g}), but {} cannot be told apart from it by these records.", share, b, listed(others)),
             "A measurement that tells them apart."};
   }
   switch (gate_not_passed(d.evidence, all, at, g)) {
     case Gate::fitted:
       if (!a->message.empty() && a->message != "to first order") return {"Its fit failed: " + a->message + '.', "A fit that goes through."};
-      return {a->first_log_bayes_factor > hardly ? fmt::format("Looked at to first order only (evidence {:.3g} there): others promised more and were fitted.", a->first_log_bayes_factor)
+      return {a->first_log_bayes_factor > hardly ? fmt::format("Looked at to first order only (log Bayes factor {:.3g} there): others promised more and were fitted.", a->first_log_bayes_factor)
                                                  : std::string("Nothing in these records speaks for it."),
               a->first_log_bayes_factor > hardly ? "A fit of its own: raise diagnosis.leaders." : "Records in which its effect shows: other gauges, more pulses."};
     case Gate::evidence:
-      if (b <= hardly) return {fmt::format("Nothing in these records speaks for it (evidence {:.2g}).", b), "Records in which its effect shows: other gauges, more pulses."};
-      return {fmt::format("The records speak for it, but too weakly: evidence {:.3g} where {:.0f} is asked.", b, g.log_bayes_factor),
+      if (b <= hardly) return {fmt::format("Nothing in these records speaks for it (log Bayes factor {:.2g}).", b), "Records in which its effect shows: other gauges, more pulses."};
+      return {fmt::format("The records speak for it, but too weakly: a log Bayes factor of {:.3g} where {:.0f} is asked.", b, g.log_bayes_factor),
               fmt::format("An effect about {:.1f} times as large, or errors as much smaller.", std::sqrt(g.log_bayes_factor / b))};
     case Gate::numerical:
       return {"It is no physics: a number of the simulation's discretisation explains the records.", "Finer meshes (emulator.element_sizes)."};
