@@ -21,9 +21,9 @@ Matrix random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint64_t inde
 /// sum of squared errors / 2
 double half_squares(const Network<double>& network, const Matrix& x, const Matrix& y) { return 0.5 * (network.forward(x) - y).squaredNorm(); }
 
-class NetworkGradient : public testing::TestWithParam<Activation> {};
-
 }  // namespace
+
+class NetworkGradient : public testing::TestWithParam<Activation> {};
 
 TEST_P(NetworkGradient, AgreesWithCentralDifferencesInWeightsAndInputs) {
   RandomStream random(5, 0);

@@ -34,10 +34,10 @@ Archive shuffled(Archive archive) {
   return archive;
 }
 
+}  // namespace
+
 class EveryKind : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, EveryKind, testing::ValuesIn(surrogate_kinds().names()), [](const auto& info) { return info.param; });
-
-}  // namespace
 
 TEST(Modes, AreOrthonormalAndRebuildTheHistories) {
   const Archive archive = damped_oscillations(60, 3, 80, 3);
