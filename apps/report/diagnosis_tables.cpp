@@ -187,7 +187,7 @@ Table reason_table(const Study& study) {
 
 Table missing_table(const Study& study) {
   Table t{.id = "diagnosis_missing", .caption = "Terms that would do what is missing, the one that says most first."};
-  t.columns = {{"what", "Change of", 4, true}, {"place", "Where", 4, true}, {"value", "By", 4, true}, {"log_bayes_factor", "Evidence beside those above", 3}};
+  t.columns = {{"what", "Change of", 4, true}, {"place", "Where", 4, true}, {"value", "By", 4, true}, {"log_bayes_factor", "Log Bayes factor beside those above", 3}};
   for (const auto& m : list_at(part_at(summary_of(study), "missing"), "terms")) t.rows.push_back({text_at(m, "what"), text_at(m, "place"), text_at(m, "value"), number_at(m, "log_bayes_factor")});
   t.note = "Estimates to first order about the base fit, with one standard deviation. A term stands for physics without a name: look for what could do the same there. Places are parts that were laid down beforehand; what is missing may be smaller, or reach beyond.";
   return t;
