@@ -14,7 +14,6 @@
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/mesh_extent.hpp"
 #include "forward/sensor/channel.hpp"
-#include "forward/solver/kernel.hpp"
 
 namespace calomel {
 
@@ -338,8 +337,8 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
     const auto& rows = place->rows;
     std::vector<double> pulses(m * values);
     for (std::size_t condition = 0; condition < shape_.conditions.size(); ++condition) {
-      for (std::size_t first = 0; first < m; first += run_lanes) {
-        const std::size_t count = std::min<std::size_t>(run_lanes, m - first);
+      for (std::size_t first = 0, count = 0; first < m; first += count) {
+        count = runs_at_once(m - first, mesh.plane_strain);
         RunSetup s = setup(at, mesh, condition, {out.energies.begin() + std::ptrdiff_t(first), out.energies.begin() + std::ptrdiff_t(first + count)});
         const bool moving = start_from_what_is_left(s, at, mesh, solver, condition);
         SolveOptions options = solve_options(at.solver);

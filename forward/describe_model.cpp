@@ -47,8 +47,11 @@ ModelDescription BuiltInModel::describe() const {
   const ThreadChoice choice = solver_->useful_threads(s, options, threads_);
   d.run_threads = choice.threads, d.run_gain = choice.gain;
   d.estimated_seconds = d.element_steps / measured_rate(single, d.elements, false, mesh_->plane_strain);
-  const int groups = (ensemble_.pulses + run_lanes - 1) / run_lanes;
-  d.estimated_mean_seconds = ensemble_.pulses == 1 ? d.estimated_seconds : groups * run_lanes * d.element_steps / measured_rate(single, d.elements, true, mesh_->plane_strain);
+  const double group_seconds = run_lanes * d.element_steps / measured_rate(single, d.elements, true, mesh_->plane_strain);
+  for (int left = ensemble_.pulses; left > 0;) {
+    const int count = int(runs_at_once(std::size_t(left), mesh_->plane_strain));
+    d.estimated_mean_seconds += count == 1 ? d.estimated_seconds : group_seconds, left -= count;
+  }
   d.estimated_bytes = double(d.elements) * (single ? 300 : 550);
   d.notes = case_.notes;
   d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());

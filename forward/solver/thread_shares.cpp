@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "forward/solver/kernel.hpp"
 #include "forward/solver/layout.hpp"
 
 namespace calomel {
@@ -57,5 +58,7 @@ ThreadChoice useful_threads(const Layout& layout, bool own_law, double lanes, in
     if (const double gain = alone / step(t); gain > best.gain * (1 + 1e-9) && gain >= least_efficiency * t) best = {t, gain};
   return best;
 }
+
+std::size_t runs_at_once(std::size_t left, bool plane_strain) { return !plane_strain && double(left) < group_cost ? 1 : std::min<std::size_t>(left, run_lanes); }
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// How the blocks of a step are shared among threads, and how many threads are worth having.
+/// How the blocks of a step are shared among threads, how many threads are worth having, and how many runs at once.
 #include <cstddef>
 #include <vector>
 
@@ -27,5 +27,9 @@ inline constexpr double meeting_cost = 250;
 inline constexpr double least_efficiency = 0.6;
 /// What an element of eight runs in the lanes costs beside one of a single run.
 inline constexpr double group_cost = 3.5;
+
+/// How many runs are computed at once where `left` are to be done: as many as there are, eight at most. Two or three of a solid mesh are computed one by one,
+/// which costs less than the lanes of eight; in plane strain lanes cost about one run.
+std::size_t runs_at_once(std::size_t left, bool plane_strain);
 
 }  // namespace calomel

@@ -86,6 +86,20 @@ TEST(UsefulThreads, MoreThanTheBlocksCanFeedAreNotTaken) {
   EXPECT_LT(choice.gain, 3448.0 / 2048);
 }
 
+TEST(RunsAtOnce, FillTheLanesWhereThatCostsLessThanOneByOne) {
+  const auto groups = [](std::size_t runs, bool plane_strain) {
+    std::vector<std::size_t> out;
+    for (std::size_t left = runs; left > 0; left -= out.back()) out.push_back(runs_at_once(left, plane_strain));
+    return out;
+  };
+  EXPECT_EQ(groups(2, true), (std::vector<std::size_t>{2}));
+  EXPECT_EQ(groups(10, true), (std::vector<std::size_t>{8, 2}));
+  EXPECT_EQ(groups(2, false), (std::vector<std::size_t>{1, 1}));
+  EXPECT_EQ(groups(3, false), (std::vector<std::size_t>{1, 1, 1}));
+  EXPECT_EQ(groups(4, false), (std::vector<std::size_t>{4}));
+  EXPECT_EQ(groups(10, false), (std::vector<std::size_t>{8, 1, 1}));
+}
+
 TEST(StepBarrier, NobodyPassesBeforeAllHaveCome) {
   constexpr int threads = 3, rounds = 2000;
   StepBarrier barrier(threads);
