@@ -26,6 +26,8 @@ std::vector<double> pulse_energies(const EnsembleOptions& o) {
 
 namespace {
 
+constexpr double on_mirror_plane = 1e-6;  ///< [m]
+
 std::vector<LocatedGauge> locate_gauges(const Mesh& mesh, const std::vector<SensorOptions>& sensors) {
   const GaugeLocator locator(mesh);
   std::vector<LocatedGauge> out;
@@ -121,9 +123,26 @@ void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Me
   }
 }
 
-/// The load with what mechanisms change of it.
-LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh) {
+/// A beam off the plane by which only a part is modelled would be two beams.
+void expect_on_mirror_planes(const LoadOptions& load, const Mesh& mesh, const ForwardCase& at) {
+  if (load.kind != "initial_pressure") return;
+  for (const auto& m : mesh.mirrors) {
+    if (m.axis == 0) continue;
+    const double centre = load.profile.center[std::size_t(m.axis - 1)];
+    if (std::abs(centre - m.at) < on_mirror_plane) continue;
+    const char axis = "xyz"[m.axis];
+    throw InputError({.problem = fmt::format("only one side of the plane {} = {} m is modelled, and the other is taken for its mirror image: a beam off that plane would be two beams", axis, number_text(m.at)),
+                      .key = "load.profile.center",
+                      .value = number_text(centre),
+                      .suggestion = axis == 'y' && at.geometry.half ? "set geometry.half = false, or the beam on the plane" : fmt::format("use a mesh without symmetry_{}, or set the beam on the plane", axis)});
+  }
+}
+
+/// The load with what mechanisms change of it, on a target whose outer front face is at x = front.
+LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh, double front) {
   LoadOptions load = at.load;
+  load.profile.front = front;
+  expect_on_mirror_planes(load, mesh, at);
   for_active(at, [&](const EnabledMechanism& m) {
     expect_symmetric(m, at, mesh);
     if (m.entry->load) m.entry->load(m.values, mesh, load);
@@ -131,16 +150,20 @@ LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh) {
   return load;
 }
 
-double viscosity_of(const ForwardCase& c, const Mesh& mesh) {
+}  // namespace
+
+double regularising_viscosity(const ForwardCase& c, const Mesh& mesh) {
   return std::max(c.mercury.regularising_viscosity, c.mercury.least_mesh_viscosity * c.mercury.density * c.mercury.sound_speed * mesh.liquid_element_size);
 }
 
-/// y(t) = gain x(t - delay) of the channel, after what mechanisms make of x.
+namespace {
+
+/// gain times what mechanisms make of x(t - delay) of the channel: the delay first, as an offset that a mechanism adds does not set in with it.
 void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
+  if (s.delay != 0) shift(s.delay, interval, y);
   for_active(at, [&](const EnabledMechanism& m) {
     if (m.entry->channel) m.entry->channel(m.values, s.name, interval, y);
   });
-  if (s.delay != 0) shift(s.delay, interval, y);
   for (auto& v : y) v *= s.gain;
 }
 
@@ -156,10 +179,11 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
   for (const auto& p : case_.parameters)
     for (const auto& m : case_.mechanisms)
       if (m.entry->mesh && p.key.starts_with("mechanism." + m.name + '.')) unchanged_mesh_ = std::make_unique<Mesh>(*mesh_);
+  if (case_.geometry.kind == "mesh") front_ = extent(*mesh_, 0).first;
   change_mesh(case_, *mesh_);
   expect_something_moves(case_, *mesh_);
   gauges_ = locate_gauges(*mesh_, case_.sensors);
-  const LoadOptions load = effective_load(case_, *mesh_);
+  const LoadOptions load = effective_load(case_, *mesh_, front_);
   heating_ = heating_shape(*mesh_, load.profile);
   if (load.kind == "initial_pressure" && !(heating_.integral > 0))
     throw InputError({.problem = fmt::format("the pulse passes the mercury by and heats nothing; {}", extent_text(*mesh_)), .key = "load.profile.center", .suggestion = "lengths are in metres"});
@@ -185,7 +209,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.steel_density = at.steel.density;
   s.liquid_density = at.mercury.density;
   s.steel = LinearElastic::from_young(at.steel.young, at.steel.poisson);
-  s.liquid = liquid_laws().get(at.mercury.law, "material.mercury.law")(at.mercury, viscosity_of(at, mesh));
+  s.liquid = liquid_laws().get(at.mercury.law, "material.mercury.law")(at.mercury, regularising_viscosity(at, mesh));
   if (at.geometry.parts()) s.wetted_cutoff = s.liquid.tensile_cutoff;
   s.hourglass = at.mercury.hourglass;
   s.quadratic_viscosity = at.mercury.quadratic_viscosity;
@@ -196,7 +220,7 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   for_active(at, [&](const EnabledMechanism& m) {
     if (m.entry->setup) m.entry->setup(m.values, s);
   });
-  LoadOptions load = effective_load(at, mesh);
+  LoadOptions load = effective_load(at, mesh, front_);
   if (at.load.kind == "end_stress")
     s.end_stress = at.end_stress;
   else
@@ -276,6 +300,9 @@ struct BuiltInModel::KeptStates {
 bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const {
   const std::vector<double> shares = left_shares(at);
   if (shares.empty()) return false;
+  if (at.enables("bubbly_liquid"))
+    throw InputError({.problem = "what earlier pulses left holds displacements and velocities, not the sizes of bubbles, which would begin at rest in a motion that they share",
+                      .key = "mechanism.previous_pulses.enabled", .value = "true", .suggestion = "enable previous_pulses or bubbly_liquid, not both"});
   ForwardCase linear = at;
   linear.mercury.law = "linear";
   std::erase_if(linear.mechanisms, [](const auto& m) { return m.entry->left; });

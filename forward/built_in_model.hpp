@@ -20,6 +20,9 @@ struct EnsembleOptions {
 };
 std::vector<double> pulse_energies(const EnsembleOptions& options);
 
+/// eta of the case's mercury on a mesh [Pa s]: the case's own, or what the mesh asks for where that is more.
+[[nodiscard]] double regularising_viscosity(const ForwardCase& forward_case, const Mesh& mesh);
+
 /// What `check` prints and every artefact may carry.
 struct ModelDescription {
   std::size_t elements = 0, nodes = 0, slip_pairs = 0;
@@ -104,6 +107,7 @@ class BuiltInModel : public ForwardModel {
   std::vector<LocatedGauge> gauges_;
   HeatingShape heating_;
   std::unique_ptr<ExplicitSolver> solver_;
+  double front_ = 0;  ///< x of the outer front face [m], of a mesh from a file; others begin at 0
   bool remesh_ = false;   ///< a parameter changes the geometry
   bool regauge_ = false;  ///< a parameter changes where a gauge sits
   bool reheat_ = false;   ///< a parameter changes the shape of the deposition

@@ -66,8 +66,8 @@ ModelDescription BuiltInModel::describe() const {
     for (std::size_t e = 0; e < s.p0.size() && peak == 0; ++e)
       if (heating_.element[e] > 0) peak = s.p0[e] / heating_.element[e];
     d.deposited_energy = peak * heating_.integral * symmetry_factor(*mesh_) / gruneisen(case_.mercury, case_.mercury.sound_speed);
-    d.viscosity = s.liquid.viscosity;
-    d.mesh_decides_viscosity = s.liquid.viscosity > case_.mercury.regularising_viscosity;
+    d.viscosity = regularising_viscosity(case_, *mesh_);  // without what a mechanism adds
+    d.mesh_decides_viscosity = d.viscosity > case_.mercury.regularising_viscosity;
     if (d.mesh_decides_viscosity)
       d.warnings.push_back(
           fmt::format("the mesh decides the regularising viscosity: {:.4g} Pa s, above the set {:.4g} Pa s; elements below {:.3g} mm in the mercury avoid that",

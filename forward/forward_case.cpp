@@ -164,6 +164,9 @@ ForwardCase ForwardCase::read(CaseFile& file) {
         throw file.located(InputError({.problem = "two conditions have the same name", .key = fmt::format("condition[{}].name", i)}));
     c.conditions.push_back(condition);
   }
+  if (!c.conditions.empty() && c.load.kind == "end_stress")
+    throw file.located(InputError({.problem = "a condition is another strength of the pulse, and a measured stress on the end has its own", .key = "condition[0].name",
+                                   .value = '"' + c.conditions[0].name + '"', .suggestion = "make a case of each record, or set load.stress_scale"}));
   file.accept("condition");
   std::vector<std::string> sensor_names(names.begin(), names.end());
   auto mechanism_tables = read_mechanisms(file, sensor_names);

@@ -105,24 +105,40 @@ Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd
   const int level = std::min(1, levels() - 1);
   const double shift = std::max(sd, 0.5 * element_size(level));
   const ModelShape& shape = model(level).shape();
-  std::vector<RunPoint> points(2, point(theta, level));
-  for (const std::size_t i : {0, 1})
-    for (const auto& s : case_.sensors) {
-      const double length = std::hypot(s.direction[0], s.direction[1], s.direction[2]);
-      for (std::size_t x = 0; x < 3; ++x)
-        if (s.direction[x] != 0) points[i]["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + (i == 0 ? 1 : -1) * shift * s.direction[x] / length;
+  const RunPoint base = point(theta, level);
+  const auto moved = [&](RunPoint& p, const SensorOptions& s, double by) {
+    const double length = std::hypot(s.direction[0], s.direction[1], s.direction[2]);
+    for (std::size_t x = 0; x < 3; ++x)
+      if (s.direction[x] != 0) p["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + by * s.direction[x] / length;
+  };
+  const auto run = [&](const std::vector<RunPoint>& points) { return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop); };
+  const auto sensors = shape.sensors.size();
+  const auto times = Eigen::Index(shape.times.size());
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), Eigen::Index(sensors));
+  const auto put = [&](std::size_t s, const RunRecord& up, const RunRecord& down, double apart) {
+    for (std::size_t c = 0; c < shape.conditions.size(); ++c) {
+      const auto at = Eigen::Index(shape.at(c, s, 0));
+      directions.col(Eigen::Index(s)).segment(at, times) = sd / apart * (up.history() - down.history()).segment(at, times);
     }
-  const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
-  const auto &up = runs[0], &down = runs[1];
-  const auto sensors = Eigen::Index(shape.sensors.size()), times = Eigen::Index(shape.times.size());
-  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), sensors);
-  if (!up.done || !down.done) return directions;
-  const Eigen::VectorXd by_place = sd / (2 * shift) * (up.history() - down.history());
-  for (std::size_t c = 0; c < shape.conditions.size(); ++c)
-    for (Eigen::Index s = 0; s < sensors; ++s) {
-      const auto at = Eigen::Index(shape.at(c, std::size_t(s), 0));
-      directions.col(s).segment(at, times) = by_place.segment(at, times);
-    }
+  };
+  std::vector<RunPoint> points(2, base);
+  for (const auto& s : case_.sensors) moved(points[0], s, shift), moved(points[1], s, -shift);
+  const auto all = run(points);
+  if (all[0].done && all[1].done) {
+    for (std::size_t s = 0; s < sensors; ++s) put(s, all[0], all[1], 2 * shift);
+    return directions;
+  }
+  // A gauge near an edge cannot be moved beyond it: each by itself then, to one side where the other fails.
+  points.assign(1, base);
+  for (const auto& s : case_.sensors)
+    for (const double by : {shift, -shift}) points.push_back(base), moved(points.back(), s, by);
+  const auto runs = run(points);
+  for (std::size_t s = 0; s < sensors; ++s) {
+    const RunRecord &up = runs[1 + 2 * s], &down = runs[2 + 2 * s];
+    if (up.done && down.done) put(s, up, down, 2 * shift);
+    else if (up.done && runs[0].done) put(s, up, runs[0], shift);
+    else if (down.done && runs[0].done) put(s, runs[0], down, shift);
+  }
   return directions;
 }
 

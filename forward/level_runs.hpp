@@ -36,7 +36,8 @@ class LevelRuns {
   std::vector<RunRecord> run(const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added, int threads,
                              const RunStore::Progress& progress = {}, const std::atomic<bool>* stop = nullptr);
   /// Changes of the ensemble mean at theta by one sd of each gauge's place along its direction, (values, gauges), by a central difference of half an element or
-  /// the sd, whichever is more. Columns of 0 where the runs failed. Two runs of the next to finest mesh.
+  /// the sd, whichever is more; to one side where the gauge cannot be moved to the other. Columns of 0 where no run came through. Two runs of the next to finest mesh, or two a gauge and one where
+  /// one of them cannot be moved.
   Eigen::MatrixXd gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress = {}, const std::atomic<bool>* stop = nullptr);
   /// What each built mechanism that the case does not enable would do at theta, by finite differences over a quarter of its keys' ranges on the next to finest
   /// mesh: one run, or two where a key may be moved either way, a key. Mechanisms above four times the base model's cost, keys that change nothing, and those whose

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "forward/forward_case.hpp"
+#include "forward/mechanism/correction.hpp"
 #include "forward/mechanism/mechanism.hpp"
 #include "forward/mesh/mesh.hpp"
 
@@ -96,7 +97,7 @@ AddedParameter place_of(const std::string& mechanism, const std::string& key, do
 
 /// Stretches of a wall of this length: the whole, and quarters half a quarter apart.
 std::vector<std::pair<double, double>> stretches(std::optional<double> length) {
-  std::vector<std::pair<double, double>> all{{0, 1}};
+  std::vector<std::pair<double, double>> all{{-anywhere, anywhere}};
   if (length)
     for (int i = 0; i + 2 <= 8; ++i) all.emplace_back(i * *length / 8, (i + 2) * *length / 8);
   return all;
@@ -125,7 +126,7 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
     const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
     for (const auto& [begin, end] : stretches(length)) {
       ParameterGroup one = group;
-      one.place = word->choices[i], one.part = end < 1;
+      one.place = word->choices[i], one.part = end < anywhere;
       for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
       if (length) {  // its ends are likeliest where they are looked at first, and may lie anywhere that leaves its middle within
         const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length, middle = 0.5 * (from + to), least = 0.25 * reach;

@@ -7,15 +7,15 @@ namespace calomel {
 namespace {
 
 void heat_steel(const MechanismValues& v, const Mesh& mesh, const LoadOptions& load, RunSetup& s) {
-  const double front = load.profile.greatest();  // 1 / shape on the axis at x = 0
+  const double front = load.profile.greatest();  // 1 / shape on the axis at the front face
   s.thermal_strain.resize(mesh.elements.size(), 0);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     if (mesh.region[e] != Region::steel) continue;
     Vec3 x{};
     for (const NodeId n : mesh.elements[e])
       for (std::size_t c = 0; c < 3; ++c) x[c] += mesh.nodes[std::size_t(n)][c] / 8;
-    const double across = front * load.profile.shape({0, x[1], x[2]}, mesh.plane_strain);
-    s.thermal_strain[e] += steel_expansion * load.factor * v["delta_t"] * across * std::exp(-x[0] / v["decay"]);
+    const double across = front * load.profile.shape({load.profile.front, x[1], x[2]}, mesh.plane_strain);
+    s.thermal_strain[e] += steel_expansion * load.factor * v["delta_t"] * across * std::exp(-(x[0] - load.profile.front) / v["decay"]);
   }
 }
 

@@ -141,7 +141,7 @@ CALOMEL_INLINE V liquid_pressure(V w, V volume, const LiquidStep<V>& s, V* state
     return Given ? s.pressure : greater(s.p0 - s.bulk_modulus * w, s.minus_cutoff);
   } else {
     const Motion<V> m = motion<K>(w, s, state);
-    V p = Given ? s.pressure : greater(s.p0 - s.bulk_modulus * w + m.quadratic, s.minus_cutoff);
+    V p = Given ? s.pressure + select(s.pressure > s.minus_cutoff, m.quadratic, V{}) : greater(s.p0 - s.bulk_modulus * w + m.quadratic, s.minus_cutoff);
     const V at_cutoff = select(p <= s.minus_cutoff, V{} + 1, V{});
     p -= select(p > s.minus_cutoff, m.collapse, V{});
     if constexpr (K == Keep::rate) {

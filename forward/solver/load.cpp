@@ -17,7 +17,7 @@ double ProfileOptions::greatest() const {
 }
 
 double ProfileOptions::shape(const Vec3& x, bool plane_strain) const {
-  const double along = (1 + buildup * (1 - std::exp(-x[0] / buildup_length))) * std::exp(-x[0] / decay) / greatest();
+  const double depth = x[0] - front, along = (1 + buildup * (1 - std::exp(-depth / buildup_length))) * std::exp(-depth / decay) / greatest();
   double across = 0.5 * std::pow(std::abs((x[2] - center[1]) / widths[1]), exponent);
   if (!plane_strain) across += 0.5 * std::pow(std::abs((x[1] - center[0]) / widths[0]), exponent);
   return along * std::exp(-across);

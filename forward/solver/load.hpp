@@ -21,6 +21,7 @@ struct ProfileOptions {
   double buildup = 1.5;
   double buildup_length = 0.02;
   double exponent = 2;
+  double front = 0;  ///< x of the outer front face [m]; no key, the mesh has it
   template <class V>
   void visit(V& v) {
     v("center", center, {.unit = "m", .doc = "(y0, z0) of the beam's axis"});
@@ -32,7 +33,7 @@ struct ProfileOptions {
   }
   /// Value at a point, at most 1. `plane_strain` drops the y factor.
   [[nodiscard]] double shape(const Vec3& x, bool plane_strain) const;
-  /// max over x >= 0 of g.
+  /// max over all depths of g.
   [[nodiscard]] double greatest() const;
 };
 

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <functional>
 
+#include "forward/mesh/make_mesh.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
@@ -242,4 +244,86 @@ TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
   EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Not(::testing::Contains(HasSubstr("a film of"))));
   c.mercury.wall_film = 1e-3;
   EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Contains(HasSubstr("hold a film of 0.9 mm on the walls at most, not the 1 mm")));
+}
+
+// What a mechanism adds is no numerics: corrections for the mesh take the mesh's viscosity off.
+TEST(BuiltInModel, TellsTheMeshesViscosityWithoutThatOfAMechanism) {
+  const auto base = BuiltInModel(small_case()).describe(), with = BuiltInModel(small_case("[mechanism.liquid_viscosity]\nenabled = true\nzeta = 3000.0\n")).describe();
+  EXPECT_GT(base.viscosity, 0);
+  EXPECT_EQ(with.viscosity, base.viscosity);
+}
+
+// An offset of the reading does not set in with the gauge's own delay.
+TEST(BuiltInModel, AnOffsetIsThereFromTheStart) {
+  ForwardCase c = small_case("[mechanism.sensor_response]\nenabled = true\noffset = 1e-4\n");
+  c.sensors[0].delay = 5e-6;
+  const auto y = BuiltInModel(c, {.pulses = 1}).evaluate({}).mean;
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(y[k], 1e-4, 1e-9) << k;
+}
+
+namespace {
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+// Near its neutral value a law of its own is the base model, whatever numerics the mercury has.
+TEST(BuiltInModel, TheQuadraticViscosityActsUnderAnyLaw) {
+  const std::string quadratic = "[material.mercury]\nquadratic_viscosity = 1.5\nleast_mesh_viscosity = 0.02\n";
+  const auto with = [&](const std::string& mercury, const std::string& mechanism) {
+    std::string text = small_case_text(mechanism);
+    const std::string own = "[material.mercury]\nleast_mesh_viscosity = 0.02\n";
+    if (!mercury.empty()) text.replace(text.find(own), own.size(), mercury);
+    CaseFile file = CaseFile::from_text(text);
+    return BuiltInModel(ForwardCase::read(file), {.pulses = 1}).evaluate({}).mean;
+  };
+  const std::string stiffening = "[mechanism.nonlinear_eos]\nenabled = true\nexponent = 1.0000001\n";
+  const auto base = with(quadratic, "");
+  const double seen = difference(with("", ""), base);
+  EXPECT_GT(seen, 1e-5);
+  EXPECT_LT(difference(with(quadratic, stiffening), base), 0.03 * seen);
+}
+
+// Bubbles would begin at rest in a motion that they share.
+TEST(BuiltInModel, WhatEarlierPulsesLeftHoldsNoBubbles) {
+  const Prediction p = BuiltInModel(small_case("[mechanism.previous_pulses]\nenabled = true\nleft_1 = 0.1\n[mechanism.bubbly_liquid]\nenabled = true\nalpha0 = 1e-4\n"), {.pulses = 1}).evaluate({});
+  EXPECT_FALSE(p.ok);
+  EXPECT_THAT(p.message, HasSubstr("enable previous_pulses or bubbly_liquid, not both"));
+}
+
+TEST(BuiltInModel, ARearFaceThatIsNotThereReflectsNothingAndSaysSo) {
+  const std::string mechanism = "[mechanism.rear_reflection]\nenabled = true\ncoefficient = 0.5\n";
+  EXPECT_TRUE(BuiltInModel(small_case(mechanism), {.pulses = 1}).evaluate({}).ok);
+  EXPECT_THAT(refusal([&] { (void)BuiltInModel(ringing_box(0.004, mechanism), {.pulses = 1}).describe(); }), HasSubstr("no rear face that swallows waves"));
+}
+
+// A mesh from a file may begin anywhere: its front face is where the beam enters, and a wall without ends is all of the wall.
+TEST(BuiltInModel, AMeshFromAFileMayLieAnywhere) {
+  const ForwardCase box = small_case();
+  const auto mesh = [&](double dx, double dz) {
+    Mesh m = make_mesh(box.geometry);
+    for (auto& x : m.nodes) x[0] += dx, x[2] += dz;
+    return m;
+  };
+  const auto moved = [&](double dx, double dz, const std::string& mechanism) {
+    ForwardCase c = small_case(mechanism);
+    c.geometry.kind = "mesh", c.load.profile.center[1] += dz;
+    for (auto& s : c.sensors) s.position[0] += dx, s.position[2] += dz;
+    const Prediction p = BuiltInModel(c, {.pulses = 1}, 1, mesh(dx, dz)).evaluate({});
+    EXPECT_TRUE(p.ok) << p.message;
+    return p.mean;
+  };
+  for (const char* mechanism : {"", "[mechanism.wall_thinning]\nenabled = true\nwall = \"front\"\nfraction = 0.3\n", "[mechanism.thermal_stress]\nenabled = true\ndelta_t = 1.0\n"}) {
+    const auto here = moved(0, 0, mechanism);
+    EXPECT_LT(difference(moved(-0.02, 0, mechanism), here), 1e-5) << mechanism;
+    EXPECT_LT(difference(moved(0, -0.015, mechanism), here), 1e-5) << mechanism;
+  }
+  EXPECT_LT(difference(moved(0, 0, ""), run("")), 1e-9);
 }

@@ -200,5 +200,22 @@ TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   EXPECT_EQ(like_the_mesh, 4);
 }
 
+// One gauge that cannot be moved towards an edge does not take the others' errors of place with it.
+TEST(LevelRuns, AGaugeNearAnEdgeLeavesTheOthersTheirPlaces) {
+  const auto places = [](const std::string& more) {
+    CaseFile file = CaseFile::from_text(small_case_text(more));
+    static int number = 0;
+    RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, scratch_file("places" + std::to_string(++number)));
+    const ForwardCase c = ForwardCase::read(file);
+    return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).gauge_places({}, 0.5e-3, 2);
+  };
+  const Eigen::MatrixXd alone = places(""), with = places("[[sensor]]\nname = \"E\"\nposition = [0.0025, 0.0, 0.03]\ndirection = [1, 0, 0]\ngauge_length = 4e-3\n");
+  ASSERT_EQ(alone.cols(), 2);
+  ASSERT_EQ(with.cols(), 3);
+  EXPECT_GT(alone.col(0).norm(), 0);  // the other sits where all is symmetric about it
+  for (int s = 0; s < 2; ++s) EXPECT_EQ(with.col(s).head(alone.rows()), alone.col(s)) << s;
+  EXPECT_GT(with.col(2).norm(), 0);  // to one side
+}
+
 }  // namespace
 }  // namespace calomel

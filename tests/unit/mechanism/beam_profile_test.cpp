@@ -93,6 +93,21 @@ TEST(BeamProfile, ABeamOffToOneSideNeedsTheFullModel) {
   EXPECT_NO_THROW(BuiltInModel(box(true, "offset_z = 1e-3\n"), {.pulses = 1}));
 }
 
+// The case's own beam, too: off the plane it would be two beams.
+TEST(BeamProfile, AHalfModelRefusesABeamBesideItsPlane) {
+  ForwardCase c = box(true, "");
+  c.load.profile.center[0] = 0.01;
+  try {
+    const BuiltInModel model(c, {.pulses = 1});
+    FAIL() << "it should have been refused";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.parts().key, "load.profile.center");
+    EXPECT_THAT(e.what(), HasSubstr("two beams"));
+  }
+  c.geometry.half = false;
+  EXPECT_NO_THROW(BuiltInModel(c, {.pulses = 1}));
+}
+
 // A diagnosis of a model that is cut by a symmetry does not ask for what the model would refuse: a half model, and any mesh with a mirror plane.
 TEST(BeamProfile, IsNotAskedForAnOffsetAcrossAMirrorPlane) {
   const auto numbers = [](const Mesh& mesh) {

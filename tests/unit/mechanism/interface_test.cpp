@@ -114,6 +114,6 @@ TEST(Interface, WhatCannotOpenIsAnErrorThatSaysSo) {
   };
   EXPECT_THAT(message("", "tied"), HasSubstr("share nodes"));
   EXPECT_THAT(message("wall = \"rear\"\n"), HasSubstr("mechanism.interface.wall"));
-  EXPECT_THAT(message("begin = 0.5\n"), HasSubstr("between x = 0.5 and 1 m"));
+  EXPECT_THAT(message("begin = 0.5\n"), HasSubstr("beyond x = 0.5 m"));
   EXPECT_THROW((void)small_case(weak("wall = \"lid\"\n")), InputError);
 }

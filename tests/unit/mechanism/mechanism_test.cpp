@@ -30,9 +30,9 @@ Prediction evaluate(const ForwardCase& c, int pulses) { return BuiltInModel(c, {
 /// A value within the default prior that is not the off value.
 double somewhere(const MechanismKey& k) { return k.log_uniform ? std::sqrt(k.low * k.high) : 0.35 * k.low + 0.65 * k.high; }
 
-class EveryMechanism : public ::testing::TestWithParam<std::string> {};
-
 }  // namespace
+
+class EveryMechanism : public ::testing::TestWithParam<std::string> {};
 
 TEST(Mechanisms, AllThirteenAreNamed) {
   EXPECT_THAT(mechanisms().names(),
