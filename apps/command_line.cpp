@@ -41,7 +41,7 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
   auto& make = *verb.add_subcommand("make", "make cases with physics that is concealed in them, and the truth apart from them; goes on where it was cut off");
   add_seed(make, command, "seed of the suite: the same seed gives the same cases")->required();
   make.add_option("--out", words.directory, "directory of the suite")->required()->type_name("DIR");
-  make.add_option("--suite", words.suite, "how many cases of which kind (default: small): small, quick")->type_name("NAME");
+  make.add_option("--suite", words.suite, "how many cases of which kind (default: small): small, quick, full")->type_name("NAME");
   const auto count = [&](const char* name, std::optional<int>& value, const char* doc) { make.add_option(name, value, doc)->check(CLI::Range(0, 100000))->take_last()->type_name("N"); };
   count("--none", words.none, "cases with nothing concealed, in place of the suite's number");
   count("--single", words.single, "of each effect that the library has a mechanism for");

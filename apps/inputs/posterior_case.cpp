@@ -86,9 +86,10 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study) {
   return positions;
 }
 
-double mesh_error(const StudyCase& study) {
+double mesh_error(const StudyCase& study, double size_from_file) {
   if (!study.on_mesh()) return study.errors.mesh.value_or(0);  // characteristics and spectra carry waves without any
-  return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * study.forward.geometry.resolved().element_size.value_or(0)));
+  const double finest = element_sizes(study).back();  // 0: the mesh that the case has from a file
+  return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * (finest > 0 ? finest : size_from_file)));
 }
 
 std::optional<double> elements_per_front(const StudyCase& study) {
@@ -114,7 +115,7 @@ double first_half_width(const Parameter& p, bool nuisance) {
   if (nuisance) return (p.key == viscosity_key ? box_of_viscosity : box_of_young) * *p.sigma;
   if (p.key == "material.mercury.density") return 0.035;
   if (p.key == "material.mercury.sound_speed") return 0.05;
-  if (p.key == "material.mercury.tensile_cutoff") return p.logarithmic() ? 0.7 : 0.6 * *p.nominal;
+  if (p.key == "material.mercury.tensile_cutoff") return p.logarithmic() ? 0.7 : std::max(0.6 * *p.nominal, 0.1 * (p.max - p.min));
   return 0.1 * (p.logarithmic() ? std::log(p.max / p.min) : p.max - p.min);
 }
 

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <tuple>
 
 #include "apps/inputs/posterior_case.hpp"
 #include "apps/interrupt.hpp"
+#include "forward/mesh/mesh_extent.hpp"
 #include "inverse/posterior/direct_start.hpp"
 #include "inverse/data/decimation.hpp"
 
@@ -27,13 +30,23 @@ void expect_times_of_the_records(const PosteriorInputs& in) {
   expect_above("errors.amplitude_time", in.errors.amplitude_time);
 }
 
+/// Least and greatest coordinates of the target's own faces, (2, 3) [m]; NaN where a plane of symmetry stands for one, and across a slice.
+Eigen::MatrixXd outermost(const Mesh& mesh) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd planes(2, 3);
+  for (int axis = 0; axis < 3; ++axis) std::tie(planes(0, axis), planes(1, axis)) = extent(mesh, std::size_t(axis));
+  for (const auto& m : mesh.mirrors) planes(m.above ? 0 : 1, m.axis) = none;
+  if (mesh.plane_strain) planes.col(1).setConstant(none);
+  return planes;
+}
+
 /// What does not depend on where the runs come from.
 std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const CommandLine& command) {
   std::unique_ptr<PosteriorInputs> out(
       new PosteriorInputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
   PosteriorInputs& in = *out;
   in.parameters = posterior_parameters(study), in.seed = command.seed;
-  in.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  in.places.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
   return out;
 }
 
@@ -44,6 +57,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, c
   PosteriorInputs& in = *out;
   LevelRuns* runs = &parts.runs;
   const int threads = command.threads;
+  in.places.outermost = outermost(runs->model(0).mesh()), in.mesh = mesh_error(parts.study, runs->model(0).mesh().liquid_element_size);
   in.levels = runs->levels(), in.pulses = parts.study.campaign.pulses, in.energy_sd = parts.study.campaign.pulse_energy_sd;
   in.run = [=](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return runs->run(thetas, level, threads, told, &stop_requested()); };
   if (const double sd = parts.study.errors.gauge_place_sd; sd > 0)

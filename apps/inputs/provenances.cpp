@@ -105,6 +105,7 @@ Provenance posterior_provenance(const StudyInputs& inputs) {
   const bool density = inputs.study().is_log_density();
   Provenance p = density ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
   if (!density) p.options["posterior"] = echo(inputs.study().posterior);
+  if (inputs.study().external) p.options["on_emulator"] = inputs.study().file.has("surrogate");  // two densities of two boxes
   add_basin(p, inputs);
   return p;
 }
@@ -124,6 +125,7 @@ Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
   if (const auto& external = inputs.study().external) p.options["mechanism"] = external->echo()["mechanism"];  // what is offered: runs do not hang on its priors, a verdict does
   p.options.erase("sampler");
+  p.options["offered"] = inputs.study().listed_mechanisms();  // what has a table is offered, and nothing else where one has
   p.options["diagnosis"] = echo(inputs.study().diagnosis);
   return p;
 }

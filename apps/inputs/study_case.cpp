@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 
@@ -95,6 +97,15 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
     records.unit = study.unit(), records.as_it_is = true;
   }
   return study;
+}
+
+std::vector<std::string> StudyCase::listed_mechanisms() const {
+  std::vector<std::string> names = forward.listed_mechanisms;
+  if (line)
+    for (const auto& m : line->mechanisms)
+      if (m.listed) names.push_back(m.name);
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 Json StudyCase::echo() const {

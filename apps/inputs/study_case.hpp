@@ -83,6 +83,8 @@ struct StudyCase {
   [[nodiscard]] bool is_log_density() const { return external && external->is_log_density(); }
   /// Whether the model is the explicit solver on a mesh.
   [[nodiscard]] bool on_mesh() const { return !line && !external; }
+  /// Mechanisms that have a table, by name: where there are any, a diagnosis is offered these alone.
+  [[nodiscard]] std::vector<std::string> listed_mechanisms() const;
   /// The resolved case, table by table.
   [[nodiscard]] Json echo() const;
   /// The tables on which the strains of a run depend; of the parameters what the design sees, not the priors.

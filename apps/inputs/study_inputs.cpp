@@ -95,12 +95,16 @@ const Recordings& StudyInputs::recordings() {
   return *recordings_;
 }
 
+std::filesystem::path StudyInputs::journal(const std::string& name, const Provenance& provenance) const {
+  auto path = artefact(name);
+  if (command_.fresh && std::filesystem::exists(path) && RunStore::identity(path) != provenance.identity()) set_aside(path);
+  return path;
+}
+
 RunStore& StudyInputs::runs() {
   if (!runs_) {
     const auto provenance = runs_provenance(study_);
-    const auto journal = artefact("runs.journal");
-    if (command_.fresh && std::filesystem::exists(journal) && RunStore::identity(journal) != provenance.identity()) set_aside(journal);
-    runs_ = std::make_unique<RunStore>(provenance, journal);
+    runs_ = std::make_unique<RunStore>(provenance, journal("runs.journal", provenance));
   }
   return *runs_;
 }

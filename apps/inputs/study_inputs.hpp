@@ -48,6 +48,8 @@ class StudyInputs {
   [[nodiscard]] const Problem& problem();
   /// Those of the model's sensors. Errors: as problem().
   [[nodiscard]] const Recordings& recordings();
+  /// Where a journal of runs stands. With --fresh one of other settings is set aside first.
+  [[nodiscard]] std::filesystem::path journal(const std::string& name, const Provenance& provenance) const;
   /// The journal of all runs of the true model. With --fresh one of other settings is set aside first. Errors: see RunStore.
   [[nodiscard]] RunStore& runs();
   /// The emulator's meshes, their runs kept in runs(). Errors: InputError naming emulator.element_sizes.

@@ -32,11 +32,12 @@ std::vector<std::string> written_out(const std::vector<std::string>& methods) {
 }
 
 /// METHOD.json where it stands, finished, and belongs to these recordings; nothing otherwise.
-std::optional<Json> finished(const std::filesystem::path& path, const std::string& recordings) {
+std::optional<Json> finished(const std::filesystem::path& path, const std::string& recordings, const Json& options) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   Json json = read_json(path);
-  const auto hash = json.value(Json::json_pointer("/provenance/inputs/recordings"), "");
-  return hash == recordings && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
+  const auto at = [&](const char* place) { return json.value(Json::json_pointer(place), Json()); };
+  const bool same = at("/provenance/inputs/recordings") == recordings && at("/provenance/options/recordings") == options;
+  return same && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }
 
 /// What the method learns from, made first where it is not there; the status of the campaign. What is wrong with other inputs is told before that long work.
@@ -83,7 +84,7 @@ void compare(const StudyInputs& inputs) {
   Provenance provenance = comparison_provenance(inputs);
   for (const auto& method : every_method) {
     const auto path = inputs.artefact(method + ".json");
-    auto json = finished(path, provenance.inputs.at("recordings"));
+    auto json = finished(path, provenance.inputs.at("recordings"), echo(*inputs.study().recordings));
     if (!json) continue;
     provenance.inputs[method + ".json"] = hash_file(path);
     summaries.push_back({method, std::move(*json)});

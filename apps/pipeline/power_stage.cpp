@@ -144,7 +144,8 @@ ExitStatus power_stage(StageCall& call) {
   return inputs.study().file.locating([&] {
     const Planned plan = planned(inputs, inputs.model().mesh());
     const StudyCase& study = plan.study;
-    RunStore store(runs_provenance(study), inputs.artefact("power_runs.journal"));
+    const auto runs = runs_provenance(study);
+    RunStore store(runs, inputs.journal("power_runs.journal", runs));
     LevelRuns levels(study.forward, inputs.ensemble(), posterior_parameters(study), element_sizes(study), study.emulator.viscosity, store);
     const ModelShape& shape = levels.model(0).shape();
     const auto told = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("power: {} of {} runs of the true model", done, total)); };

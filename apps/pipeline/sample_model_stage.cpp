@@ -75,6 +75,9 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
 std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.is_log_density()) return std::nullopt;
+  if (study.map.product == "physical")
+    throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised", .key = "map.product", .value = "\"physical\"",
+                                         .suggestion = "add a [surrogate] table, by which it is sampled on an emulator, or set product = \"tuned\""}));
   const Problem& problem = inputs.problem();
   return ErrorModel(problem, inputs.recordings(), *study.recordings, study.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }

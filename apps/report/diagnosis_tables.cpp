@@ -87,11 +87,13 @@ std::string where_and_when(const Study& study) {
     s = "No single stretch of time of one gauge stands out.";
   }
   const Json& sensors = list_at(location_of(study), "sensors");
-  std::size_t whole = 0, late = 0, high = 0;
-  for (const auto& g : sensors) whole += seen(number_at(g, "q_value"));
-  for (const auto& w : windows) late += seen(number_at(w, "q_value"));
-  for (const auto& b : bands) high += seen(number_at(b, "q_value"));
-  return s + fmt::format(" Over the whole record it shows at {} of {} gauges; over all gauges in {} of {} stretches of time and in {} of {} bands of frequency.", whole, sensors.size(), late, windows.size(), high, bands.size());
+  const auto share = [](const Json& parts) {  // of those that were recorded
+    std::size_t all = 0, shows = 0;
+    for (const auto& p : parts)
+      if (const auto q = number_at(p, "q_value")) ++all, shows += seen(q);
+    return fmt::format("{} of {}", shows, all);
+  };
+  return s + fmt::format(" Over the whole record it shows at {} gauges; over all gauges in {} stretches of time and in {} bands of frequency.", share(sensors), share(windows), share(bands));
 }
 
 /// "the fit of ...: message", of the first that the verdict hangs on and that has not settled.
@@ -215,8 +217,8 @@ Table handbook_table(const Study& study, const ReportInput& input) {
     const Json& known = part_at(handbook, name);
     std::vector<Cell> row{parameter_label(input, name), number_at(known, "mean"), number_at(known, "sd")};
     const auto add = [&](const Json& fit) {
-      const auto mean = number_at(fit, "mean"), centre = number_at(known, "mean"), sd = number_at(known, "sd");
-      const auto apart = mean && centre && sd ? std::optional((*mean - *centre) / *sd) : std::nullopt;
+      const auto mean = number_at(fit, "mean"), centre = number_at(known, "mean"), sd = number_at(known, "sd"), log_sd = number_at(known, "log_sd");
+      const auto apart = !mean || !centre || !sd ? std::nullopt : log_sd ? std::optional(std::log(*mean / *centre) / *log_sd) : std::optional((*mean - *centre) / *sd);
       row.emplace_back(mean), row.emplace_back(number_at(fit, "sd")), row.emplace_back(apart, apart && std::abs(*apart) > far);
     };
     add(value);

@@ -14,9 +14,16 @@ namespace {
 
 constexpr double least_share = 0.5;  ///< of a window's weight that must be there
 
+/// Share of the samples between its first and its last that a record has: 1, or less of a slower channel.
+double density(const Observation& o) {
+  const auto first = std::find(o.compared.begin(), o.compared.end(), 1), last = std::find(o.compared.rbegin(), o.compared.rend(), 1).base();
+  return first < last ? double(std::count(first, last, 1)) / double(last - first) : 1;
+}
+
 std::vector<Window> windows_of(const Observation& o, std::span<const double> time, std::size_t factor) {
   std::vector<Window> all;
   const std::size_t n = time.size();
+  const double least = least_share * density(o) * (1 - 1e-9);
   for (std::size_t k = 0; k < std::max<std::size_t>(1, n / factor); ++k) {
     const double middle = (double(k) + 0.5) * double(factor) - 0.5;
     Window w;
@@ -30,7 +37,7 @@ std::vector<Window> windows_of(const Observation& o, std::span<const double> tim
       w.index.push_back(i), w.weight.push_back(weight);
       sum += weight, first_moment += weight * time[i];
     }
-    if (possible <= 0 || sum < least_share * possible) continue;
+    if (possible <= 0 || sum < least * possible) continue;
     for (auto& x : w.weight) x /= sum;
     w.time = first_moment / sum;
     all.push_back(std::move(w));

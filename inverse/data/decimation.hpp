@@ -20,7 +20,7 @@ struct Window {
 
 /// Linear map from record samples, and from a model's values, to coarse values. Every `factor` samples make one value; the filter is a Hann window of
 /// twice that length, w(d) = cos^2(pi d / (2 factor)), |d| < factor, which lets half the amplitude through at the coarse Nyquist frequency and
-/// nothing at twice it (Harris 1978, Proc. IEEE 66, 51). Absent samples have no weight; a window that keeps less than half of its own is left out.
+/// nothing at twice it (Harris 1978, Proc. IEEE 66, 51). Absent samples have no weight; a window that keeps less than half of what the record has on average is left out.
 class Decimation {
  public:
   /// The smallest factor that leaves at most `most_values` values over all observations and whose Nyquist frequency is not above `band` [Hz].

@@ -72,7 +72,7 @@ std::size_t find_condition(const ModelShape& shape, const Recordings& r, std::si
 Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size_t begin, std::size_t end, const RecordingOptions& options) {
   Observation o;
   for (std::size_t p = 0; p < r.pulses.size(); ++p) o.pulses += r.recorded(c, s, p);
-  const auto noise = options.noise_of(r.sensors[s]);
+  const auto noise = r.noise_of(r.sensors[s], options);
   if (o.pulses == 1 && !noise)
     throw InputError({.problem = fmt::format("sensor {} has a single pulse, so that its scatter is not known", r.sensors[s]),
                       .key = "recordings.noise",

@@ -105,7 +105,7 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   for (std::size_t d = dims.size(); d-- > 0; step *= shape[d]) stride[dims[d] == "condition" ? 0 : dims[d] == "sensor" ? 1 : dims[d] == "pulse" ? 2 : 3] = step;
   const auto raw = file.doubles("strain");
   const auto [factor, name] = as_it_is ? std::pair(factor_to_model(file.attribute("units", "strain"), unit, path.string()), unit) : inner_unit(file.attribute("units", "strain"), unit, path.string());
-  out.unit = name;
+  out.unit = name, out.factor = factor;
   out.values.resize(raw.size());
   std::size_t dropouts = 0;
   for (std::size_t c = 0; c < out.conditions.size(); ++c)
@@ -129,14 +129,13 @@ void multiply(RecordRows& table, double factor) {
     for (auto& r : table.rows) r.value *= factor;
 }
 
-/// Values of a text file into the model's own unit. A column called strain is the customary header, whatever the unit.
-std::string convert_to_model(RecordRows& table, const std::string& unit) {
-  multiply(table, factor_to_model(table.value_column == "microstrain" ? table.value_column : table.unit, unit, table.files[0]));
-  return unit;
+/// From the values of a text file to the model's own unit: factor and name. A column called strain is the customary header, whatever the unit.
+std::pair<double, std::string> unit_of_model(const RecordRows& table, const std::string& unit) {
+  return {factor_to_model(table.value_column == "microstrain" ? table.value_column : table.unit, unit, table.files[0]), unit};
 }
 
-/// Values of a text file into the inner unit.
-std::string convert(RecordRows& table, const std::string& unit) {
+/// From the values of a text file to the inner unit: factor and name.
+std::pair<double, std::string> unit_of_strain(const RecordRows& table, const std::string& unit) {
   std::string own = table.unit;
   if (table.value_column == "microstrain" || table.value_column == "strain") {
     own = table.value_column;
@@ -147,9 +146,7 @@ std::string convert(RecordRows& table, const std::string& unit) {
                         .value = '"' + unit + '"',
                         .suggestion = "write unit = \"microstrain\""});
   }
-  const auto [factor, name] = inner_unit(own, unit, table.files[0]);
-  multiply(table, factor);
-  return name;
+  return inner_unit(own, unit, table.files[0]);
 }
 
 /// The rows of a record that is on a grid already, for a merge.
@@ -207,10 +204,8 @@ void RecordingOptions::validate() const {
 }
 
 std::optional<double> RecordingOptions::noise_of(const std::string& sensor) const {
-  const double factor = unit == "microstrain" && !as_it_is ? microstrain : 1;
-  if (const auto it = noise_by_sensor.sd.find(sensor); it != noise_by_sensor.sd.end()) return it->second * factor;
-  if (noise && noise_by_sensor.sd.empty()) return *noise * factor;
-  return std::nullopt;
+  if (const auto it = noise_by_sensor.sd.find(sensor); it != noise_by_sensor.sd.end()) return it->second;
+  return noise_by_sensor.sd.empty() ? noise : std::nullopt;
 }
 
 RecordingOptions read_recording_options(CaseFile& file) {
@@ -228,9 +223,10 @@ bool Recordings::recorded(std::size_t condition, std::size_t sensor, std::size_t
 Recordings read_recordings_file(const std::filesystem::path& path, const std::string& unit, bool as_it_is) {
   if (is_netcdf(path)) return read_netcdf(path, unit, as_it_is);
   RecordRows table = parse_record_text(read_text(path), path.string());
-  const std::string name = as_it_is ? convert_to_model(table, unit) : convert(table, unit);
+  const auto [factor, name] = as_it_is ? unit_of_model(table, unit) : unit_of_strain(table, unit);
+  multiply(table, factor);
   Recordings out = assemble(table);
-  out.unit = name;
+  out.unit = name, out.factor = factor;
   return out;
 }
 
@@ -320,7 +316,9 @@ ImportSummary import_recordings(std::span<const std::filesystem::path> files, co
       table = rows_of(record), name = record.unit;
     } else {
       table = parse_record_text(read_text(path), path.string());
-      name = convert(table, options.unit);
+      const auto [factor, unit_of_file] = unit_of_strain(table, options.unit);
+      multiply(table, factor);
+      name = unit_of_file;
     }
     if (!unit.empty() && name != unit)
       throw InputError({.problem = fmt::format("the values are in {}, those of {} in {}", name, files[0].string(), unit), .file = path.string()});

@@ -55,7 +55,7 @@ struct RecordingOptions {
   }
   /// Errors: InputError when end <= begin.
   void validate() const;
-  /// sd of the noise of a sensor [-] or in the data's unit: microstrain is converted. Empty when the case gives none.
+  /// sd of the noise of a sensor, in the data's unit; Recordings::noise_of converts it. Empty when the case gives none.
   [[nodiscard]] std::optional<double> noise_of(const std::string& sensor) const;
 };
 
@@ -70,12 +70,18 @@ struct Recordings {
   std::vector<double> time;             ///< [s], evenly spaced
   std::vector<double> values;           ///< (condition, sensor, pulse, time); NaN = absent
   std::string unit = "strain";          ///< "strain", or the name of another unit
+  double factor = 1;                    ///< by which the file's values were multiplied to be in it
   std::string source;                   ///< the file (or files) they come from
   std::vector<int> sensor_lines;        ///< (n_sensors) line of the first row in a text file in long form; 0 otherwise
   std::vector<std::string> warnings;    ///< dropouts, rounded times, skipped lines
 
   [[nodiscard]] std::size_t at(std::size_t condition, std::size_t sensor, std::size_t pulse, std::size_t sample) const {
     return ((condition * sensors.size() + sensor) * pulses.size() + pulse) * time.size() + sample;
+  }
+  /// sd of the noise of a sensor that the case gives, in the unit of the values here; empty when it gives none.
+  [[nodiscard]] std::optional<double> noise_of(const std::string& sensor, const RecordingOptions& options) const {
+    const auto sd = options.noise_of(sensor);
+    return sd ? std::optional(*sd * factor) : std::nullopt;
   }
   /// Whether the pulse of the sensor has any sample.
   [[nodiscard]] bool recorded(std::size_t condition, std::size_t sensor, std::size_t pulse) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <set>
 
 #include "base/linear_algebra.hpp"
 #include "base/not_finite.hpp"
@@ -14,13 +15,15 @@ namespace {
 constexpr double smoothing_time = 25e-6;       ///< [s] half width over which the variance may change
 constexpr double shrinkage_squares = 10;       ///< squares at which local and mean variance count alike
 constexpr double least_white = 0.01;           ///< keeps the covariance regular
+constexpr double dropouts = 0.1;               ///< share of a pulse's values that may be absent: the mean of the others stands for them
 constexpr std::array<double, 5> white_shares{least_white, 0.05, 0.15, 0.4, 0.8};
 
 /// The pulses of one observation on the coarse grid.
 struct Pulses {
   std::size_t condition = 0;
   std::vector<std::size_t> number;  ///< index into Recordings::pulses
-  Eigen::MatrixXd values;           ///< (windows, pulses), all finite
+  Eigen::MatrixXd values;           ///< (windows, pulses) of those that are nearly whole, all finite
+  Eigen::VectorXd present;          ///< (windows) pulses that have it, those left out of `values` too; at least 1
   Eigen::VectorXd mean;
   Eigen::VectorXd slope;
   bool zeroed = false;
@@ -47,16 +50,23 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
   const bool from_zero = std::abs(problem.time[0]) < 1e-9 * (1 + problem.time.back());
   p.zeroed = from_zero;
   std::vector<Eigen::VectorXd> columns;
+  const auto windows = Eigen::Index(grid.windows(index).size());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(windows);
+  p.present = sum;
   for (std::size_t k = 0; k < r.pulses.size(); ++k) {
     if (!r.recorded(c, s, k)) continue;
     const std::span<const double> record(r.values.data() + r.at(c, s, k, begin), n);
     const Eigen::VectorXd y = grid.apply_record(index, record);
-    if (!y.allFinite()) continue;
+    const Eigen::Array<bool, Eigen::Dynamic, 1> there = y.array().isFinite();
+    p.present.array() += there.cast<double>(), sum.array() += there.select(y.array(), 0.0);
+    if (double(windows - there.count()) > dropouts * double(windows)) continue;
     p.zeroed = p.zeroed && record[0] == 0;
     p.number.push_back(k), columns.push_back(y);
   }
-  p.values.resize(Eigen::Index(grid.windows(index).size()), Eigen::Index(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) p.values.col(Eigen::Index(k)) = columns[k];
+  p.present = p.present.cwiseMax(1);
+  p.values.resize(windows, Eigen::Index(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), sum.array() / p.present.array());
   if (!columns.empty()) p.mean = p.values.rowwise().mean();
   return p;
 }
@@ -240,13 +250,20 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
   }
   out.energy = Eigen::MatrixXd::Ones(Eigen::Index(conditions), Eigen::Index(pulses));
   for (std::size_t c = 0; c < conditions; ++c) out.energy.row(Eigen::Index(c)) += split.energy[c].transpose();
-  if (pulses > 1) out.energy_sd = std::sqrt((out.energy.array() - 1).square().sum() / double(conditions * (pulses - 1)));
+  double freedom = 0;  // a condition's known energies have mean 1
+  for (std::size_t c = 0; c < conditions; ++c) {
+    std::set<std::size_t> known;
+    for (const auto& p : all)
+      if (p.condition == c && p.number.size() > 1) known.insert(p.number.begin(), p.number.end());
+    if (!known.empty()) freedom += double(known.size() - 1);
+  }
+  if (freedom > 0) out.energy_sd = std::sqrt((out.energy.array() - 1).square().sum() / freedom);
   out.split_half = split_half_ratio(all, split);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Observation& o = problem.observations[i];
     const auto windows = grid.windows(i);
     SeriesNoise s;
-    s.pulses = int(all[i].number.size());
+    s.pulses = int(all[i].number.size()), s.present = all[i].present;
     if (s.pulses >= 2 && split.residual[i].squaredNorm() > 0) {
       s.zeroed = all[i].zeroed;
       s.mean_energy = 1;
@@ -254,7 +271,7 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
       // The mean took one pulse; the energies took one number a pulse, shared by the gauges.
       learn_series(s, split.residual[i], windows, grid.record_time(), double(s.pulses - 1));
     } else {
-      const auto sd = options.noise_of(problem.shape.sensors[o.sensor]);
+      const auto sd = recordings.noise_of(problem.shape.sensors[o.sensor], options);
       if (!sd)
         throw InputError({.problem = "sensor " + problem.label(o) + " has no two whole pulses that differ, so that its noise is not known",
                           .key = "recordings.noise",

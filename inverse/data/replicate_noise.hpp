@@ -12,6 +12,7 @@ namespace calomel {
 /// (1 - white) exp(-|dt| / time) + white [dt = 0], m^2 its variance, modulated in time.
 struct SeriesNoise {
   int pulses = 0;
+  Eigen::VectorXd present;     ///< pulses that have a value at the windows (n), at least 1: fewer where some are cut short
   double time = 0;             ///< correlation time [s]; 0 = white
   double white = 1;            ///< share of the variance without memory
   Eigen::VectorXd modulation;  ///< m at the windows (n), in the data's unit

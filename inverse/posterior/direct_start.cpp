@@ -61,6 +61,7 @@ class Search {
   /// Density of theta as a residual each, and its slope by the coordinate.
   [[nodiscard]] double prior_residual(Eigen::Index k, double x) const {
     const auto& p = priors_[std::size_t(k)];
+    if (parameter(k).prior == "lognormal") return prior_deviation(parameter(k), parameter(k).natural(x)).value();  // by its logarithm, as the posterior's mode
     const double lowest = log_top(k) - p.log_density(parameter(k).natural(x));
     return std::isfinite(lowest) ? std::copysign(std::sqrt(std::max(0.0, 2 * lowest)), parameter(k).natural(x) - top(k)) : no_answer;
   }
@@ -88,7 +89,7 @@ class Search {
   /// Value of greatest density, within the bounds.
   [[nodiscard]] double top(Eigen::Index k) const {
     const auto& p = parameter(k);
-    const double middle = p.prior == "lognormal" ? std::exp(*p.mu - *p.sigma * *p.sigma) : p.mean ? *p.mean : p.prior == "half_cauchy" ? 0.0 : *p.nominal;
+    const double middle = p.mean ? *p.mean : p.prior == "half_cauchy" ? 0.0 : *p.nominal;
     return std::clamp(middle, p.min, p.max);
   }
   [[nodiscard]] double log_top(Eigen::Index k) const {

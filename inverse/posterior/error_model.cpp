@@ -1,5 +1,7 @@
 #include "inverse/posterior/error_model.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -64,11 +66,25 @@ Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Ei
   return c;
 }
 
+/// What the mean of n pulses keeps of the noise of one, of two times that n and m pulses have: as of the greater of both, where the fewer are among the more.
+template <class Share>
+Eigen::MatrixXd over_pulses(const Eigen::VectorXd& present, const Share& share) {
+  Eigen::MatrixXd c(present.size(), present.size());
+  for (Eigen::Index a = 0; a < present.size(); ++a)
+    for (Eigen::Index b = 0; b < present.size(); ++b) c(a, b) = share(std::max(present[a], present[b]));
+  return c;
+}
+
 }  // namespace
 
 ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const ErrorOptions& o,
                        const ErrorDirections& directions)
     : grid_(problem, std::size_t(o.values), o.band) {
+  for (std::size_t i = 0; i < grid_.observations(); ++i)
+    if (grid_.windows(i).empty())
+      throw InputError({.problem = fmt::format("sensor {} has too few samples beside the others to be compared at every {} s", problem.label(problem.observations[i]), number_text(grid_.half_window())),
+                        .key = "recordings.exclude",
+                        .suggestion = "leave it out, or bring all records to one step of time"});
   const Eigen::VectorXd slope = directions.energy_slope.size() ? Eigen::VectorXd(grid_.apply(directions.energy_slope)) : Eigen::VectorXd();
   noise_ = learn_noise(problem, grid_, recordings, recording_options, slope);
   const auto p = Eigen::Index(grid_.size());
@@ -90,7 +106,7 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const auto at = Eigen::Index(grid_.offset(i));
     if (s.given)  // the scatter of repeats has it already
       own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = recording_options.energy_sd.value_or(directions.energy_sd) / std::sqrt(double(s.pulses)) * g;
-    block(of_mean, grid_, i) = s.pulse * (drift / double(s.pulses) + o.coherent_noise * o.coherent_noise);
+    block(of_mean, grid_, i) = s.pulse.cwiseProduct(over_pulses(s.present, [&](double n) { return drift / n + o.coherent_noise * o.coherent_noise; }));
     labels.push_back(problem.label(problem.observations[i]));
     baseline.col(Eigen::Index(i)).segment(at, y.size()).setConstant(o.baseline * s.sd());
     gain.col(Eigen::Index(i)).segment(at, y.size()) = o.gain_sd * y;

@@ -250,7 +250,7 @@ void Fit::fit() {
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom(), in_.errors.amplitude_time);
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions).with_record_noise(out_.noise));
-  out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.positions) : std::vector<WeightedErrors>{{*out_.errors}};
+  out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.places.positions) : std::vector<WeightedErrors>{{*out_.errors}};
   out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
   const Eigen::MatrixXd design = 0.8 * first_design(d, 8, in_.seed + 77);

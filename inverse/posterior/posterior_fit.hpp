@@ -60,6 +60,12 @@ struct TaughtRun {
   RunRecord record;
 };
 
+/// Where the gauges are [m]; empty where they have no place, or the target no faces.
+struct GaugePlaces {
+  Eigen::MatrixXd positions;  ///< (sensors, 3)
+  Eigen::MatrixXd outermost;  ///< (2, 3): the target's least and greatest coordinates
+};
+
 /// What a fit works on; what is referred to outlives it.
 struct PosteriorInputs {
   const Problem& problem;
@@ -71,7 +77,7 @@ struct PosteriorInputs {
   int levels = 1;                     ///< meshes
   int pulses = 1;                     ///< whose mean a run is
   double energy_sd = 0;               ///< relative, from pulse to pulse
-  Eigen::MatrixXd positions;          ///< (sensors, 3) [m], or empty
+  GaugePlaces places;
   /// Runs the columns of thetas (n_parameters, n), each on its level's mesh, 0 the finest.
   std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas, const std::vector<int>& level)> run;
   /// Changes of the model's values by one sd of each gauge's place, (values, gauges); empty: none.

@@ -99,7 +99,7 @@ FittedCandidate fit_from_two(const PosteriorInputs& planned, const PosteriorFit&
 
 /// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the best. That is done with
 /// the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records far better than the model the former say little. The better one counts.
-FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& worth) {
   DirectSearch search{.design_runs = design_runs, .design_runs_a_parameter = design_runs_a_parameter, .descents = descents, .iterations = iterations, .tolerance = tolerance, .starts = {planned.centre}};
   std::vector<double> off = base.modes[0].at.theta;
   for (std::size_t k = off.size(); k < planned.parameters.size(); ++k) off.push_back(*planned.parameters[k].nominal);
@@ -200,7 +200,7 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
 
-FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(double)>& worth) {
+FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& worth) {
   PosteriorInputs& in = plan.inputs;
   if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_two(in, base);
   const std::size_t own = in.known_dimension;
@@ -208,7 +208,7 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
   double last = log_bayes_factor(fit, base);
-  if (!is_rough(fit) && !worth(last)) return {.inputs = std::move(in), .fit = std::move(fit)};
+  if (!worth(is_rough(fit) ? std::nullopt : std::optional(last))) return {.inputs = std::move(in), .fit = std::move(fit)};
   // Again about the answer: over a wide box a quadratic is only so good.
   const LocalMode& mode = fit.modes[0];
   const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
@@ -221,7 +221,7 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   in.known_dimension = in.parameters.size();
   int stayed = 0;
   in.go_on = [&](const PosteriorFit& f) {
-    if (is_rough(f)) return f.rounds.size() == 1;
+    if (is_rough(f)) return f.rounds.size() == 1 && worth({});
     const double now = log_bayes_factor(f, base);
     const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
     stayed = stays ? stayed + 1 : 0;

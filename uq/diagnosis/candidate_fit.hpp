@@ -1,6 +1,7 @@
 #pragma once
 /// A fit of the base model with the numbers of one or two groups beside its own parameters, on an emulator and in a box of its own.
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "forward/parameter_group.hpp"
@@ -34,9 +35,9 @@ struct FittedCandidate {
   bool stands = false;  ///< its evidence and its numbers stayed while runs were added, or its emulator settled
 };
 
-/// Fits over the planned box and, if its log Bayes factor is `worth` that or its emulator far noisier than the base model's, which then says little, in a narrower one
-/// about the answer until more runs would not change it. A cheap model (`draw_in`) is fitted from several boxes, the best counts; with `least_squares` it is fitted itself first, by
+/// Fits over the planned box and, if `worth` that, in a narrower one about the answer until more runs would not change it; `worth` is asked with its log Bayes factor, and
+/// without one where its emulator is far noisier than the base model's, which then says little. A cheap model (`draw_in`) is fitted from several boxes, the best counts; with `least_squares` it is fitted itself first, by
 /// least squares from several starts, and the box laid about the best. Errors: those of fit_posterior.
-[[nodiscard]] FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(double log_bayes_factor)>& worth);
+[[nodiscard]] FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double> log_bayes_factor)>& worth);
 
 }  // namespace calomel

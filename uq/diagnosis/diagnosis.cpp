@@ -123,7 +123,7 @@ void DiagnosisEngine::judge_all() {
 }
 
 void DiagnosisEngine::hold_out_base() {
-  held_out_.emplace(in_.base.problem, out_.base, in_.base.positions);
+  held_out_.emplace(in_.base.problem, out_.base, in_.base.places);
   out_.held_out_history = held_out_->base().history;
   out_.held_out_before = out_.held_out_after = out_.evidence.held_out = held_out_->mean(held_out_->base().misfit);
 }
@@ -139,14 +139,14 @@ void DiagnosisEngine::hold_out(Alternative& c) {
   c.held_out_worth = std::move(with.worth), c.held_out_history = std::move(with.history);
 }
 
-/// Of what is named, each fold by the explanation that says most without the gauges that judge.
+/// Of what is named, each fold by the explanation that says most without the gauges that judge. What has no fit of its own, as a fault of a gauge, foretells no other gauge: nothing changes with it.
 void DiagnosisEngine::hold_out_verdict() {
   std::vector<double> after = held_out_->base().misfit, best(after.size(), 0.0);
   for (const auto& c : out_.candidates)
     for (std::size_t i = 0; i < c.held_out_worth.size(); ++i)
-      if (c.held_out_worth[i] > best[i]) best[i] = c.held_out_worth[i], after[i] = c.held_out[2 * i + 1];
+      if (const double worth = c.held_out_worth[i] + c.choice; worth > best[i]) best[i] = worth, after[i] = c.held_out[2 * i + 1];
   const bool named = out_.verdict.kind == VerdictKind::named || out_.verdict.kind == VerdictKind::ambiguous;
-  if (named) out_.held_out_after = held_out_->mean(after);
+  if (named && !out_.alternative(out_.verdict.mechanisms[0])->held_out.empty()) out_.held_out_after = held_out_->mean(after);
   const auto fit = named ? fits_.find(out_.verdict.mechanisms[0]) : fits_.end();
   out_.held_out_conditions = held_out_->by_condition(fit == fits_.end() ? nullptr : &fit->second.fit);
 }
@@ -177,8 +177,20 @@ const Alternative* Diagnosis::alternative(const std::string& name) const {
   return at == candidates.end() ? nullptr : &*at;
 }
 
+std::vector<Explanation> Diagnosis::by_evidence() const {
+  std::vector<Explanation> all;
+  for (const auto& c : candidates) all.push_back(c.explanation);
+  sort_by_evidence(evidence, all);
+  return all;
+}
+
 std::vector<std::string> Diagnosis::unsettled() const {
-  if (verdict.mechanisms.empty()) return base.settled ? std::vector<std::string>{} : std::vector<std::string>{"base"};
+  if (verdict.mechanisms.empty()) {
+    if (!base.settled) return {"base"};
+    const auto all = by_evidence();
+    const bool left_out = spent && verdict.kind == VerdictKind::unknown && !all.empty() && gate_not_passed(evidence, all, 0) == Gate::fitted;  // what comes nearest
+    return left_out ? std::vector{all[0].name} : std::vector<std::string>{};
+  }
   std::vector<std::string> names;
   for (const auto& name : verdict.mechanisms)
     if (const Alternative* a = alternative(name); a && !a->settled) names.push_back(name);

@@ -91,14 +91,16 @@ struct Diagnosis {
   std::vector<double> held_out_history;      ///< (values of the model): each gauge by the base fit without it
   std::vector<HeldOutCondition> held_out_conditions;  ///< where there are several
   int runs = 0;
-  bool spent = false;                        ///< diagnosis.max_runs ended a fit before it had settled
+  bool spent = false;                        ///< diagnosis.max_runs left a fit out, or ended it before it had settled
   std::vector<std::string> skipped;          ///< what was not done, and why
   std::optional<MissingTerms> missing;       ///< where the verdict is unknown and terms are offered
   std::string separating;                    ///< the measurement that would tell the first two apart
 
   /// The explanation of this name, or null.
   [[nodiscard]] const Alternative* alternative(const std::string& name) const;
-  /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's. Such a verdict is not to be acted on. A name does not
+  /// The explanations of all candidates as sort_by_evidence leaves them.
+  [[nodiscard]] std::vector<Explanation> by_evidence() const;
+  /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's, or of what comes nearest and for which no runs were left. Such a verdict is not to be acted on. A name does not
   /// hang on the base fit, which wanders where physics is left out: that of the name holds the base model, its numbers off, in its box.
   [[nodiscard]] std::vector<std::string> unsettled() const;
 };

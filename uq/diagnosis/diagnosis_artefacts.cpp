@@ -68,7 +68,7 @@ Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters)
     for (const auto& p : parameters) {
       if (p.name != e.name) continue;
       if (p.mean && p.sd) object[p.name] = {{"mean", number(*p.mean)}, {"sd", number(*p.sd)}};
-      if (p.mu && p.sigma) object[p.name] = {{"mean", number(std::exp(*p.mu))}, {"sd", number(std::exp(*p.mu) * *p.sigma)}};
+      if (p.mu && p.sigma) object[p.name] = {{"mean", number(std::exp(*p.mu))}, {"sd", number(std::exp(*p.mu) * *p.sigma)}, {"log_sd", number(*p.sigma)}};
     }
   return object;
 }
@@ -106,12 +106,10 @@ Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
   Json region = Json::object();
   if (!l.first_sensor.empty()) {
     region = {{"first_sensor", l.first_sensor}, {"first_time_s", l.first_time}};
-    const auto& shape = in.base.problem.shape;
-    for (std::size_t s = 0; s < shape.sensors.size() && in.base.positions.rows() > 0; ++s)
-      if (shape.sensors[s] == l.first_sensor) {
-        const auto at = in.base.positions.row(Eigen::Index(s));
-        region["position"] = {at[0], at[1], at[2]};
-      }
+    if (const auto& positions = in.base.places.positions; positions.rows() > 0) {
+      const auto at = positions.row(Eigen::Index(in.base.problem.observations[l.first_observation].sensor));
+      region["position"] = {at[0], at[1], at[2]};
+    }
   }
   return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", matrix_json(l.map)}, {"map_q_values", matrix_json(l.map_q_values)}, {"band_map", matrix_json(l.band_map)},
           {"band_map_q_values", matrix_json(l.band_map_q_values)}, {"region", region}};
@@ -210,8 +208,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
 const Alternative* shown_explanation(const Diagnosis& d) {
   if (const Alternative* named = named_of(d)) return named;
   if (d.verdict.kind != VerdictKind::unknown) return nullptr;
-  for (const auto& c : d.candidates)
-    if (!c.history.empty() && c.explanation.log_bayes_factor > 0) return &c;
+  for (const auto& e : d.by_evidence())
+    if (const Alternative* c = d.alternative(e.name); !c->history.empty() && e.log_bayes_factor > 0) return c;
   return nullptr;
 }
 

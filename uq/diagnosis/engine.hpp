@@ -1,5 +1,6 @@
 #pragma once
 /// The course of a diagnosis, for diagnosis.cpp (questions, verdict, location) and engine_fits.cpp (fits of explanations).
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -38,6 +39,10 @@ class DiagnosisEngine {
   static Eigen::Map<const Eigen::VectorXd> values(const std::vector<double>& v) { return {v.data(), Eigen::Index(v.size())}; }
   void say(const std::string& text) const {
     if (in_.say) in_.say(text);
+  }
+  /// Tells what is not done, once.
+  void skip(std::string what) {
+    if (std::find(out_.skipped.begin(), out_.skipped.end(), what) == out_.skipped.end()) out_.skipped.push_back(std::move(what));
   }
   [[nodiscard]] const LocalMode& mode() const { return out_.base.modes[0]; }
   [[nodiscard]] const Decimation& grid() const { return out_.base.errors->grid(); }
@@ -78,7 +83,8 @@ class DiagnosisEngine {
   [[nodiscard]] Estimate told(const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own) const;
   [[nodiscard]] double best_so_far() const {
     double best = 0;
-    for (const auto& c : out_.candidates) best = std::max(best, c.explanation.log_bayes_factor);
+    for (const auto& c : out_.candidates)
+      if (c.explanation.fitted) best = std::max(best, c.explanation.log_bayes_factor);
     return best;
   }
   [[nodiscard]] bool puzzled() const { return out_.evidence.chi2 > greatest_plausible(out_.evidence); }
@@ -93,6 +99,7 @@ class DiagnosisEngine {
   void fit_linear(const Question& q, const Alternative* on_top_of = nullptr, int rounds = most_linearised);
   std::optional<Alternative> linear_fit(Linearised& about, const Alternative* on_top_of);
   bool linearise(Linearised& about, const Alternative* on_top_of);
+  [[nodiscard]] Alternative to_first_order(const Question& q) const;
   void fit_leaders();
   void fit_pair();
   void fit(const Question& q, const Alternative* on_top_of = nullptr);

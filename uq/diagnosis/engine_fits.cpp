@@ -60,7 +60,7 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
     if (about.stays || round == rounds) break;
     if (runs_ + more > in_.options.max_runs) {
       out_.spent = true;
-      out_.skipped.push_back(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_, in_.options.max_runs));
+      skip(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_, in_.options.max_runs));
       break;
     }
     if (!linearise(about, on_top_of)) {
@@ -127,7 +127,7 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
     c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, tempered(worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)])});
-    c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value));
+    c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value, c.numbers.back().sd));
   }
   c.history = kept(below.history(m.at.u, m.at.beyond) + about.rest + q.effects * worth.value);
   c.explanation.misfit = misfit(values(c.history));
@@ -157,7 +157,7 @@ Question DiagnosisEngine::of_its_own(Question q) {
 }
 
 /// A fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number: linearised anew until the numbers stay, on the emulator of what it stands beside, which knows all but
-/// this gauge. Where that does not explain the records, or the model is searched without an emulator, by a fit of its own; the better one is kept.
+/// this gauge. Where that does not explain the records, asks for a number outside its range, or the model is searched without an emulator, by a fit of its own; the better one is kept.
 void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of) {
   const Question own = of_its_own(q);
   const std::size_t before = out_.candidates.size();
@@ -165,13 +165,13 @@ void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of)
   const std::size_t linearised = out_.candidates.size();
   if (linearised > before) {
     const Alternative& c = out_.candidates.back();
-    if (c.settled && c.explanation.log_bayes_factor > worth_fitting && c.explanation.chi2 < greatest_plausible(out_.evidence)) return;
+    if (c.settled && std::isfinite(c.explanation.farthest) && c.explanation.log_bayes_factor > worth_fitting && c.explanation.chi2 < greatest_plausible(out_.evidence)) return;
   }
   fit(own, on_top_of);
   if (linearised == before || out_.candidates.size() == linearised) return;
   const Explanation& now = out_.candidates.back().explanation;
   Alternative& kept = out_.candidates[linearised - 1];
-  if (now.fitted && (kept.runs == 0 || now.log_bayes_factor > kept.explanation.log_bayes_factor)) std::swap(kept, out_.candidates.back());
+  if (now.fitted && (kept.runs == 0 || !std::isfinite(kept.explanation.farthest) || now.log_bayes_factor > kept.explanation.log_bayes_factor)) std::swap(kept, out_.candidates.back());
   out_.candidates.pop_back();
 }
 
@@ -186,10 +186,28 @@ void DiagnosisEngine::fit_gauge(const Question& q) {
   out_.candidates.pop_back();
 }
 
-/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case.
+/// What is known of an explanation that is not fitted: what it is worth to first order about the base fit.
+Alternative DiagnosisEngine::to_first_order(const Question& q) const {
+  const ParameterGroup& group = groups_[q.group];
+  Alternative c = begun(group, q, nullptr);
+  c.sensor = group.sensor, c.explanation.of_a_gauge = !c.sensor.empty();
+  const double worth = q.worth.log_bayes_factor;
+  c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
+  for (std::size_t i = 0; i < q.numbers.size(); ++i) {
+    const auto& a = group.added[q.numbers[i]];
+    c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], tempered(q.worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)]), out_.base_parameters));
+  }
+  c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
+  for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
+  c.message = "to first order";
+  return c;
+}
+
+/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case. What
+/// the budget leaves out keeps what it is worth to first order, so that nothing is named as if it had no rival.
 void DiagnosisEngine::fit_leaders() {
   int fitted = 0;
-  bool gauge_asked = false;
+  bool best_asked = false, gauge_asked = false;
   for (const auto& q : asked_) {
     const ParameterGroup& group = groups_[q.group];
     const bool there = std::any_of(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == group.name; });
@@ -200,21 +218,17 @@ void DiagnosisEngine::fit_leaders() {
       continue;
     }
     if (there) continue;  // a wall that says less, too
-    if ((fitted == 0 && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
+    if ((!best_asked && puzzled()) || (fitted < in_.options.leaders && (in_.base.draw_in || may_lead(worth)))) {
+      best_asked = true;
+      const std::size_t before = out_.candidates.size();
       group.sensor.empty() && !group.law ? fit(q) : fit_best_of(q);
-      ++fitted;
-      continue;
+      if (out_.candidates.size() > before) {
+        ++fitted;
+        continue;
+      }
+      out_.spent = true;  // no runs are left for it
     }
-    Alternative c = begun(group, q, nullptr);
-    c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
-    for (std::size_t i = 0; i < q.numbers.size(); ++i) {
-      const auto& a = group.added[q.numbers[i]];
-      c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], tempered(q.worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)]), out_.base_parameters));
-    }
-    c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
-    for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
-    c.message = "to first order";
-    out_.candidates.push_back(std::move(c));
+    out_.candidates.push_back(to_first_order(q));
   }
 }
 
@@ -237,9 +251,10 @@ void DiagnosisEngine::fit_best_of(const Question& q) {
   }
   if (all.empty()) return;
   const auto worth = [](const Alternative& a) { return a.explanation.log_bayes_factor; };
-  const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
+  const auto rank = [&](const Alternative& a) { return std::pair(a.explanation.fitted, worth(a)); };
+  const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   for (const auto& other : all)
-    if (&other != &*best && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
+    if (&other != &*best && other.explanation.fitted && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
   if (auto made = fits.extract(key(*best))) fits_.emplace(name, std::move(made.mapped()));
   out_.candidates.push_back(std::move(*best));
 }
@@ -260,7 +275,7 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
   CandidatePlan plan = plan_candidate(*inputs, *below, groups_, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
   if (runs_ + first_runs(plan) > in_.options.max_runs) {
-    out_.skipped.push_back(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
+    skip(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
@@ -278,7 +293,7 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](double worth) { return may_lead(worth + c.choice) && runs_ < in_.options.max_runs; });
+    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](std::optional<double> worth) { return (!worth || may_lead(*worth + c.choice)) && runs_ < in_.options.max_runs; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;
@@ -301,17 +316,21 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
-    if (ended_) out_.skipped.push_back(fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", c.explanation.name, in_.options.max_runs));
+    if (ended_) skip(fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", c.explanation.name, in_.options.max_runs));
     out_.spent = out_.spent || (!c.settled && (ended_ || runs_ >= in_.options.max_runs));
     c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
+    if (ended_) skip(c.explanation.name + ": " + e.what());
+    if (ended_ && !on_top_of) {
+      c = to_first_order(q), out_.spent = true;
+    } else {  // nothing of a fit that failed half way
+      c.explanation.fitted = false, c.explanation.log_bayes_factor = 0, c.explanation.base_chi2.reset(), c.explanation.farthest = 0;
+      c.explanation.by_scale = out_.evidence.by_scale;
+      c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
+      c.numbers.clear(), c.base_parameters.clear(), c.history.clear();
+    }
     c.message = e.what();
-    if (ended_) out_.skipped.push_back(c.explanation.name + ": " + c.message);
-    c.explanation.fitted = false, c.explanation.log_bayes_factor = 0, c.explanation.base_chi2.reset(), c.explanation.farthest = 0;  // nothing of a fit that failed half way
-    c.explanation.by_scale = out_.evidence.by_scale;
-    c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
-    c.numbers.clear(), c.base_parameters.clear(), c.history.clear();
   }
   c.runs = runs_ - before;
   say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2,

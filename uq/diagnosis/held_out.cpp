@@ -10,35 +10,46 @@ namespace calomel {
 
 namespace {
 
-constexpr double on_face = 1e-4;  ///< [m]
+constexpr double on_face = 1e-4;  ///< [m] of the outermost gauge of a face
+constexpr double of_target = 1e-3;  ///< [m] of the target's own outermost plane: gauges' places are those of the case
 constexpr std::size_t parts = 4;  ///< of a record that is the only one
 
 using Gauges = std::vector<std::size_t>;  ///< observations
 
-std::vector<Gauges> gauges_by_face(const Problem& problem, const Eigen::MatrixXd& positions) {
-  std::vector<Gauges> alone;
+/// The groups of a map, by their keys.
+template <class Key>
+std::vector<Gauges> groups_of(std::map<Key, Gauges> by_key) {
+  std::vector<Gauges> all;
+  for (auto& [key, gauges] : by_key) all.push_back(std::move(gauges));
+  return all;
+}
+
+/// The gauge by itself, under all conditions that it recorded; of a single gauge each condition by itself.
+std::vector<Gauges> each_alone(const Problem& problem) {
+  std::map<std::size_t, Gauges> by_sensor, by_observation;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) by_sensor[problem.observations[i].sensor].push_back(i), by_observation[i].push_back(i);
+  return groups_of(by_sensor.size() > 1 ? std::move(by_sensor) : std::move(by_observation));
+}
+
+std::vector<Gauges> gauges_by_face(const Problem& problem, const GaugePlaces& places) {
+  if (places.outermost.size() == 0) return each_alone(problem);
   std::map<int, Gauges> by_face;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    alone.push_back({i});
-    if (positions.rows() == 0) continue;
     const auto s = Eigen::Index(problem.observations[i].sensor);
-    int face = 6;  // the first of the outermost planes that the gauge sits on: z, x, y
+    int face = 6;  // the first of the target's outermost planes that the gauge sits on: z, x, y
     for (const int axis : {1, 0, 2})
       for (const bool upper : {true, false}) {
-        const double edge = upper ? positions.col(axis).maxCoeff() : positions.col(axis).minCoeff();
-        if (positions.col(axis).maxCoeff() - positions.col(axis).minCoeff() > on_face && std::abs(positions(s, axis) - edge) < on_face) face = 2 * axis + upper;
+        const double edge = upper ? places.positions.col(axis).maxCoeff() : places.positions.col(axis).minCoeff();
+        if (std::abs(edge - places.outermost(upper, axis)) < of_target && std::abs(places.positions(s, axis) - edge) < on_face) face = 2 * axis + upper;
       }
     by_face[face].push_back(i);
   }
-  if (by_face.size() < 3) return alone;
-  std::vector<Gauges> all;
-  for (auto& [face, gauges] : by_face) all.push_back(std::move(gauges));
-  return all;
+  return by_face.size() < 3 ? each_alone(problem) : groups_of(std::move(by_face));
 }
 
 }  // namespace
 
-std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions) {
+std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const GaugePlaces& places) {
   std::vector<Fold> folds;
   if (grid.observations() == 1) {
     const std::size_t n = grid.size();
@@ -49,7 +60,7 @@ std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, 
     }
     return folds;
   }
-  for (const auto& gauges : gauges_by_face(problem, positions)) folds.push_back(fold_of(grid, gauges));
+  for (const auto& gauges : gauges_by_face(problem, places)) folds.push_back(fold_of(grid, gauges));
   return folds;
 }
 
@@ -142,7 +153,7 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
   }
 }
 
-HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const Eigen::MatrixXd& positions) : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), positions)) {
+HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const GaugePlaces& places) : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), places)) {
   base_fit_ = left_out(base);
   std::ranges::fill(base_fit_.worth, 0.0);
 }
@@ -202,7 +213,7 @@ std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) c
 double HeldOut::mean(const std::vector<double>& by_fold) const {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
-  return count > 0 ? sum / count : 0;
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace calomel

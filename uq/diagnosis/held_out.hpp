@@ -16,9 +16,9 @@ struct Fold {
   double records = 0;  ///< how many, parts counted as such
 };
 
-/// Gauges of one face of the target are held out together, where they sit on three faces or more; else each alone. A single record is held out in four parts of its time.
-/// positions: (sensors, 3).
-[[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const Eigen::MatrixXd& positions);
+/// Gauges of one face of the target are held out together, where they sit on three faces or more; else, and where there are no faces, each alone, with all that it recorded. A single
+/// record is held out in four parts of its time.
+[[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const GaugePlaces& places);
 
 /// Those of whole observations.
 [[nodiscard]] Fold fold_of(const Decimation& grid, const std::vector<std::size_t>& observations);
@@ -72,7 +72,7 @@ struct HeldOutCondition {
 /// The folds of a case, and the base model's own misfit on them. What is referred to outlives it.
 class HeldOut {
  public:
-  HeldOut(const Problem& problem, const PosteriorFit& base, const Eigen::MatrixXd& positions);
+  HeldOut(const Problem& problem, const PosteriorFit& base, const GaugePlaces& places);
   /// Of the base model; its worth is 0.
   [[nodiscard]] const HeldOutFit& base() const { return base_fit_; }
   [[nodiscard]] HeldOutFit by(const PosteriorFit& fit) const;
@@ -82,7 +82,7 @@ class HeldOut {
   [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
   /// Whether anything can be left out: a single record of a few values cannot.
   [[nodiscard]] bool possible() const { return !folds_.empty(); }
-  /// The mean over the records of what is told of folds, (folds); 0 where there is none.
+  /// The mean over the records of what is told of folds, (folds); NaN where there is none.
   [[nodiscard]] double mean(const std::vector<double>& by_fold) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -19,11 +20,12 @@ constexpr double seen = 0.05;  ///< q-value
 struct Tested {
   double score, p_value;
 };
+constexpr Tested untested{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};  ///< of a part without values
 
 Tested tested(const Eigen::MatrixXd& rows, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
-  if (rows.rows() == 0) return {0, 1};
+  if (rows.rows() == 0) return untested;
   const Cholesky factor(rows * covariance * rows.transpose());
-  if (!factor.positive_definite()) return {0, 1};
+  if (!factor.positive_definite()) return untested;
   const double k = double(rows.rows()), q = factor.solve_lower(Eigen::VectorXd(rows * residual)).squaredNorm();
   return {q / k, boost::math::cdf(boost::math::complement(boost::math::chi_squared(k), q))};
 }
@@ -59,13 +61,14 @@ Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
 }  // namespace
 
 std::vector<double> false_discovery(const std::vector<double>& p) {
-  const std::size_t n = p.size();
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (!std::isnan(p[i])) order.push_back(i);
+  const std::size_t n = order.size();
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return p[a] < p[b]; });
   double harmonic = 0;
   for (std::size_t i = 1; i <= n; ++i) harmonic += 1 / double(i);
-  std::vector<double> q(n, 1);
+  std::vector<double> q(p.size(), std::numeric_limits<double>::quiet_NaN());
   double least = 1;
   for (std::size_t i = n; i-- > 0;) {
     least = std::min(least, p[order[i]] * double(n) * harmonic / double(i + 1));
@@ -77,7 +80,8 @@ std::vector<double> false_discovery(const std::vector<double>& p) {
 LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
   const Eigen::Index n = residual.size();
   const Eigen::VectorXd times = grid.times();
-  const double end = times.maxCoeff() + 0.5 * (n > 1 ? times[1] - times[0] : 0);
+  const double step = n > 1 ? times[1] - times[0] : 0, end = times.maxCoeff() + 0.5 * step;
+  const double begin = times.minCoeff() > step ? times.minCoeff() - 0.5 * step : 0;  // records may begin late
   LocatedMismatch out;
   std::vector<Tested> all;
   for (std::size_t i = 0; i < grid.observations(); ++i) {
@@ -86,14 +90,15 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     all.push_back(tested(unit_rows(at, n), residual, covariance));
     out.sensors.emplace_back().name = problem.label(problem.observations[i]);
   }
-  const auto window_of = [&](double t) { return std::clamp(int(t / end * windows), 0, windows - 1); };
+  const auto window_of = [&](double t) { return std::clamp(int((t - begin) / (end - begin) * windows), 0, windows - 1); };
+  const auto begin_of = [&](int w) { return begin + (end - begin) * w / windows; };
   for (int w = 0; w < windows; ++w) {
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < n; ++i)
       if (window_of(times[i]) == w) at.push_back(i);
     all.push_back(tested(unit_rows(at, n), residual, covariance));
     auto& x = out.windows.emplace_back();
-    x.begin = end * w / windows, x.end = end * (w + 1) / windows;
+    x.begin = begin_of(w), x.end = begin_of(w + 1);
   }
   double nyquist = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
@@ -140,9 +145,9 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     for (int w = 0; w < windows; ++w) {
       const std::size_t k = map_begin + i * windows + std::size_t(w);
       out.map_q_values(Eigen::Index(i), w) = q[k];
-      const double begin = end * w / windows;
-      if (q[k] >= seen || begin > first || (begin == first && all[k].score <= strongest)) continue;
-      first = begin, strongest = all[k].score, out.first_sensor = out.sensors[i].name, out.first_time = begin;
+      const double from = begin_of(w);
+      if (!(q[k] < seen) || from > first || (from == first && all[k].score <= strongest)) continue;
+      first = from, strongest = all[k].score, out.first_sensor = out.sensors[i].name, out.first_observation = i, out.first_time = from;
     }
   return out;
 }

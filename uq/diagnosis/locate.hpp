@@ -9,7 +9,7 @@
 
 namespace calomel {
 
-/// A part of the residual against its covariance: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, chi-squared with k degrees of freedom where nothing is missing.
+/// A part of the residual against its covariance, NaN where nothing was recorded: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, chi-squared with k degrees of freedom where nothing is missing.
 struct ResidualPart {
   double score = 0;    ///< q / k
   double q_value = 1;  ///< by Benjamini and Yekutieli (2001, Ann. Stat. 29, 1165) over all parts: false discoveries among those as small, however the parts depend
@@ -28,12 +28,13 @@ struct LocatedMismatch {
   Eigen::MatrixXd band_map_q_values;
   std::string first_sensor;  ///< where the residual is first seen (q below 0.05); empty: nowhere
   double first_time = 0;     ///< [s]
+  std::size_t first_observation = 0;  ///< of the problem's, where there is such a gauge
 };
 
 /// residual, covariance: (size), (size, size) on the grid.
 [[nodiscard]] LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance);
 
-/// q-values by Benjamini and Yekutieli of p-values, in their order.
+/// q-values by Benjamini and Yekutieli of p-values, in their order; NaN of one that is NaN, which is not counted.
 [[nodiscard]] std::vector<double> false_discovery(const std::vector<double>& p_values);
 
 }  // namespace calomel

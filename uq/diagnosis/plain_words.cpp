@@ -12,13 +12,6 @@ namespace {
 constexpr std::size_t numbers_told = 2;
 constexpr double hardly = 3;  ///< log Bayes factor up to which nothing speaks for an explanation
 
-std::vector<Explanation> by_evidence(const Diagnosis& d) {
-  std::vector<Explanation> all;
-  for (const auto& c : d.candidates) all.push_back(c.explanation);
-  sort_by_evidence(d.evidence, all);
-  return all;
-}
-
 const ParameterGroup* group_of(std::span<const ParameterGroup> groups, const std::string& name) {
   const auto at = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.name == name; });
   return at == groups.end() ? nullptr : &*at;
@@ -128,7 +121,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
                                        "material until it is found.",
                                        where(d.location));
   const PlainSummary nothing{fmt::format("The simulation leaves something out {}, and none of the effects that were tried is it.", misfit), look};
-  const auto all = by_evidence(d);
+  const auto all = d.by_evidence();
   if (all.empty()) return nothing;
   const Alternative& best = *d.alternative(all[0].name);
   const std::string name = plain_name(best, groups), differ = fmt::format("The simulation and the records differ {}", misfit);
@@ -266,9 +259,13 @@ std::string fitted_place(const std::string& mechanism, const std::string& place,
 }
 
 std::string separating_measurement(const Diagnosis& d, const Problem& problem) {
-  std::vector<const Alternative*> two;
-  for (const auto& c : d.candidates)
-    if (!c.history.empty() && two.size() < 2) two.push_back(&c);
+  std::vector<const Alternative*> two;  // those that are not told apart, and then those that come next
+  const auto take = [&](const std::string& name) {
+    const Alternative* c = d.alternative(name);
+    if (!c->history.empty() && two.size() < 2 && std::find(two.begin(), two.end(), c) == two.end()) two.push_back(c);
+  };
+  for (const auto& name : d.verdict.mechanisms) take(name);
+  for (const auto& e : d.by_evidence()) take(e.name);
   if (two.empty()) return "nothing was fitted that a further measurement could tell apart";
   const auto values = [](const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); };
   const Decimation& grid = d.base.errors->grid();
@@ -286,7 +283,7 @@ std::string separating_measurement(const Diagnosis& d, const Problem& problem) {
 Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGroup> groups, const Gates& g) {
   const Alternative* a = d.alternative(name);
   if (!a) return why_of_base(d, name, g);
-  const auto all = by_evidence(d);
+  const auto all = d.by_evidence();
   const auto at = std::size_t(std::find_if(all.begin(), all.end(), [&](const auto& e) { return e.name == name; }) - all.begin());
   const Explanation& e = all[at];
   const double share = 100 * share_explained(d.evidence, e, g).value_or(0), b = e.log_bayes_factor;

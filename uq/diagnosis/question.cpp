@@ -36,8 +36,9 @@ std::vector<std::vector<double>> shapes_of(const ParameterGroup& g) {
   if (std::all_of(g.shapes.begin(), g.shapes.end(), [](const auto& s) { return s.strengths.empty(); })) all.push_back(middle);
   for (std::size_t k = 0; k < g.shapes.size(); ++k)
     for (const double value : g.shapes[k].strengths) {
-      all.push_back(middle);
-      all.back()[k] = value;
+      auto one = middle;
+      one[k] = value;
+      if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(std::move(one));
     }
   return all;
 }
@@ -289,10 +290,14 @@ double prior_sd(const AddedParameter& a, double strength) {
   return a.parameter.prior == "half_cauchy" ? strength : Prior(a.parameter).scale();
 }
 
-double implausibility(const AddedParameter& a, double value) {
+double implausibility(const AddedParameter& a, double value, double sd) {
   const Parameter& p = a.parameter;
-  if (p.prior == "half_cauchy") return value > p.max ? std::numeric_limits<double>::infinity() : std::log10(1 + value / *p.scale);
-  if (p.sd) return std::abs(value - *p.nominal) / *p.sd;
+  const double never = std::numeric_limits<double>::infinity();
+  const auto slack = [sd](double bound) { return sd + 1e-9 * std::abs(bound); };
+  if (value > p.max + slack(p.max) || value < p.min - slack(p.min)) return never;
+  if (p.prior == "half_cauchy") return std::log10(1 + std::max(0.0, value) / *p.scale);
+  if (p.prior == "lognormal") return value > 0 ? std::abs(std::log(value) - *p.mu) / *p.sigma : never;
+  if (p.sd) return std::abs(value - p.mean.value_or(*p.nominal)) / *p.sd;
   const double far = value > *p.nominal ? p.max - *p.nominal : *p.nominal - p.min;
   return far > 0 ? 2 * std::abs(value - *p.nominal) / far : 0;
 }

@@ -60,8 +60,8 @@ struct Answers {
 /// Of a number's prior; of a half-Cauchy one the strength that it is asked at, of a share how far it is from off there.
 [[nodiscard]] double prior_sd(const AddedParameter& a, double strength);
 
-/// How far a value lies from the middle of its prior, in standard deviations: its range is taken for two of them either way. Half-Cauchy: powers of ten above its
-/// scale; infinite above the range.
-[[nodiscard]] double implausibility(const AddedParameter& a, double value);
+/// How far a value lies from the middle of its prior, in standard deviations (a lognormal one's: of its logarithm); the range of a uniform one is taken for two of them either way.
+/// Half-Cauchy: powers of ten above its scale. Infinite where the value is outside its range by more than `sd`, its own deviation.
+[[nodiscard]] double implausibility(const AddedParameter& a, double value, double sd = 0);
 
 }  // namespace calomel

@@ -119,6 +119,13 @@ bool not_told_apart(const BaseEvidence& base, const Explanation& a, const Explan
   return same_class(a, b) || (!a.numerical && !b.numerical && std::abs(evidence_of_name(base, a, g) - evidence_of_name(base, b, g)) < g.lead);
 }
 
+/// A numerical alternative that explains as much as a physical explanation, or more: no record tells the two apart, or its evidence is not behind by the lead that a name needs. Null: there is none.
+const Explanation* numerical_rival(const BaseEvidence& base, const std::vector<Explanation>& all, const Explanation& e, const Gates& g) {
+  const double own = evidence_of_name(base, e, g);
+  const auto at = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.numerical && &x != &e && (same_class(e, x) || own - evidence_of_name(base, x, g) < g.lead); });
+  return at == all.end() ? nullptr : &*at;
+}
+
 }  // namespace
 
 double probability_told(const BaseEvidence& base, const std::vector<Explanation>& all, std::size_t i, const Gates& g) {
@@ -135,8 +142,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (e.numerical) return Gate::numerical;
   const double own = evidence_of_name(base, e, g);
   if (i > 0 && !same_class(all[0], e) && evidence_of_name(base, all[0], g) - own >= g.lead) return Gate::rival;
-  const auto next = std::find_if(all.begin() + std::ptrdiff_t(i) + 1, all.end(), [&](const auto& x) { return !same_class(e, x); });
-  if (next != all.end() && next->numerical && own - evidence_of_name(base, *next, g) < g.lead) return Gate::numerical_rival;
+  if (numerical_rival(base, all, e, g)) return Gate::numerical_rival;
   if (!e.fitted) return Gate::fitted;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
@@ -179,7 +185,7 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::numerical:
       return unknown(fmt::format("numerics: {} explains the records better than any physics that was offered", best.name));
     case Gate::numerical_rival:
-      return unknown(fmt::format("numerics: {} explains as much as {}", next->name, best.name));
+      return unknown(fmt::format("numerics: {} explains as much as {}", numerical_rival(base, all, best, g)->name, best.name));
     case Gate::explained:
       return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * explained));
     case Gate::remainder:

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "tests/unit/inverse/lines.hpp"
 #include "tests/unit/uq/experiment.hpp"
 
 namespace calomel {
@@ -114,6 +115,35 @@ TEST(Diagnosis, TheFitOfAQuickModelEndsWithinTheBudget) {
   EXPECT_THAT(ended.skipped.back(), ::testing::HasSubstr("diagnosis.max_runs"));
 }
 
+// Nothing is named, nor ruled out, as if what no runs were left for did not exist.
+TEST(Diagnosis, WhatTheBudgetLeavesOutKeepsItsWorthToFirstOrder) {
+  const Quick quick({.tone = 0.2, .frequency = 0.5});
+  const std::vector<ParameterGroup> tone_alone{Quick::groups()[0]};
+  const Diagnosis whole = quick.diagnosed(tone_alone);
+  ASSERT_THAT(whole.verdict.mechanisms, ElementsAre("tone")) << whole.verdict.reason;
+  const Diagnosis d = quick.diagnosed(tone_alone, whole.runs - whole.candidates[0].runs + 5);
+  const Alternative* tone = d.alternative("tone");
+  ASSERT_NE(tone, nullptr);
+  ASSERT_FALSE(tone->explanation.fitted);
+  EXPECT_GT(tone->explanation.log_bayes_factor, Gates{}.log_bayes_factor);
+  EXPECT_EQ(d.verdict.kind, VerdictKind::unknown);
+  EXPECT_THAT(d.verdict.reason, ::testing::HasSubstr("raise diagnosis.leaders or diagnosis.max_runs"));
+  EXPECT_THAT(d.unsettled(), ElementsAre("tone"));  // not to be trusted
+  EXPECT_THAT(d.skipped, ::testing::Contains(::testing::HasSubstr("tone")));
+}
+
+TEST(Implausibility, IsFromTheMiddleOfThePrior) {
+  AddedParameter a;
+  Parameter& p = a.parameter;
+  p.min = -10, p.max = 10, p.nominal = 0, p.prior = "normal", p.mean = 1, p.sd = 0.15;
+  EXPECT_NEAR(implausibility(a, 1.3), 2, 1e-12);  // off, at 0, is what is implausible
+  EXPECT_GT(implausibility(a, 0), 6);
+  EXPECT_TRUE(std::isinf(implausibility(a, 10.5)));
+  EXPECT_FALSE(std::isinf(implausibility(a, 10.5, 1)));  // within its own deviation of the range
+  p.min = 1e-3, p.prior = "lognormal", p.mean.reset(), p.sd.reset(), p.mu = std::log(2), p.sigma = 0.5;
+  EXPECT_NEAR(implausibility(a, 2 * std::exp(-0.75)), 1.5, 1e-12);
+}
+
 TEST(Diagnosis, AGaugeThatFadesIsNamedInTheTrueModel) {
   const Diagnosis d = Quick({.fade = -0.1}).diagnosed(Quick::groups());
   ASSERT_THAT(d.verdict.mechanisms, ElementsAre("sensor_response")) << d.verdict.reason;
@@ -204,6 +234,68 @@ TEST(Folds, OfASingleRecordAreQuartersOfItsTimeElseGauges) {
   ASSERT_EQ(gauges.size(), 6u);
   EXPECT_EQ(gauges[2].rows.front(), Eigen::Index(grid.offset(2)));
   EXPECT_EQ(gauges[2].rows.size(), grid.windows(2).size());
+}
+
+/// Observations of this many gauges under two conditions, on a grid of their own.
+Problem of_two_conditions(std::size_t gauges) {
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, std::vector<AnalyticModel::Function>(gauges, [](auto p, double t) { return p[0] * std::sin(1e5 * t); }), 40, 1e-6);
+  Problem problem = make_problem(model.shape(), pulses_of(model, {1}, {.pulses = 3, .noise = 0.1}, 2), {});
+  problem.shape.conditions = {"weak", "strong"};
+  for (std::size_t i = 0; i < gauges; ++i) problem.observations.push_back(problem.observations[i]), problem.observations.back().condition = 1;
+  return problem;
+}
+
+// A gauge that was left out under one strength of the pulse and fitted under another was not left out.
+TEST(Folds, OfAGaugeHoldAllItsConditions) {
+  const Problem two = of_two_conditions(2);
+  const Decimation grid(two, 160);
+  const auto folds = folds_by_face(two, grid, {});
+  ASSERT_EQ(folds.size(), 2u);
+  EXPECT_EQ(folds[0].records, 2);
+  EXPECT_EQ(folds[0].rows.front(), Eigen::Index(grid.offset(0)));
+  EXPECT_EQ(folds[0].rows.back(), Eigen::Index(grid.offset(2) + grid.windows(2).size()) - 1);
+  EXPECT_EQ(folds_by_face(of_two_conditions(1), Decimation(of_two_conditions(1), 80), {}).size(), 2u);  // a single gauge: each condition
+}
+
+// The outermost gauges of one wall are no faces of the target.
+TEST(Folds, AreFacesOfTheTargetAlone) {
+  const Experiment six(0, 0, 0, 1, 1);
+  const Decimation grid(six.problem, 240);
+  GaugePlaces places;
+  places.positions.resize(6, 3);
+  for (int s = 0; s < 6; ++s) places.positions.row(s) << 0.01 * s, 0.0, 0.03;
+  places.outermost.resize(2, 3);
+  places.outermost << -0.02, -0.01, 0, 0.08, 0.01, 0.03;
+  EXPECT_EQ(folds_by_face(six.problem, grid, places).size(), 6u);  // all on the top wall: each alone
+  places.positions(0, 0) = -0.02, places.positions(0, 2) = 0.015, places.positions(5, 2) = 0;
+  EXPECT_EQ(folds_by_face(six.problem, grid, places).size(), 3u);  // front, bottom and top
+}
+
+TEST(Locate, TellsNothingOfTimesThatWereNotRecorded) {
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {[](auto p, double t) { return p[0] * std::sin(1e5 * t); }, [](auto p, double t) { return p[0] * std::cos(1e5 * t); }}, 160, 1e-6);
+  auto recordings = pulses_of(model, {1}, {.pulses = 3, .noise = 0.1}, 2);
+  for (std::size_t p = 0; p < 3; ++p)
+    for (std::size_t t = 0; t < 160; ++t) {
+      if (t < 80) recordings.values[recordings.at(0, 0, p, t)] = recordings.values[recordings.at(0, 1, p, t)] = std::nan("");
+      if (t >= 120) recordings.values[recordings.at(0, 1, p, t)] = std::nan("");
+    }
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const Decimation grid(problem, 400);
+  const LocatedMismatch l = locate(problem, grid, Eigen::VectorXd::Constant(Eigen::Index(grid.size()), 0.5), Eigen::MatrixXd::Identity(Eigen::Index(grid.size()), Eigen::Index(grid.size())));
+  EXPECT_NEAR(l.windows.front().begin, 79.5e-6, 1e-9);  // the stretches are those of the records
+  for (const auto& w : l.windows) EXPECT_NEAR(w.score, 0.25, 1e-12);
+  EXPECT_NEAR(l.map(0, 7), 0.25, 1e-12);
+  EXPECT_TRUE(std::isnan(l.map(1, 7)));
+  EXPECT_TRUE(std::isnan(l.map_q_values(1, 7)));
+}
+
+TEST(Locate, FalseDiscoveriesAreCountedAmongThePartsThatWereTested) {
+  const double none = std::nan("");
+  const auto q = false_discovery({0.01, none, 0.2, none});
+  const auto two = false_discovery({0.01, 0.2});
+  EXPECT_EQ(q[0], two[0]);
+  EXPECT_EQ(q[2], two[1]);
+  EXPECT_TRUE(std::isnan(q[1]));
 }
 
 }  // namespace

@@ -37,6 +37,19 @@ TEST(Verdict, NamesWhatExplainsAndLeads) {
   EXPECT_EQ(v.ranking.size(), 4u);
 }
 
+// Wherever it stands among the explanations: of the best's class, or behind another one.
+TEST(Verdict, NumericsThatExplainAsMuchAreUnknownWhateverStandsBetween) {
+  Explanation numerics = weaker(beam(), 3), second = weaker(beam(), 2);
+  numerics.name = "numerics", numerics.numerical = true, second.name = "previous_pulses";
+  const Verdict behind = judge(poor(), {beam(), second, numerics});
+  EXPECT_EQ(behind.kind, VerdictKind::unknown);
+  EXPECT_THAT(behind.reason, HasSubstr("numerics explains as much as beam_profile"));
+  numerics = weaker(beam(), 30), numerics.name = "numerics", numerics.numerical = true, numerics.same_as = {"beam_profile"};
+  EXPECT_EQ(judge(poor(), {beam(), numerics}).kind, VerdictKind::unknown);
+  numerics.same_as.clear();  // the control: far behind and told apart
+  EXPECT_THAT(judge(poor(), {beam(), numerics}).mechanisms, ElementsAre("beam_profile"));
+}
+
 TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
   Explanation part = beam();  // gains much, and still leaves what only a discrepancy takes up
   part.by_scale = with_and_without(-30, 100), part.chi2 = 200;

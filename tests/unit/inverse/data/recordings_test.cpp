@@ -137,7 +137,7 @@ TEST(Recordings, RoundedTimesAreMetOnAnEvenGrid) {
 
 TEST(Recordings, NoiseIsANumberOrATable) {
   CaseFile one = CaseFile::from_text("[recordings]\nfile = 'a.csv'\nunit = 'microstrain'\nnoise = 2.0\n");
-  EXPECT_DOUBLE_EQ(read_recording_options(one).noise_of("A").value(), 2e-6);
+  EXPECT_DOUBLE_EQ(read_recording_options(one).noise_of("A").value(), 2);  // in the data's unit
   CaseFile table = CaseFile::from_text("[recordings]\nfile = 'a.csv'\nunit = 'kPa'\n[recordings.noise]\nA = 0.5\nB = 3\n");
   const auto options = read_recording_options(table);
   EXPECT_EQ(options.noise_of("A"), 0.5);
@@ -166,15 +166,16 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   write_atomically(path, "sensor,pulse,time,microstrain\nA,0,0,5\nA,0,1,6\n");
   RecordingOptions options{.unit = "microstrain", .noise = 2};
   EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
-  EXPECT_DOUBLE_EQ(*options.noise_of("A"), 2e-6);
+  EXPECT_DOUBLE_EQ(*read_recordings(path, options).noise_of("A", options), 2e-6);
   options.as_it_is = true;
   const auto r = read_recordings(path, options);
   EXPECT_EQ(r.values, (std::vector<double>{5, 6}));
   EXPECT_EQ(r.unit, "microstrain");
-  EXPECT_DOUBLE_EQ(*options.noise_of("A"), 2);
-  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not.
+  EXPECT_DOUBLE_EQ(*r.noise_of("A", options), 2);
+  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not. The noise that the case gives goes with the values.
   options.unit = "strain";
   EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
+  EXPECT_DOUBLE_EQ(*read_recordings(path, options).noise_of("A", options), 2e-6);
   options.unit = "V";
   EXPECT_THROW((void)read_recordings(path, options), InputError);
   const auto file = write_as(path.parent_path(), "microstrain");

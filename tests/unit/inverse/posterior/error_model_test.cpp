@@ -67,6 +67,28 @@ TEST(Decimation, LeavesOutWindowsThatLackHalfTheirSamplesAndBandLimits) {
   EXPECT_EQ(Decimation(problem, 1000, 25e3).factor(), 20u);
 }
 
+// A channel that was sampled at a quarter of the others' rate has its windows too; model and record take the same samples.
+TEST(Decimation, KeepsASlowerChannel) {
+  const auto model = waves(160);
+  auto recordings = pulses_of(model, {1}, {.pulses = 3, .noise = 1}, 3);
+  for (std::size_t p = 0; p < 3; ++p)
+    for (std::size_t t = 0; t < 160; ++t)
+      if (t % 4 != 0) recordings.values[recordings.at(0, 0, p, t)] = std::nan("");
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  EXPECT_EQ(Decimation(problem, 40).windows(0).size(), 20u);
+  // Finer than its own step there is nothing to compare at most times: told, where errors are made.
+  const Recordings one = [&] {
+    auto r = recordings;
+    for (std::size_t p = 0; p < 3; ++p)
+      for (std::size_t t = 0; t < 160; ++t)
+        if (t != 0 && t != 159) r.values[r.at(0, 0, p, t)] = std::nan("");
+    return r;
+  }();
+  const Problem sparse = make_problem(model.shape(), one, {});
+  ASSERT_TRUE(Decimation(sparse, 4, 1e3).windows(0).empty());
+  EXPECT_THROW((ErrorModel(sparse, one, {}, {.values = 4, .band = 1e3}, {})), InputError);
+}
+
 TEST(FilteredCovariance, IsTheDenseProductOfFilterAndProcess) {
   const auto model = waves(60);
   const Problem problem = make_problem(model.shape(), pulses_of(model, {1}, {.pulses = 2, .noise = 1}, 1), {});
@@ -111,6 +133,30 @@ TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError)
   EXPECT_LT(std::abs(z), 4 / std::sqrt(double(sets)));  // the standard error of the mean is 1 / sqrt(sets)
   EXPECT_LT(squares, 1 + 4 * std::sqrt(2.0 / sets));
   EXPECT_GT(squares, 0.1);
+}
+
+// A lost sample does not cost the pulse, and where pulses end early the mean is that of fewer.
+TEST(ReplicateNoise, PulsesMayHaveDropoutsAndEndEarly) {
+  const auto model = waves(80);
+  auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 1}, 3);
+  for (std::size_t p = 0; p < 4; ++p) recordings.values[recordings.at(0, 0, p, 10 + 5 * p)] = std::nan("");  // one of each
+  for (std::size_t p = 1; p < 4; ++p)
+    for (std::size_t t = 60; t < 80; ++t) recordings.values[recordings.at(0, 1, p, t)] = std::nan("");
+  const RecordingOptions options{.noise = 1};
+  const Problem problem = make_problem(model.shape(), recordings, options);
+  const ErrorOptions errors{.values = 160, .band = 1e9, .gain_sd = 0, .baseline = 0, .coherent_noise = 0};
+  const ErrorModel e(problem, recordings, options, errors, {});
+  const ReplicateNoise& noise = e.noise();
+  EXPECT_EQ(noise.series[0].pulses, 4);
+  EXPECT_FALSE(noise.series[0].given);
+  EXPECT_EQ(noise.series[0].present[10], 3);
+  EXPECT_EQ(noise.series[0].present[50], 4);
+  EXPECT_TRUE(noise.series[1].given);  // three of its four pulses are no whole ones
+  const auto& terms = e.terms();
+  const auto of_mean = std::find_if(terms.begin(), terms.end(), [](const auto& t) { return t.name == "noise"; });
+  ASSERT_NE(of_mean, terms.end());
+  EXPECT_NEAR(of_mean->covariance(80 + 30, 80 + 30), 0.25, 1e-9);
+  EXPECT_NEAR(of_mean->covariance(80 + 70, 80 + 70), 1, 1e-9);
 }
 
 TEST(ReplicateNoise, EnergiesOfThePulsesAreFoundAndTakenOff) {
