@@ -18,7 +18,7 @@ namespace {
 constexpr double difference = 1e-3;         ///< of a finite difference, in prior widths; runs are kept to seven digits
 constexpr double tail = 0.01;               ///< of the priors, left out of the design
 constexpr double box_sds = 4;               ///< half width of the box, in the deviations found
-constexpr double box_of_prior = 2;          ///< and at most, in prior deviations
+constexpr double box_of_prior = 3;          ///< and at most, in prior deviations: what the records do not tell keeps its prior, tails and all
 constexpr double least_box = 0.01;          ///< and at least, of these
 constexpr int polish_iterations = 10;
 constexpr double polish_tolerance = 1e-7;

@@ -68,7 +68,7 @@ AddedDirections lateness(const Problem& problem, const Decimation& grid, const E
   Eigen::VectorXd late(history.size());
   for (Eigen::Index first = 0; first < history.size(); first += Eigen::Index(t.size()))
     std::ranges::copy(change_when_late({history.data() + first, t.size()}, t), late.data() + first);
-  return {.by_number = grid.apply(Eigen::MatrixXd(late)), .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (t.back() - t.front()))};
+  return {.by_number = grid.apply(Eigen::MatrixXd(late)), .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (grid.record_time().back() - grid.record_time().front()))};
 }
 
 std::optional<LateRecords> late_records(const Problem& problem, const PosteriorFit& fit) {
