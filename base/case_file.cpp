@@ -195,7 +195,9 @@ std::optional<std::string> CaseFile::text(const std::string& path) const {
 
 std::optional<double> CaseFile::number(const std::string& path) const {
   const auto* node = node_at(document_->root, path);
-  return node && node->is_number() ? node->value<double>() : std::nullopt;
+  if (!node || !node->is_number()) return std::nullopt;
+  if (const auto exact = node->value<double>()) return exact;
+  return double(*node->value<std::int64_t>());
 }
 
 Json CaseFile::json(const std::string& path) const {
@@ -285,7 +287,8 @@ void CaseFile::Reader::fail_size(const char* key, std::size_t wanted, std::size_
 
 double CaseFile::Reader::number(const toml::node& node, const std::string& key, const FieldInfo& info) {
   if (!node.is_number()) fail(node, key, "a number", info);
-  const double x = *node.value<double>();
+  const auto exact = node.value<double>();  // none of an integer that a double does not hold
+  const double x = exact ? *exact : double(*node.value<std::int64_t>());
   if (!std::isfinite(x) || !info.range.contains(x))
     throw file_.located(InputError({.problem = "out of range: " + info.doc + (info.unit.empty() ? "" : " [" + info.unit + "]"),
                                     .key = path_.empty() ? key : path_ + '.' + key,

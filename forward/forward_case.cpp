@@ -10,6 +10,7 @@
 
 #include "base/json.hpp"
 #include "forward/case_number.hpp"
+#include "forward/mechanism/correction.hpp"
 
 namespace calomel {
 
@@ -166,7 +167,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   }
   if (!c.conditions.empty() && c.load.kind == "end_stress")
     throw file.located(InputError({.problem = "a condition is another strength of the pulse, and a measured stress on the end has its own", .key = "condition[0].name",
-                                   .value = '"' + c.conditions[0].name + '"', .suggestion = "make a case of each record, or set load.stress_scale"}));
+                                   .value = '"' + c.conditions[0].name + '"', .suggestion = "make a case of each record, with a file of records of its own"}));
   file.accept("condition");
   std::vector<std::string> sensor_names(names.begin(), names.end());
   auto mechanism_tables = read_mechanisms(file, sensor_names);
@@ -174,7 +175,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.listed_mechanisms = std::move(mechanism_tables.listed);
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
-  bind_parameters(file, c.parameters, [&](const Parameter& p) { return c.number(p.key); });
+  bind_parameters(file, c.parameters, [&](const Parameter& p) {
+    const double value = c.number(p.key);
+    return std::abs(value) >= anywhere ? std::clamp(value, p.min, p.max) : value;  // an end that a wall's stretch has nowhere
+  });
   for (auto& p : c.parameters) take_over(file, p, c.about(p.key));
   return c;
 }

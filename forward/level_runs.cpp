@@ -109,7 +109,11 @@ Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd
   const auto moved = [&](RunPoint& p, const SensorOptions& s, double by) {
     const double length = std::hypot(s.direction[0], s.direction[1], s.direction[2]);
     for (std::size_t x = 0; x < 3; ++x)
-      if (s.direction[x] != 0) p["sensor." + s.name + ".position." + std::to_string(x)] = s.position[x] + by * s.direction[x] / length;
+      if (s.direction[x] != 0) {
+        const std::string key = "sensor." + s.name + ".position." + std::to_string(x);
+        const auto own = base.find(key);  // a parameter may hold it
+        p[key] = (own == base.end() ? s.position[x] : own->second) + by * s.direction[x] / length;
+      }
   };
   const auto run = [&](const std::vector<RunPoint>& points) { return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop); };
   const auto sensors = shape.sensors.size();

@@ -167,7 +167,7 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c, const Mesh& mes
   for (const auto& row : mechanisms().rows()) {
     const MechanismEntry& entry = row.entry;
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
-    if (!listed || c.enables(row.name) || !entry.built()) continue;
+    if (!listed || c.enables(row.name) || !entry.built() || (entry.needs_rear && mesh.rear.empty())) continue;
     for (const auto& law : laws_of(entry)) {
       ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.left != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
                        .plain = entry.plain, .check = entry.check};

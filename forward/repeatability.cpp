@@ -193,6 +193,11 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
   RepeatabilityFloor floor;
   const ModelShape& shape = runs.shape();
   floor.conditions = shape.conditions, floor.sensors = shape.sensors;
+  const auto first_failure = [&](std::size_t begin, int count) {
+    for (std::size_t i = begin; i < begin + std::size_t(count); ++i)
+      if (!records.at(i).done) return records.at(i).message;
+    return std::string();
+  };
   std::vector<const Values*> finished, single;
   for (std::size_t i = 0; i < std::size_t(options.members); ++i) {
     const RunRecord& r = records.at(i);
@@ -200,7 +205,7 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
     floor.members.back().ok = r.done, floor.members.back().message = r.message;
     if (r.done) finished.push_back(&r.mean);
   }
-  if (finished.size() < 3) throw NumericsError("the repeatability floor needs three finished runs; the first failure: " + records.at(0).message);
+  if (finished.size() < 3) throw NumericsError("the repeatability floor needs three finished runs; the first failure: " + first_failure(0, options.members));
   add_windows(floor, shape, finished, options);
   summarise(floor.relative, floor.mean, floor.worst);
 
@@ -215,7 +220,7 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
     if (single.size() >= 2)
       c.relative = scatter(shape, single);
     else
-      c.message = "fewer than two of the runs finished: " + records.at(first_single_run).message;
+      c.message = "fewer than two of the runs finished: " + first_failure(first_single_run, options.single_runs);
     add(std::move(c));
   }
   const auto compare = [&](const std::string& name, const std::string& what, std::size_t place, const std::string& left_out) {

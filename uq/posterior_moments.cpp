@@ -25,7 +25,7 @@ SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode)
 
 std::vector<LaplaceMode> modes_in_box(const LogPosterior& posterior, const std::vector<LocalMode>& modes, std::uint64_t seed, int threads) {
   const EmulatorBox& box = posterior.box();
-  const Eigen::MatrixXd unit = sobol_points(std::size_t(box.size()), design_points, seed);
+  const Eigen::MatrixXd unit = space_filling_points(std::size_t(box.size()), design_points, seed);
   Eigen::MatrixXd design(posterior.dimension(), unit.cols()), starts(posterior.dimension(), Eigen::Index(modes.size()));
   for (Eigen::Index i = 0; i < unit.cols(); ++i) design.col(i) = posterior.q(box.theta(inner * (2 * unit.col(i).array() - 1).matrix()), 0);
   for (std::size_t i = 0; i < modes.size(); ++i) starts.col(Eigen::Index(i)) = posterior.q(modes[i].at.theta, modes[i].at.beyond);

@@ -115,7 +115,7 @@ double first_half_width(const Parameter& p, bool nuisance) {
   if (nuisance) return (p.key == viscosity_key ? box_of_viscosity : box_of_young) * *p.sigma;
   if (p.key == "material.mercury.density") return 0.035;
   if (p.key == "material.mercury.sound_speed") return 0.05;
-  if (p.key == "material.mercury.tensile_cutoff") return p.logarithmic() ? 0.7 : std::max(0.6 * *p.nominal, 0.1 * (p.max - p.min));
+  if (p.key == "material.mercury.tensile_cutoff") return p.logarithmic() ? 0.7 : *p.nominal > 0 ? 0.6 * *p.nominal : 0.1 * (p.max - p.min);
   return 0.1 * (p.logarithmic() ? std::log(p.max / p.min) : p.max - p.min);
 }
 

@@ -30,12 +30,12 @@ void expect_times_of_the_records(const PosteriorInputs& in) {
   expect_above("errors.amplitude_time", in.errors.amplitude_time);
 }
 
-/// Least and greatest coordinates of the target's own faces, (2, 3) [m]; NaN where a plane of symmetry stands for one, and across a slice.
+/// Least and greatest coordinates of the whole target, mirror images included, (2, 3) [m]; NaN across a slice.
 Eigen::MatrixXd outermost(const Mesh& mesh) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd planes(2, 3);
   for (int axis = 0; axis < 3; ++axis) std::tie(planes(0, axis), planes(1, axis)) = extent(mesh, std::size_t(axis));
-  for (const auto& m : mesh.mirrors) planes(m.above ? 0 : 1, m.axis) = none;
+  for (const auto& m : mesh.mirrors) planes(m.above ? 0 : 1, m.axis) = 2 * m.at - planes(m.above ? 1 : 0, m.axis);  // a gauge may sit on the mirror image
   if (mesh.plane_strain) planes.col(1).setConstant(none);
   return planes;
 }

@@ -13,6 +13,7 @@
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
+#include "base/identity.hpp"
 #include "base/provenance.hpp"
 #include "inverse/comparison/comparison.hpp"
 
@@ -31,12 +32,14 @@ std::vector<std::string> written_out(const std::vector<std::string>& methods) {
   return out;
 }
 
-/// METHOD.json where it stands, finished, and belongs to these recordings; nothing otherwise.
-std::optional<Json> finished(const std::filesystem::path& path, const std::string& recordings, const Json& options) {
+/// METHOD.json where it stands, finished, and is what this case would give now; nothing otherwise.
+std::optional<Json> finished(const StudyInputs& inputs, const std::string& method) {
+  const auto path = inputs.artefact(method + ".json");
   if (!std::filesystem::exists(path)) return std::nullopt;
   Json json = read_json(path);
-  const auto at = [&](const char* place) { return json.value(Json::json_pointer(place), Json()); };
-  const bool same = at("/provenance/inputs/recordings") == recordings && at("/provenance/options/recordings") == options;
+  const auto missing = [&](const char* name) { return !std::filesystem::exists(inputs.artefact(name)); };
+  if ((method == "enc" && missing("surrogate.nc")) || (method == "spe" && missing("campaign.nc")) || (basin_on_surrogate(inputs.study()) && missing("surrogate.nc"))) return std::nullopt;
+  const bool same = identity_of(json.value("provenance", Json::object())) == calibration_provenance(inputs, method).identity();
   return same && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }
 
@@ -84,7 +87,7 @@ void compare(const StudyInputs& inputs) {
   Provenance provenance = comparison_provenance(inputs);
   for (const auto& method : every_method) {
     const auto path = inputs.artefact(method + ".json");
-    auto json = finished(path, provenance.inputs.at("recordings"), echo(*inputs.study().recordings));
+    auto json = finished(inputs, method);
     if (!json) continue;
     provenance.inputs[method + ".json"] = hash_file(path);
     summaries.push_back({method, std::move(*json)});

@@ -38,7 +38,8 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   expect_own_mesh_among_emulators(study, method);
   const CasePosterior& made = posterior_.get(progress);
   const PosteriorFit& fit = made.fit;
-  if (!fit.settled) notes.warn(stage_line(method, emulator_sentence(fit.message)));
+  std::vector<std::string> reservations;
+  if (!fit.settled) reservations.push_back("the correction for the mesh stands on an " + emulator_sentence(fit.message));
   // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
   const auto& parameters = made.inputs->parameters;
   const double own_viscosity = inputs_.model().describe().viscosity;
@@ -46,10 +47,16 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   for (std::size_t k = inputs_.model().shape().parameters.size(); k < parameters.size(); ++k) {
     const Parameter& p = parameters[k];
     fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? own_viscosity : *p.nominal);
+    std::vector<double> there = fit.modes[0].at.theta;
+    there[k] = working.back();
+    if (p.key == viscosity_key && std::abs(fit.posterior->box().u(there)[Eigen::Index(k)]) > 1)
+      reservations.push_back(fmt::format("the case's own mesh has a regularising viscosity of {:.4g} Pa s, outside those of the emulator: what it does beyond them is not corrected. Elements of another size, or a greater emulator.viscosity_sd ({:.3g}), reach it",
+                                         own_viscosity, study.emulator.viscosity_sd));
   }
   const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
   if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity) notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
   taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(study), fine, working);
+  taught_->reservations = std::move(reservations);
   return &*taught_;
 }
 

@@ -53,7 +53,7 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
   const auto& command = call.inputs.command();
   const Eigen::Index d = posterior.dimension();
   const double wanted = search_share * usual_evaluations(call.inputs.study().sampler, std::size_t(d));
-  const Eigen::ArrayXXd unit = sobol_points(std::size_t(d), std::clamp(std::size_t(wanted), fewest_points, most_points), command.seed);
+  const Eigen::ArrayXXd unit = space_filling_points(std::size_t(d), std::clamp(std::size_t(wanted), fewest_points, most_points), command.seed);
   const Eigen::ArrayXXd place = edge + (1 - 2 * edge) * unit;
   std::vector<std::vector<double>> starts;
   if (posterior.is_log_density())

@@ -110,6 +110,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
   }
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
   if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");
+  if (study.sensitivity && text_at(study.sensitivity->summary, "status", "done") != "done") list.push_back("sensitivity: not to be trusted: " + text_at(study.sensitivity->summary, "message", "see sensitivity.json"));
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");

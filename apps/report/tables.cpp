@@ -10,7 +10,7 @@
 namespace calomel {
 
 DisplayUnit display_unit(const ReportInput& input) {
-  return input.unit == "strain" || input.unit == "1" ? DisplayUnit{"\u00b5\u03b5", 1e6} : DisplayUnit{input.unit, 1.0};
+  return input.unit == "strain" ? DisplayUnit{"\u00b5\u03b5", 1e6} : DisplayUnit{input.unit, 1.0};
 }
 
 std::vector<std::string> parameter_names(const Study& study, const ReportInput& input) {

@@ -52,4 +52,8 @@ Eigen::MatrixXd chebyshev_points(std::size_t dimensions, std::size_t runs, std::
   return sobol_points(dimensions, runs, seed).unaryExpr([](double u) { return 0.5 * (1 - std::cos(std::numbers::pi * u)); });
 }
 
+Eigen::MatrixXd space_filling_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed) {
+  return dimensions <= sobol_dimensions ? sobol_points(dimensions, runs, seed) : latin_hypercube_points(dimensions, runs, seed);
+}
+
 }  // namespace calomel

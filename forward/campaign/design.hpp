@@ -29,6 +29,9 @@ inline constexpr std::size_t sobol_dimensions = 40;  ///< that Sobol' points rea
 Eigen::MatrixXd sobol_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);
 /// Latin hypercube (McKay, Beckman and Conover 1979): every coordinate has one point in each of `runs` equal intervals.
 Eigen::MatrixXd latin_hypercube_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);
+/// sobol_points as far as there are such, a Latin hypercube of more dimensions.
+Eigen::MatrixXd space_filling_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);
+
 /// sobol_points u carried to the Chebyshev (arcsine) measure, x = (1 - cos(pi u)) / 2: dense at the faces, where
 /// polynomial surrogates need their points.
 Eigen::MatrixXd chebyshev_points(std::size_t dimensions, std::size_t runs, std::uint64_t seed);

@@ -43,7 +43,7 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
 
 Eigen::MatrixXd first_design(Eigen::Index parameters, int n, std::uint64_t seed) {
   Eigen::MatrixXd u = Eigen::MatrixXd::Zero(parameters, n);
-  if (n > 1) u.rightCols(n - 1) = (2 * sobol_points(std::size_t(parameters), std::size_t(n - 1), seed).array() - 1).matrix();
+  if (n > 1) u.rightCols(n - 1) = (2 * space_filling_points(std::size_t(parameters), std::size_t(n - 1), seed).array() - 1).matrix();
   return u;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What the finest mesh of the emulator shows beyond the case's own: searches and decisions on the case's mesh take it off with this.
 #include <span>
+#include <string>
 #include <vector>
 
 #include "forward/emulator/multilevel.hpp"
@@ -23,6 +24,8 @@ class MeshCorrection {
                  std::vector<double> fixed_working);
 
   [[nodiscard]] bool empty() const { return directions_.size() == 0; }
+  /// What is to be said against it, by whoever made it.
+  std::vector<std::string> reservations;
   /// Runs that it was taught by.
   [[nodiscard]] Eigen::Index runs() const { return regression_.size(); }
   /// Whether theta, with the fixed numbers of either mesh, lies in the emulator's box.

@@ -37,7 +37,7 @@ void add(std::vector<Vec3>& to, double weight, const std::vector<Vec3>& field) {
 }  // namespace
 
 LeftStates::LeftStates(double record, double output_interval, double highest)
-    : interval_(output_interval * std::max(1.0, std::round(picture_interval / output_interval))), taps_(low_pass_taps(highest, interval_)), sums_(count) {
+    : interval_(output_interval > picture_interval ? output_interval / std::ceil(output_interval / picture_interval) : output_interval * std::round(picture_interval / output_interval)), taps_(low_pass_taps(highest, interval_)), sums_(count) {
   const double half = double(taps_.size() / 2) * interval_, first = record + half, span = std::max(least_span, records_spanned * record);
   for (std::size_t k = 1; k <= count; ++k) {
     const double turns = double(k) * std::numbers::phi;

@@ -77,6 +77,7 @@ struct MechanismEntry {
   std::vector<MechanismKey> keys;
   bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
   bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot tell the two apart
+  bool needs_rear = false;     ///< it acts on a non-reflecting rear face alone, and is offered where there is one
   double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
   /// Node places, before anything is built on the mesh (displace_nodes, thin_wall); elements, faces and slip pairs stay. Gauges are placed on what comes out.

@@ -17,6 +17,7 @@ MechanismEntry rear_reflection() {
           .plain = "waves that come back from the rear end",
           .check = "look at what stands behind the modelled part, whose rear end swallows every wave in the simulation",
           .keys = {{.name = "coefficient", .unit = "", .off = 0, .low = -1, .high = 1, .least = -1, .greatest = 1, .doc = "r, the share of the pressure that comes back"}},
+          .needs_rear = true,
           .setup = [](const MechanismValues& v, RunSetup& s) { s.rear_coefficient = v["coefficient"]; },
           .fields = expect_rear};
 }

@@ -90,6 +90,18 @@ Columns walk(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, c
   return c;
 }
 
+/// Whether a steel element behind a wetted face is the end of a plate: across it there is mercury on both sides, where a wall goes on to the outside.
+bool is_end_of_plate(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match, FaceId face) {
+  const FaceId first = FaceId(element_of(face)) * 6;
+  const auto ends_in_mercury = [&](FaceId from) {
+    const FaceId behind = match[std::size_t(walk(mesh, tied, match, from).last)];
+    return behind != no_face && mesh.region[std::size_t(element_of(behind))] == Region::mercury;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    if (axis != side_of(face) / 2 && ends_in_mercury(first + 2 * axis) && ends_in_mercury(first + 2 * axis + 1)) return true;
+  return false;
+}
+
 /// Whether the wall that an outer normal belongs to has this name.
 bool is_wall(const std::string& name, const Point& normal) {
   int axis = 0;
@@ -117,7 +129,7 @@ void for_wetted(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied
     if (behind == no_face || mesh.region[std::size_t(element_of(face))] != Region::steel || mesh.region[std::size_t(element_of(behind))] != Region::mercury) continue;
     const Columns wall = walk(mesh, tied, match, face);
     if (name) {
-      if (!wall.at_boundary) continue;  // a plate with mercury behind it
+      if (!wall.at_boundary || is_end_of_plate(mesh, tied, match, face)) continue;  // a plate with mercury behind it, or one that is seen from its end
       const Face outside{.nodes = face_nodes(tied, wall.last), .element = element_of(wall.last)};
       if (!is_wall(*name, hexahedron::area_vector(mesh, outside))) continue;
     }

@@ -43,10 +43,7 @@ struct Mirrored {
 
 Mirrored mirror(const Mesh& mesh, const Point& p) {
   Mirrored m{p};
-  if (mesh.plane_strain) {
-    m.position.y() = 0;
-    return m;
-  }
+  if (mesh.plane_strain) m.position.y() = 0;
   for (const auto& plane : mesh.mirrors)
     if (const int k = plane.axis; (p[k] < plane.at) == plane.above && p[k] != plane.at)
       m.position[k] = 2 * plane.at - p[k], m.sign[k] = -1, m.shift[k] = 2 * plane.at;

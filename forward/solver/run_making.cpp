@@ -14,6 +14,8 @@ namespace calomel {
 
 namespace {
 
+constexpr double roundings = 1e3;  ///< of the motion that a pair shares: what lies within is no gap
+
 Vec3 centre_of(const Mesh& mesh, std::size_t e) {
   Vec3 x{};
   for (const NodeId n : mesh.elements[e])
@@ -125,9 +127,11 @@ void Run<R>::make_rules(bool heated_rear) {
       for (std::size_t c = 0; c < 3; ++c) r.normal[k][c] = R(s.normal[k][c]);
     if (s.rear >= 0) {
       const BoundaryNode& n = layout.rear[std::size_t(s.rear)];
-      const double area = std::sqrt(n.area[0] * n.area[0] + n.area[1] * n.area[1] + n.area[2] * n.area[2]);
+      std::array<double, 3> free{};  // a node that is held in a direction gives nothing in it
+      for (std::size_t c = 0; c < 3; ++c) free[c] = (layout.fixed[std::size_t(s.node)] >> c & 1) ? 0 : n.area[c];
+      const double area = std::sqrt(free[0] * free[0] + free[1] * free[1] + free[2] * free[2]);
       r.rear_area = R(area);
-      for (std::size_t c = 0; c < 3; ++c) r.rear_normal[c] = R(n.area[c] / area);
+      for (std::size_t c = 0; c < 3 && area > 0; ++c) r.rear_normal[c] = R(free[c] / area);
       if (heated_rear && setup_.p0_at) r.rear_p0 = R(setup_.p0_at(mesh_.nodes[std::size_t(n.node)]));
     }
     if (s.loaded >= 0)
@@ -219,12 +223,13 @@ void Run<R>::make_extras() {
         resistance_[2 * rule] = R(stiffness * setup_.parting_time), resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);
       }
       for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart
-        double gap = 0;
+        double gap = 0, moved = 0;
         for (std::size_t c = 0; c < 3; ++c) {
           const std::size_t at = c * packed_.stride() + l;
-          gap += double(r.normal[0][c]) * (double(u_[std::size_t(r.partner) * packed_.width() + at]) - double(u_[std::size_t(r.node) * packed_.width() + at]));
+          const double partner = double(u_[std::size_t(r.partner) * packed_.width() + at]), node = double(u_[std::size_t(r.node) * packed_.width() + at]);
+          gap += double(r.normal[0][c]) * (partner - node), moved = std::max({moved, std::abs(partner), std::abs(node)});
         }
-        open_[rule * copies + l] = R(r.normals == 1 && gap > 0 ? 1 : 0);
+        open_[rule * copies + l] = R(r.normals == 1 && gap > roundings * std::numeric_limits<R>::epsilon() * moved ? 1 : 0);
       }
     }
   std::map<std::size_t, int> faces;  // at a rule's node

@@ -65,7 +65,7 @@ std::size_t find_condition(const ModelShape& shape, const Recordings& r, std::si
   throw InputError({.problem = "the condition is recorded but not declared",
                     .value = "condition \"" + r.conditions[c] + '"',
                     .range = join(shape.conditions),
-                    .suggestion = "declare it with [[condition]]",
+                    .suggestion = "declare it with [[condition]]; of a bar under a measured stress, or a line, put each condition into a file and a case of its own",
                     .file = r.source});
 }
 

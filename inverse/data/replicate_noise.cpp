@@ -65,8 +65,11 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
   }
   p.present = p.present.cwiseMax(1);
   p.values.resize(windows, Eigen::Index(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), sum.array() / p.present.array());
+  Eigen::VectorXd others = sum.cwiseQuotient(p.present);
+  if (const Eigen::VectorXd mean = grid.apply_record(index, o.mean); columns.size() > 0)  // where each pulse lacks another sample of it, no pulse has the value and the mean record has
+    for (Eigen::Index w = 0; w < windows; ++w)
+      if (sum[w] == 0 && std::isfinite(mean[w])) others[w] = mean[w];
+  for (std::size_t k = 0; k < columns.size(); ++k) p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), others.array());
   if (!columns.empty()) p.mean = p.values.rowwise().mean();
   return p;
 }

@@ -85,14 +85,15 @@ std::vector<Nuisance> nuisances_of(const PosteriorInputs& in, const PosteriorFit
 Identification identification_of(const PosteriorInputs& in, const PosteriorFit& fit, const Eigen::MatrixXd& covariance) {
   const auto& parameters = in.problem.shape.parameters;
   const auto n = Eigen::Index(parameters.size());
+  const auto& theta = fit.modes[0].at.theta;
   Eigen::MatrixXd data = inverse_symmetric(covariance);
   Eigen::VectorXd prior_sd(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Prior& prior = fit.posterior->priors()[std::size_t(k)];
-    prior_sd[k] = prior.scale();
+    const Parameter& p = in.parameters[std::size_t(k)];
+    prior_sd[k] = p.prior == "lognormal" ? *p.sigma * theta[std::size_t(k)] : prior.scale();  // of the logarithm, which the covariance is of
     if (prior.kind() != "uniform") data(k, k) -= 1 / std::pow(prior_sd[k], 2);
   }
-  const auto& theta = fit.modes[0].at.theta;
   return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd);
 }
 

@@ -75,10 +75,10 @@ class Basin {
 Eigen::VectorXd Basin::find(std::uint64_t seed) const {
   const auto n = parameters_.size();
   std::vector<At> starts;
-  for (const At& p : at(sobol_points(n, design, seed)))
+  for (const At& p : at(space_filling_points(n, design, seed)))
     if (starts.size() < basins && std::all_of(starts.begin(), starts.end(), [&](const At& s) { return (s.unit - p.unit).cwiseAbs().maxCoeff() >= apart; })) starts.push_back(p);
   if (starts.empty()) throw NumericsError("the surrogate gives no prediction anywhere in the parameters' bounds");
-  const Eigen::MatrixXd local = 2 * sobol_points(n, local_design, seed + 1).array() - 1;
+  const Eigen::MatrixXd local = 2 * space_filling_points(n, local_design, seed + 1).array() - 1;
   At best = starts[0];
   for (At s : starts) {
     double reach = first_reach;

@@ -61,14 +61,17 @@ class Search {
   /// Density of theta as a residual each, and its slope by the coordinate.
   [[nodiscard]] double prior_residual(Eigen::Index k, double x) const {
     const auto& p = priors_[std::size_t(k)];
-    if (parameter(k).prior == "lognormal") return prior_deviation(parameter(k), parameter(k).natural(x)).value();  // by its logarithm, as the posterior's mode
+    if (parameter(k).prior == "lognormal") {  // by its logarithm, as the posterior's mode
+      const double value = parameter(k).natural(x);
+      return value > 0 ? prior_deviation(parameter(k), value).value() : -no_answer;
+    }
     const double lowest = log_top(k) - p.log_density(parameter(k).natural(x));
     return std::isfinite(lowest) ? std::copysign(std::sqrt(std::max(0.0, 2 * lowest)), parameter(k).natural(x) - top(k)) : no_answer;
   }
   /// Points of the design in coordinates, (n_parameters, n): the nominal first.
   [[nodiscard]] Eigen::MatrixXd design(const DirectSearch& options) const {
     const std::size_t n = options.design_runs + options.design_runs_a_parameter * in_.parameters.size();
-    const Eigen::MatrixXd unit = sobol_points(in_.parameters.size(), n, in_.seed);
+    const Eigen::MatrixXd unit = space_filling_points(in_.parameters.size(), n, in_.seed);
     Eigen::MatrixXd x(dimension(), Eigen::Index(n) + 1);
     for (Eigen::Index k = 0; k < dimension(); ++k) {
       const auto& p = parameter(k);

@@ -52,6 +52,7 @@ LambdaChoice LassoSystem::best_of(const std::vector<double>& curve, int parts) c
 }
 
 LambdaChoice LassoSystem::by_validation() const {
+  expect(!data_.validation.empty(), "runs are held out");
   std::vector<double> curve(path_points, 0.0);
   add_curve(data_.train, data_.validation, curve);
   return best_of(curve, 1);

@@ -63,7 +63,8 @@ class SpeRounds {
       if (feasibility.feasible(theta)) points.push_back(std::move(theta));
     }
     SpeZoom z{.low = {box_.low.begin(), box_.low.end()}, .high = {box_.high.begin(), box_.high.end()}};
-    z.made = learn(points, std::size_t(std::lround(1 / options_.validation_fraction)));
+    const auto every = std::size_t(std::lround(1 / options_.validation_fraction));
+    z.made = learn(points, std::max<std::size_t>(2, std::min(every, points.size())));  // at least one of them is held out
     z.runs = std::size_t(known_.data(box_, false).values.size());
     z.best = out_.objective.cost(known_.ranked(campaign).front().cost);
     out_.zooms.push_back(std::move(z));

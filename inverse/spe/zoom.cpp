@@ -13,7 +13,8 @@ constexpr double edge = 0.1;  ///< of a side
 /// Whether `x` lies at an end of [low, high] that is not one of the bounds.
 bool at_end(double x, double low, double high, double bound_low, double bound_high) {
   const double near = edge * (high - low);
-  return (x < low + near && low > bound_low) || (x > high - near && high < bound_high);
+  const double slack = 1e-9 * (high - low);  // a sum of a low end and a side may miss the bound by its rounding
+  return (x < low + near && low > bound_low + slack) || (x > high - near && high < bound_high - slack);
 }
 
 }  // namespace
@@ -31,7 +32,7 @@ Bounds next_box(const Bounds& bounds, const Bounds& now, const std::vector<doubl
     const bool moves = !smaller || at_end(x, now.low[k], now.high[k], bounds.low[k], bounds.high[k]);
     const double side = (moves ? 1.0 : 0.5) * (now.high[k] - now.low[k]);
     box.low[k] = std::clamp(x - side / 2, bounds.low[k], bounds.high[k] - side);
-    box.high[k] = box.low[k] + side;
+    box.high[k] = std::min(box.low[k] + side, bounds.high[k]);
   }
   return box;
 }

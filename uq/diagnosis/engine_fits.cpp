@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -251,7 +253,9 @@ void DiagnosisEngine::fit_best_of(const Question& q) {
   }
   if (all.empty()) return;
   const auto worth = [](const Alternative& a) { return a.explanation.log_bayes_factor; };
-  const auto rank = [&](const Alternative& a) { return std::pair(a.explanation.fitted, worth(a)); };
+  // One that no runs were left for stays what it is worth to first order where that leads the fitted ones: none of these is named as if it were the best.
+  const double fitted = std::accumulate(all.begin(), all.end(), -std::numeric_limits<double>::infinity(), [&](double most, const auto& a) { return a.explanation.fitted ? std::max(most, worth(a)) : most; });
+  const auto rank = [&](const Alternative& a) { return std::pair(a.explanation.fitted || (out_.spent && worth(a) > fitted + Gates{}.lead), worth(a)); };
   const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   for (const auto& other : all)
     if (&other != &*best && other.explanation.fitted && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);

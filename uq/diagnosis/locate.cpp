@@ -80,7 +80,7 @@ std::vector<double> false_discovery(const std::vector<double>& p) {
 LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
   const Eigen::Index n = residual.size();
   const Eigen::VectorXd times = grid.times();
-  const double step = n > 1 ? times[1] - times[0] : 0, end = times.maxCoeff() + 0.5 * step;
+  const double step = n > 1 ? grid.half_window() : 0, end = times.maxCoeff() + 0.5 * step;
   const double begin = times.minCoeff() > step ? times.minCoeff() - 0.5 * step : 0;  // records may begin late
   LocatedMismatch out;
   std::vector<Tested> all;
@@ -90,7 +90,7 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
     all.push_back(tested(unit_rows(at, n), residual, covariance));
     out.sensors.emplace_back().name = problem.label(problem.observations[i]);
   }
-  const auto window_of = [&](double t) { return std::clamp(int((t - begin) / (end - begin) * windows), 0, windows - 1); };
+  const auto window_of = [&](double t) { return end > begin ? std::clamp(int((t - begin) / (end - begin) * windows), 0, windows - 1) : 0; };
   const auto begin_of = [&](int w) { return begin + (end - begin) * w / windows; };
   for (int w = 0; w < windows; ++w) {
     std::vector<Eigen::Index> at;

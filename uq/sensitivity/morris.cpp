@@ -12,18 +12,19 @@ namespace calomel {
 Eigen::MatrixXd morris_design(std::size_t dimensions, std::size_t trajectories, int levels, std::uint64_t seed) {
   expect(levels >= 2 && levels % 2 == 0, "an even number of levels");
   const auto d = Eigen::Index(dimensions);
-  const double delta = levels / (2.0 * (levels - 1));
+  const int delta = levels / 2;  // of the grid, whose values are divided last: so that steps are equal to the last digit
   Eigen::MatrixXd out(d, Eigen::Index(trajectories) * (d + 1));
   for (std::size_t r = 0; r < trajectories; ++r) {
     RandomStream random(seed, 0x3031 + r);
-    Eigen::VectorXd at(d);
+    Eigen::VectorXi at(d);
     std::vector<Eigen::Index> order(dimensions);
     std::iota(order.begin(), order.end(), 0);
     for (std::size_t k = dimensions; k > 1; --k) std::swap(order[k - 1], order[std::min(k - 1, std::size_t(random.uniform() * double(k)))]);
-    for (Eigen::Index k = 0; k < d; ++k) at[k] = std::min(levels - 1, int(random.uniform() * levels)) / double(levels - 1);
+    for (Eigen::Index k = 0; k < d; ++k) at[k] = std::min(levels - 1, int(random.uniform() * levels));
     Eigen::Index column = Eigen::Index(r) * (d + 1);
-    out.col(column++) = at;
-    for (const auto k : order) at[k] += at[k] + delta <= 1 + 1e-12 ? delta : -delta, out.col(column++) = at;
+    const auto put = [&] { out.col(column++) = at.cast<double>() / double(levels - 1); };
+    put();
+    for (const auto k : order) at[k] += at[k] + delta < levels ? delta : -delta, put();
   }
   return out;
 }
@@ -34,8 +35,8 @@ std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& des
   for (Eigen::Index q = 0; q < values.rows(); ++q) {
     std::vector<std::vector<double>> effects(static_cast<std::size_t>(d));
     for (Eigen::Index i = 0; i + 1 < design.cols(); ++i) {
+      if ((i + 1) % (d + 1) == 0 || !std::isfinite(values(q, i)) || !std::isfinite(values(q, i + 1))) continue;  // from one trajectory to the next
       const Eigen::VectorXd step = design.col(i + 1) - design.col(i);
-      if ((step.array() != 0).count() != 1 || !std::isfinite(values(q, i)) || !std::isfinite(values(q, i + 1))) continue;  // from one trajectory to the next
       Eigen::Index k = 0;
       step.cwiseAbs().maxCoeff(&k);
       effects[std::size_t(k)].push_back((values(q, i + 1) - values(q, i)) / step[k]);

@@ -18,7 +18,7 @@ struct MorrisEffect {
 /// its own, by levels / (2 (levels - 1)).
 [[nodiscard]] Eigen::MatrixXd morris_design(std::size_t dimensions, std::size_t trajectories, int levels, std::uint64_t seed);
 
-/// Effects from values (quantities, trajectories (d + 1)) at that design, or at any runs of which neighbours differ in one parameter: [quantity][parameter]. Steps with a value that is
+/// Effects from values (quantities, trajectories (d + 1)) at that design: [quantity][parameter]. Steps with a value that is
 /// not finite are left out.
 [[nodiscard]] std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& design, const Eigen::MatrixXd& values);
 

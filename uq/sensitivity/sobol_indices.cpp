@@ -50,7 +50,7 @@ SobolIndices sobol_indices(const SobolRows& rows, std::uint64_t seed, int resamp
 
 Eigen::MatrixXd sobol_rows_design(std::size_t dimensions, std::size_t n, std::uint64_t seed) {
   const auto d = Eigen::Index(dimensions);
-  const Eigen::MatrixXd both = 2 * dimensions <= sobol_dimensions ? sobol_points(2 * dimensions, n, seed) : latin_hypercube_points(2 * dimensions, n, seed);
+  const Eigen::MatrixXd both = space_filling_points(2 * dimensions, n, seed);
   Eigen::MatrixXd out(d, Eigen::Index(n) * (d + 2));
   for (Eigen::Index i = 0; i < Eigen::Index(n); ++i) {
     const Eigen::Index at = i * (d + 2);

@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <set>
 
 #include "base/json.hpp"
 #include "forward/built_in_model.hpp"
+#include "forward/mesh/deform_mesh.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/parameter_group.hpp"
 #include "tests/unit/forward/small_case.hpp"
@@ -104,6 +106,30 @@ TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
   }
   EXPECT_EQ(wholes, 3u);
   EXPECT_EQ(parts, 3u * 7u);
+}
+
+// The ends of plates that reach the rear end are no part of its wall.
+TEST(WallThinning, LeavesTheEndsOfPlatesAlone) {
+  GeometryOptions g;
+  g.kind = "jet_flow", g.half = true, g.rear = "wall", g.element_size = 0.012;
+  const Mesh before = make_mesh(g);
+  Mesh after = before;
+  thin_wall(after, {.wall = "rear", .fraction = 0.1, .begin = -1, .end = 1});
+  const double end = std::max_element(before.nodes.begin(), before.nodes.end(), [](const Vec3& a, const Vec3& b) { return a[0] < b[0]; })->at(0);
+  double most = 0, elsewhere = 0;
+  for (const auto& pair : before.slip) {  // of steel; the mercury follows
+    const auto n = std::size_t(pair.steel);
+    const double moved = std::abs(after.nodes[n][0] - before.nodes[n][0]);
+    (before.nodes[n][0] > end - 0.02 ? most : elsewhere) = std::max(before.nodes[n][0] > end - 0.02 ? most : elsewhere, moved);
+  }
+  EXPECT_NEAR(most, 0.1 * 0.004, 1e-5);
+  EXPECT_LE(elsewhere, most);  // by what the mercury beside it gives way; a tenth of a plate's length would turn elements inside out
+}
+
+// An end that the case does not set is where the wall ends; a parameter of it begins at the nearer of its bounds.
+TEST(WallThinning, AnEndMayBeAParameterWithoutANominalValue) {
+  const ForwardCase c = small_case("[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\nfraction = 0.2\nend = 0.05\n[parameter.b]\nkey = \"mechanism.wall_thinning.begin\"\nmin = 0\nmax = 0.02\n");
+  EXPECT_EQ(*c.parameters[0].nominal, 0);
 }
 
 // ringing_box has a rear wall; plane strain has no side.

@@ -151,6 +151,23 @@ TEST(Morris, EffectsOfALinearFunctionAreItsSlopesAndStepsStayInTheCube) {
   EXPECT_NEAR(without[2].mu, -5, 1e-12);
 }
 
+// Trajectories of one parameter or two have neighbours that differ in one parameter, too; these are no steps.
+TEST(Morris, CountsNoStepFromOneTrajectoryToTheNext) {
+  for (const std::size_t d : {1, 2}) {
+    const auto design = morris_design(d, 50, 8, 3);
+    const Eigen::MatrixXd y = (10 * design.row(0).array()).sin().matrix();
+    double absolute = 0, count = 0;
+    for (Eigen::Index i = 0; i + 1 < design.cols(); ++i)
+      if ((i + 1) % Eigen::Index(d + 1) != 0 && design(0, i) != design(0, i + 1)) {
+        EXPECT_EQ(std::abs(design(0, i + 1) - design(0, i)) > 0.5, true);
+        absolute += std::abs(y(0, i + 1) - y(0, i)) * 7 / 4, ++count;
+      }
+    EXPECT_EQ(count, 50);
+    EXPECT_NEAR(morris_effects(design, y)[0][0].mu_star, absolute / count, 1e-9) << d;
+    EXPECT_LT(morris_effects(design, design.row(0))[0][0].sigma, 1e-9) << d;
+  }
+}
+
 /// The intervals hold the truth about as often as they say: 40 seeds, 5 indices that are not zero.
 TEST(Sensitivity, IntervalsCover) {
   const std::vector<double> first{0.3139, 0.4424}, total{0.5576, 0.4424, 0.2437};

@@ -43,6 +43,11 @@ TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNo
   const auto with_young = posterior_parameters(study(density + "[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n"));
   EXPECT_THAT(names(with_young), ElementsAre("density", "steel", "regularising_viscosity", "wall_film"));
   EXPECT_EQ(first_half_width(with_young[0], false), 0.035);
+  Parameter cutoff;
+  cutoff.key = "material.mercury.tensile_cutoff", cutoff.min = 0, cutoff.max = 1.5e6, cutoff.nominal = 1.5e5;
+  EXPECT_DOUBLE_EQ(first_half_width(cutoff, false), 0.9e5);  // whatever its bounds
+  cutoff.nominal = 0;
+  EXPECT_DOUBLE_EQ(first_half_width(cutoff, false), 1.5e5);
   EXPECT_DOUBLE_EQ(first_half_width(with_young[1], false), 0.1 * std::log(2.1 / 1.8));
   EXPECT_DOUBLE_EQ(first_half_width(with_young[2], true), 1.8 * *with_young[2].sigma);
   EXPECT_DOUBLE_EQ(first_half_width(with_young[3], true), 2.5 * *with_young[3].sd);
