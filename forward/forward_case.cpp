@@ -177,7 +177,7 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.parameters = read_parameters(file);
   bind_parameters(file, c.parameters, [&](const Parameter& p) {
     const double value = c.number(p.key);
-    return std::abs(value) >= anywhere ? std::clamp(value, p.min, p.max) : value;  // an end that a wall's stretch has nowhere
+    return p.key.starts_with("mechanism.") && std::abs(value) == anywhere ? std::clamp(value, p.min, p.max) : value;  // an end that a wall's stretch has nowhere
   });
   for (auto& p : c.parameters) take_over(file, p, c.about(p.key));
   return c;
