@@ -73,8 +73,10 @@ NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterio
   const std::vector<double> by_estimate = shares(logs), evenly(taken.size(), 1 / double(taken.size()));
   std::vector<double> alike(taken.size(), 0.0);
   double squares = 0;
+  const auto counted = double(std::count_if(out.weights.begin(), out.weights.end(), [](double w) { return w > 0; }));  // one that no draw of the chains bears out has no width
   for (std::size_t i = 0; i < taken.size(); ++i) {
-    for (std::size_t b = 0; b < out.weights.size(); ++b) alike[i] += draw_share[i][b] / (out.weights[b] * double(taken.size() * out.weights.size()));
+    for (std::size_t b = 0; b < out.weights.size(); ++b)
+      if (out.weights[b] > 0) alike[i] += draw_share[i][b] / (out.weights[b] * double(taken.size()) * counted);
     squares += by_estimate[i] * by_estimate[i];
   }
   out.plug_in_draws = 1 / squares;

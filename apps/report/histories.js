@@ -56,7 +56,7 @@ function draw_histories(place, controls, data) {
       const box = element('figure', { class: 'history' }, place);
       const caption = element('figcaption', {}, box);
       element('b', {}, caption, sensor.name);
-      element('span', {}, caption, data.scores[sensor.name] || '');
+      element('span', {}, caption, data.scores[`${sensor.name} (${condition.name})`] || data.scores[sensor.name] || '');
       const div = element('div', { class: 'plot', role: 'img', 'aria-label': `Strain history of sensor ${sensor.name}` }, box);
       const readout = element('div', { class: 'readout' }, box);
       const own = used.filter(s => sensor[s.key]);

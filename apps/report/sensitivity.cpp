@@ -112,9 +112,11 @@ std::string what_came_out(const Study& study) {
 
 std::string bounds_sentence(const Study& study, const ReportInput& input) {
   std::string bounds;
+  const Json& own = part_at(part_at(part_at(summary_of(study), "provenance"), "options"), "parameter");  // those that it was made with
   for (const auto& p : input.parameters) {
     const std::string unit = parameter_unit(input, p.name);
-    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(p.min, 5) + " to " + number_html(p.max, 5) +
+    const Json& then = part_at(own, p.name);
+    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(number_at(then, "min").value_or(p.min), 5) + " to " + number_html(number_at(then, "max").value_or(p.max), 5) +
               (unit.empty() ? "" : "\u00a0" + escape_html(unit));
   }
   const bool by_prior = text_at(summary_of(study), "measure") == "prior";

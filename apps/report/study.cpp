@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -132,6 +133,19 @@ const PosteriorCoordinate* coordinate(const PosteriorGroup& group, const std::st
   return nullptr;
 }
 
+/// Quantile of the mixture of Gaussians about these values, each of this deviation: of draws and errors together, by bisection of its distribution.
+double mixture_quantile(const std::vector<double>& middles, double sd, double p) {
+  const auto [least, greatest] = std::minmax_element(middles.begin(), middles.end());
+  double low = *least - 8 * sd, high = *greatest + 8 * sd;
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.5 * (low + high);
+    double below = 0;
+    for (const double m : middles) below += sd > 0 ? 0.5 * std::erfc((m - x) / (std::numbers::sqrt2 * sd)) : double(m <= x);
+    (below < p * double(middles.size()) ? low : high) = x;
+  }
+  return 0.5 * (low + high);
+}
+
 /// What is predicted of the records; nothing where the groups do not have it.
 std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, const PosteriorGroup& observed) {
   const auto *strain = predictive.variable("strain"), *record = observed.variable("strain"), *error = observed.variable("error_sd");
@@ -152,17 +166,13 @@ std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, 
         if (std::isfinite(y[k])) at[k].push_back(y[k]);
     }
     for (std::size_t k = 0; k < m; ++k) {
-      double mean = std::nan(""), variance = 0;
-      if (!at[k].empty()) {
-        mean = std::accumulate(at[k].begin(), at[k].end(), 0.0) / double(at[k].size());
-        for (const double y : at[k]) variance += (y - mean) * (y - mean) / double(at[k].size());
-      }
-      h.predicted.push_back(mean);
+      h.predicted.push_back(at[k].empty() ? std::nan("") : std::accumulate(at[k].begin(), at[k].end(), 0.0) / double(at[k].size()));
       h.draws_low.push_back(at[k].empty() ? std::nan("") : quantile(at[k], 0.05));
       h.draws_high.push_back(at[k].empty() ? std::nan("") : quantile(at[k], 0.95));
       if (!with_errors) continue;
-      const double half = 1.6448536269514722 * std::sqrt(variance + error->values[r * m + k] * error->values[r * m + k]);  // of a Gaussian
-      h.predicted_low.push_back(mean - half), h.predicted_high.push_back(mean + half);
+      const double sd = error->values[r * m + k];
+      const bool there = !at[k].empty() && std::isfinite(sd);
+      h.predicted_low.push_back(there ? mixture_quantile(at[k], sd, 0.05) : std::nan("")), h.predicted_high.push_back(there ? mixture_quantile(at[k], sd, 0.95) : std::nan(""));
     }
   }
   return h;

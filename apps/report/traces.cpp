@@ -160,17 +160,18 @@ Json predicted_lines(const Histories& h) {
   Json lines = Json::object();
   if (h.predicted_low.empty()) return lines;
   const std::size_t m = h.record_time.size();
-  for (std::size_t s = 0; s < h.sensors.size(); ++s) {
-    std::size_t inside = 0, all = 0;
-    for (std::size_t c = 0; c < h.conditions.size(); ++c)
+  for (std::size_t c = 0; c < h.conditions.size(); ++c)
+    for (std::size_t s = 0; s < h.sensors.size(); ++s) {
+      std::size_t inside = 0, all = 0;
       for (std::size_t k = 0; k < m; ++k) {
         const std::size_t i = (c * h.sensors.size() + s) * m + k;
         if (!std::isfinite(h.record_mean[i]) || !std::isfinite(h.predicted_low[i])) continue;
         ++all;
         inside += h.record_mean[i] >= h.predicted_low[i] && h.record_mean[i] <= h.predicted_high[i];
       }
-    if (all > 0) lines[h.sensors[s]] = fmt::format("{:.0f}\u00a0% of the record inside", 100 * double(inside) / double(all));
-  }
+      const std::string name = h.conditions.size() > 1 ? fmt::format("{} ({})", h.sensors[s], h.conditions[c]) : h.sensors[s];  // as Problem::label
+      if (all > 0) lines[name] = fmt::format("{:.0f}\u00a0% of the record inside", 100 * double(inside) / double(all));
+    }
   return lines;
 }
 
@@ -293,8 +294,7 @@ Json misfit_lines(const Json& diagnosis) {
   for (const auto& g : list_at(diagnosis, "gauges")) {
     const auto before = number_at(g, "before"), after = number_at(g, "after"), out_before = number_at(g, "heldout_before"), out_after = number_at(g, "heldout_after");
     const auto pair = [&](const auto& a, const auto& b) { return !b || a == b ? percent(a) : percent(a) + " \u2192 " + percent(b); };
-    const std::string told = text_at(lines, text_at(g, "sensor"));
-    lines[text_at(g, "sensor")] = told + (told.empty() ? "" : "; ") + "misfit " + pair(before, after) + (out_before ? ", left out " + pair(out_before, out_after) : "");
+    lines[text_at(g, "name")] = "misfit " + pair(before, after) + (out_before ? ", left out " + pair(out_before, out_after) : "");
   }
   return lines;
 }
