@@ -1,10 +1,10 @@
-# The example on the first 0.2 ms of its records, with the explanation fitted that leads to first order, in 750 runs or a round more, from the records to the expected numbers.
+# The example on the first 0.2 ms of its records, with the explanation fitted that leads to first order, in 1100 runs or a round more, from the records to the expected numbers.
 include("${CMAKE_CURRENT_LIST_DIR}/../steps.cmake")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 file(COPY "${CMAKE_CURRENT_LIST_DIR}/bubbly_target.toml" "${CMAKE_CURRENT_LIST_DIR}/recordings.nc" DESTINATION "${WORK}")
 set(case "${WORK}/bubbly_target.toml" --set time.end=0.0002)
-execute_process(COMMAND "${CALOMEL}" diagnose ${case} --set diagnosis.leaders=1 --set diagnosis.pairs=false --set diagnosis.max_runs=750 RESULT_VARIABLE status)
+execute_process(COMMAND "${CALOMEL}" diagnose ${case} --set diagnosis.leaders=1 --set diagnosis.pairs=false --set diagnosis.max_runs=1100 RESULT_VARIABLE status)
 if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the runs are spent before the fit of what is named stands
   message(FATAL_ERROR "exit status ${status} of diagnose")
 endif()
