@@ -88,8 +88,10 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study) {
 
 double mesh_error(const StudyCase& study, double size_from_file) {
   if (!study.on_mesh()) return study.errors.mesh.value_or(0);  // characteristics and spectra carry waves without any
-  const double finest = element_sizes(study).back();  // 0: the mesh that the case has from a file
-  return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * (finest > 0 ? finest : size_from_file)));
+  const auto sizes = element_sizes(study);
+  const auto own = study.forward.geometry.resolved().element_size;
+  const double size = sizes.size() > 1 && own ? *own : sizes[0] > 0 ? sizes[0] : size_from_file;
+  return study.errors.mesh.value_or(std::min(1.0, mesh_error_by_size * size));
 }
 
 std::optional<double> elements_per_front(const StudyCase& study) {

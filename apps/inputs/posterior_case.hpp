@@ -32,7 +32,8 @@ std::optional<int> own_level(const StudyCase& study);
 /// Where the gauges sit, (sensors, 3) [m].
 Eigen::MatrixXd gauge_positions(const StudyCase& study);
 
-/// Error of the mesh over the local amplitude [-], for an emulator with one mesh: errors.mesh or its default by the size of the finest mesh's elements, `size_from_file` [m] of one from a file.
+/// Error of the mesh over the local amplitude [-]: errors.mesh, or its default by the size of the elements. Of an emulator with one mesh that of this mesh, `size_from_file` [m] of one from a file; of
+/// several that of the case's own, on which the surrogate stands that the basin is sought on.
 double mesh_error(const StudyCase& study, double size_from_file = 0);
 
 /// Elements of the emulator's finest mesh through the front of the pulse (sound speed times pulse length); nothing where the load has no such front or the mesh

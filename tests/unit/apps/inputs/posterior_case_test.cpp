@@ -35,6 +35,15 @@ TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
   EXPECT_TRUE(basin_on_surrogate(study(density + normal, {"emulator.start=surrogate"})));
 }
 
+TEST(PosteriorCase, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
+  const double own = mesh_error(study(density));
+  EXPECT_GT(own, 0);
+  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[1e-3]"})), 0.08);
+  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[2e-3]"})), 0.16);
+  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[2e-3, 1e-3]"})), own);
+  EXPECT_EQ(mesh_error(study(density, {"errors.mesh=0.3"})), 0.3);
+}
+
 TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
   EXPECT_THAT(names(posterior_parameters(study(density))), ElementsAre("density", "regularising_viscosity", "young", "wall_film"));
   EXPECT_THAT(names(posterior_parameters(study(density, {"errors.young_sd=0", "errors.wall_film_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
