@@ -193,11 +193,19 @@ std::optional<std::string> CaseFile::text(const std::string& path) const {
   return node ? node->value_exact<std::string>() : std::nullopt;
 }
 
+namespace {
+
+/// Of a node that is a number: toml++ gives no double of an integer that a double does not hold.
+double number_of(const toml::node& node) {
+  const auto exact = node.value<double>();
+  return exact ? *exact : double(*node.value<std::int64_t>());
+}
+
+}  // namespace
+
 std::optional<double> CaseFile::number(const std::string& path) const {
   const auto* node = node_at(document_->root, path);
-  if (!node || !node->is_number()) return std::nullopt;
-  if (const auto exact = node->value<double>()) return exact;
-  return double(*node->value<std::int64_t>());
+  return node && node->is_number() ? std::optional(number_of(*node)) : std::nullopt;
 }
 
 Json CaseFile::json(const std::string& path) const {
@@ -287,8 +295,7 @@ void CaseFile::Reader::fail_size(const char* key, std::size_t wanted, std::size_
 
 double CaseFile::Reader::number(const toml::node& node, const std::string& key, const FieldInfo& info) {
   if (!node.is_number()) fail(node, key, "a number", info);
-  const auto exact = node.value<double>();  // none of an integer that a double does not hold
-  const double x = exact ? *exact : double(*node.value<std::int64_t>());
+  const double x = number_of(node);
   if (!std::isfinite(x) || !info.range.contains(x))
     throw file_.located(InputError({.problem = "out of range: " + info.doc + (info.unit.empty() ? "" : " [" + info.unit + "]"),
                                     .key = path_.empty() ? key : path_ + '.' + key,

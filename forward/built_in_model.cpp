@@ -109,6 +109,15 @@ std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& ga
   return rows;
 }
 
+/// How the whole is modelled where only one side of a plane across the axis is.
+std::string whole_model(char axis, const ForwardCase& at) { return axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis); }
+
+void expect_rear(const EnabledMechanism& m, const Mesh& mesh) {
+  if (m.entry->needs_rear && mesh.rear.empty())
+    throw InputError({.problem = "the target has no rear face that swallows waves, on which alone it acts", .key = "mechanism." + m.name + ".enabled", .value = "true",
+                      .suggestion = "set geometry.rear = \"non_reflecting\" (a mesh from a file: geometry.sets.rear), or remove the mechanism"});
+}
+
 /// What breaks a symmetry by which only a part is modelled cannot show there.
 void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Mesh& mesh) {
   for (const auto& k : m.entry->keys) {
@@ -119,7 +128,7 @@ void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Me
     throw InputError({.problem = fmt::format("only one side of a plane across {0} is modelled, and the other is taken for its mirror image: what is off centre along {0} cannot show", axis),
                       .key = "mechanism." + m.name + '.' + k.name,
                       .value = number_text(value),
-                      .suggestion = axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis)});
+                      .suggestion = whole_model(axis, at)});
   }
 }
 
@@ -134,7 +143,7 @@ void expect_on_mirror_planes(const LoadOptions& load, const Mesh& mesh, const Fo
     throw InputError({.problem = fmt::format("only one side of the plane {} = {} m is modelled, and the other is taken for its mirror image: a beam off that plane would be two beams", axis, number_text(m.at)),
                       .key = "load.profile.center",
                       .value = number_text(centre),
-                      .suggestion = axis == 'y' && at.geometry.half ? "set geometry.half = false, or the beam on the plane" : fmt::format("use a mesh without symmetry_{}, or set the beam on the plane", axis)});
+                      .suggestion = whole_model(axis, at) + ", or put the beam on the plane"});
   }
 }
 
@@ -144,7 +153,7 @@ LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh, double front
   load.profile.front = front;
   expect_on_mirror_planes(load, mesh, at);
   for_active(at, [&](const EnabledMechanism& m) {
-    expect_symmetric(m, at, mesh);
+    expect_symmetric(m, at, mesh), expect_rear(m, mesh);
     if (m.entry->load) m.entry->load(m.values, mesh, load);
   });
   return load;

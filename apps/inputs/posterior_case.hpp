@@ -34,7 +34,7 @@ Eigen::MatrixXd gauge_positions(const StudyCase& study);
 
 /// Error of the mesh over the local amplitude [-]: errors.mesh, or its default by the size of the elements. Of an emulator with one mesh that of this mesh, `size_from_file` [m] of one from a file; of
 /// several that of the case's own, on which the surrogate stands that the basin is sought on.
-double mesh_error(const StudyCase& study, double size_from_file = 0);
+double mesh_error(const StudyCase& study, double size_from_file);
 
 /// Elements of the emulator's finest mesh through the front of the pulse (sound speed times pulse length); nothing where the load has no such front or the mesh
 /// comes from a file. Below front_resolved the posterior's deviations were found too small, by 1.4 to 1.8 (docs/proof/coverage.md).

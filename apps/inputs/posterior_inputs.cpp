@@ -46,7 +46,7 @@ std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Prob
       new PosteriorInputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
   PosteriorInputs& in = *out;
   in.parameters = posterior_parameters(study), in.seed = command.seed;
-  in.places.positions = gauge_positions(study), in.mesh = mesh_error(study), in.discrepancy = study.map.product == "physical";
+  in.places.positions = gauge_positions(study), in.discrepancy = study.map.product == "physical";
   return out;
 }
 
@@ -69,6 +69,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_without_start(StudyInputs& inp
   const CommandLine& command = inputs.command();
   auto out = without_runs(inputs.study(), inputs.problem(), inputs.recordings(), *inputs.study().recordings, command);
   PosteriorInputs& in = *out;
+  in.mesh = mesh_error(inputs.study(), 0);
   if (in.parameters.empty())
     throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
                       .key = "parameter",

@@ -47,9 +47,10 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   for (std::size_t k = inputs_.model().shape().parameters.size(); k < parameters.size(); ++k) {
     const Parameter& p = parameters[k];
     fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? own_viscosity : *p.nominal);
+    if (p.key != viscosity_key) continue;
     std::vector<double> there = fit.modes[0].at.theta;
-    there[k] = working.back();
-    if (p.key == viscosity_key && std::abs(fit.posterior->box().u(there)[Eigen::Index(k)]) > 1)
+    there[k] = own_viscosity;
+    if (!fit.posterior->box().contains(there))
       reservations.push_back(fmt::format("the case's own mesh has a regularising viscosity of {:.4g} Pa s, outside those of the emulator: what it does beyond them is not corrected. Elements of another size, or a greater emulator.viscosity_sd ({:.3g}), reach it",
                                          own_viscosity, study.emulator.viscosity_sd));
   }

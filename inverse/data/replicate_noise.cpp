@@ -15,7 +15,7 @@ namespace {
 constexpr double smoothing_time = 25e-6;       ///< [s] half width over which the variance may change
 constexpr double shrinkage_squares = 10;       ///< squares at which local and mean variance count alike
 constexpr double least_white = 0.01;           ///< keeps the covariance regular
-constexpr double dropouts = 0.1;               ///< share of a pulse's values that may be absent: the mean of the others stands for them
+constexpr double dropouts = 0.1;               ///< share of a pulse's values that may be absent: the mean record stands for them
 constexpr std::array<double, 5> white_shares{least_white, 0.05, 0.15, 0.4, 0.8};
 
 /// The pulses of one observation on the coarse grid.
@@ -51,25 +51,21 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
   p.zeroed = from_zero;
   std::vector<Eigen::VectorXd> columns;
   const auto windows = Eigen::Index(grid.windows(index).size());
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(windows);
-  p.present = sum;
+  p.present = Eigen::VectorXd::Zero(windows);
   for (std::size_t k = 0; k < r.pulses.size(); ++k) {
     if (!r.recorded(c, s, k)) continue;
     const std::span<const double> record(r.values.data() + r.at(c, s, k, begin), n);
     const Eigen::VectorXd y = grid.apply_record(index, record);
     const Eigen::Array<bool, Eigen::Dynamic, 1> there = y.array().isFinite();
-    p.present.array() += there.cast<double>(), sum.array() += there.select(y.array(), 0.0);
+    p.present.array() += there.cast<double>();
     if (double(windows - there.count()) > dropouts * double(windows)) continue;
     p.zeroed = p.zeroed && record[0] == 0;
     p.number.push_back(k), columns.push_back(y);
   }
   p.present = p.present.cwiseMax(1);
   p.values.resize(windows, Eigen::Index(columns.size()));
-  Eigen::VectorXd others = sum.cwiseQuotient(p.present);
-  if (const Eigen::VectorXd mean = grid.apply_record(index, o.mean); columns.size() > 0)  // where each pulse lacks another sample of it, no pulse has the value and the mean record has
-    for (Eigen::Index w = 0; w < windows; ++w)
-      if (sum[w] == 0 && std::isfinite(mean[w])) others[w] = mean[w];
-  for (std::size_t k = 0; k < columns.size(); ++k) p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), others.array());
+  const Eigen::VectorXd mean_record = grid.apply_record(index, o.mean);  // it has every window, also where each pulse lacks another sample of it
+  for (std::size_t k = 0; k < columns.size(); ++k) p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), mean_record.array());
   if (!columns.empty()) p.mean = p.values.rowwise().mean();
   return p;
 }

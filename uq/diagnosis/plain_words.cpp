@@ -396,18 +396,15 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
       told = unknown_summary(d, groups, m, gates);
       break;
   }
-  if (const auto unsettled = d.unsettled(); !unsettled.empty()) {
-    const Alternative* left_out = names.empty() ? d.alternative(unsettled[0]) : nullptr;  // for which no runs were left
-    std::vector<std::string> fits;
-    for (const auto& name : unsettled) fits.push_back(name == "base" ? "the base model" : with_key(*d.alternative(name), groups));
-    if (left_out) {
-      told.finding = fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for it.", fits[0]);
-      told.next_step = "Run the diagnosis again with more runs (diagnosis.max_runs); those that were made are kept.";
-    } else {
-      told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
+  const auto unsettled = d.unsettled();
+  std::vector<std::string> fits;
+  for (const auto& name : unsettled) fits.push_back(name == "base" ? "the base model" : with_key(*d.alternative(name), groups));
+  if (names.empty() && !fits.empty() && unsettled[0] != "base")
+    told = {fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for it.", fits[0]),
+            "Run the diagnosis again with more runs (diagnosis.max_runs); those that were made are kept."};
+  else if (!fits.empty())
+    told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
-    }
-  }
   std::string slips;
   for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
   if (d.late) slips += plain_late(*d.late) + ' ';

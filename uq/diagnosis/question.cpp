@@ -296,8 +296,8 @@ double implausibility(const AddedParameter& a, double value, double sd) {
   const auto slack = [sd](double bound) { return sd + 1e-9 * std::abs(bound); };
   if (value > p.max + slack(p.max) || value < p.min - slack(p.min)) return never;
   if (p.prior == "half_cauchy") return std::log10(1 + std::max(0.0, value) / *p.scale);
-  if (p.prior == "lognormal") return value > 0 ? std::abs(std::log(value) - *p.mu) / *p.sigma : never;
-  if (p.sd) return std::abs(value - p.mean.value_or(*p.nominal)) / *p.sd;
+  if (p.prior == "lognormal" && !(value > 0)) return never;
+  if (const auto deviation = prior_deviation(p, value)) return std::abs(*deviation);
   const double far = value > *p.nominal ? p.max - *p.nominal : *p.nominal - p.min;
   return far > 0 ? 2 * std::abs(value - *p.nominal) / far : 0;
 }
