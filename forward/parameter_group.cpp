@@ -82,6 +82,7 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
   const double ratio = std::log(k.high / k.low);
   p.prior = "lognormal", p.mu = 0.5 * std::log(k.high * k.low), p.sigma = ratio / 4;
   for (const double part : {1.0 / 6, 0.5, 5.0 / 6}) a.strengths.push_back(k.low * std::exp(part * ratio));
+  a.unit = k.unit, a.doc = k.doc;
   return a;
 }
 

@@ -18,17 +18,6 @@ function contour(at, n, level) {
   return path;
 }
 
-/// A label in lines of at most `most` letters, broken at blanks and behind underscores where it can be.
-function label_lines(label, most) {
-  const lines = [];
-  for (const part of label.split(/(?<=_)|\s+/)) {
-    const last = lines[lines.length - 1], joint = last && last.endsWith('_') ? '' : ' ';
-    if (last && last.length + joint.length + part.length <= most) lines[lines.length - 1] = last + joint + part;
-    else lines.push(part);
-  }
-  return lines;
-}
-
 function draw_corner(place, data) {
   if (!place || !data) return;
   const n = data.axes.length, left = 112, gap = 12, size = n === 1 ? 360 : Math.max(118, Math.floor((800 - left - gap * n) / n)), step = size + gap;

@@ -47,14 +47,17 @@ function draw_mismatch_map(place, data, map) {
 
 function draw_probabilities(place, data) {
   if (!place || !data || !data.bars.length) return;
-  const longest = Math.max(...data.bars.map(b => b.label.length)), left = Math.min(20 + 7 * longest, 640), height = 24, width = 960 - left - 90;
-  const root = svg('svg', { class: 'drawing', viewBox: `0 0 960 ${height * data.bars.length + 8}` }, place);
+  const labels = data.bars.map(b => label_lines(b.label, 88)), longest = Math.max(...labels.flat().map(l => l.length));
+  const left = 20 + 7 * Math.min(longest, 84), height = 24, line = 16, width = 960 - left - 90;
+  const root = svg('svg', { class: 'drawing', viewBox: `0 0 960 ${height * data.bars.length + line * (labels.flat().length - labels.length) + 8}` }, place);
+  let y = 4;
   data.bars.forEach((b, i) => {
-    const y = i * height + 4, weight = b.strong ? 700 : 400;
-    svg('text', { x: left - 10, y: y + 15, 'text-anchor': 'end', 'font-weight': weight }, root, b.label);
+    const weight = b.strong ? 700 : 400;
+    labels[i].forEach((text, n) => svg('text', { x: left - 10, y: y + 15 + n * line, 'text-anchor': 'end', 'font-weight': weight }, root, text));
     svg('rect', { x: left, y: y + 2, width, height: height - 6, fill: '#f0f2f4' }, root);
     svg('rect', { x: left, y: y + 2, width: width * b.probability, height: height - 6, fill: b.strong ? '#0b5394' : '#9fb3c4' }, root);
     svg('text', { x: left + width + 8, y: y + 15, 'font-weight': weight }, root, b.probability < 0.001 ? '< 0.1 %' : b.probability > 0.999 ? '> 99.9 %' : `${(100 * b.probability).toFixed(1)} %`);
+    y += height + line * (labels[i].length - 1);
   });
 }
 

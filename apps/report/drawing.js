@@ -206,3 +206,14 @@ function draw_design(place, data) {
   svg('path', { d: `M${256},${ly - 8}l8,8M${256},${ly}l8,-8`, stroke: palette[1], 'stroke-width': 2 }, root);
   svg('text', { x: 272, y: ly }, root, `failed (${data.failed.length})`);
 }
+
+/// A label in lines of at most `most` letters, broken at blanks and behind underscores where it can be.
+function label_lines(label, most) {
+  const lines = [];
+  for (const part of label.split(/(?<=_)|\s+/)) {
+    const last = lines[lines.length - 1], joint = last && last.endsWith('_') ? '' : ' ';
+    if (last && last.length + joint.length + part.length <= most) lines[lines.length - 1] = last + joint + part;
+    else lines.push(part);
+  }
+  return lines;
+}

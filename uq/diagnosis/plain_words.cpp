@@ -44,6 +44,7 @@ struct ShownUnit {
   std::string name;
 };
 ShownUnit shown_unit(const std::string& unit, double greatest) {
+  if (unit == "m" && greatest > 0 && greatest < 1e-4) return {1e6, "µm"};
   if (unit == "m" && greatest < 0.1) return {1e3, "mm"};
   if (unit == "s" && greatest < 1e-3) return {1e6, "µs"};
   if (unit == "s" && greatest < 1) return {1e3, "ms"};

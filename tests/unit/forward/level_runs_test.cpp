@@ -178,6 +178,12 @@ TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
         EXPECT_EQ(a.unit, "m");
       }
     }
+    for (const auto& a : g.shapes) {
+      EXPECT_FALSE(a.doc.empty()) << a.parameter.name;
+      if (a.parameter.name == "bubbly_liquid.radius") {
+        EXPECT_EQ(a.unit, "m");
+      }
+    }
   }
 }
 

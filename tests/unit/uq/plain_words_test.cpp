@@ -257,6 +257,7 @@ TEST(PlainWords, NumbersHaveUnitsThatAPersonWouldUse) {
     return n.value + " | " + n.off;
   };
   EXPECT_EQ(value("m", 0, 2.312e-3, 1.61e-4), "2.31 ± 0.16 mm | 0 mm");
+  EXPECT_EQ(value("m", 0, 1.37e-5, 3.4e-6), "13.7 ± 3.4 µm | 0 µm");
   EXPECT_EQ(value("s", 7e-7, 9.5e-7, 1.2e-7), "0.95 ± 0.12 µs | 0.7 µs");
   EXPECT_EQ(value("Pa", 0, 1.234e5, 2e4), "0.123 ± 0.020 MPa | 0 MPa");
   EXPECT_EQ(value("Pa s", 0, 812, 95), "812 ± 95 Pa s | 0 Pa s");
