@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "apps/challenge/child.hpp"
@@ -102,9 +103,15 @@ ExitStatus score(const CommandLine& command, const Notes& notes) {
   for (const char* what : {"suite", "rule"})
     if (const auto file = words.directory / (std::string(what) + ".json"); std::filesystem::exists(file)) about[what] = read_json(file);
   const std::string rule = about.contains("rule") ? about["rule"].value("hash", "") : "";
+  std::set<std::string> counted;
+  const auto count = [&](const JudgedCase& c) { return counted.insert(c.name + Json(c.truth.parameters).dump()).second; };
+  for (const auto& c : cases) count(c);
   for (const auto& file : words.with) {
     std::string other;
-    for (auto& c : read_scored(file, other)) cases.push_back(std::move(c));
+    for (auto& c : read_scored(file, other)) {
+      if (!count(c)) throw InputError({.problem = "this case is counted already", .value = c.name, .suggestion = "give the score of another suite, and each once", .file = file.string()});
+      cases.push_back(std::move(c));
+    }
     if (other != rule)
       throw InputError({.problem = "its cases were judged by another rule than those of " + words.directory.string(), .value = other, .range = rule, .suggestion = "count only what one rule has judged", .file = file.string()});
     about["with"].push_back(file.string());

@@ -170,6 +170,13 @@ TEST(ChallengeVerb, ScoresWhatThereIs) {
   EXPECT_NEAR(json["gates"][0]["bound"].get<double>(), std::sqrt(0.95), 1e-9);  // 1 of 2: P(0 of 2) + P(1 of 2) = 1 - p^2 = 0.05
   EXPECT_EQ(read_json(suite / "score.json")["cases"], 1) << "--json leaves it alone";
 
+  write_json(suite / "rule.json", {{"hash", "0123"}});
+  ASSERT_EQ(run(dir, "challenge score suite").status, 0);
+  const auto twice = run(dir, "challenge score suite --json twice.json --with suite/score.json");
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_THAT(twice.said, AllOf(HasSubstr("suite/score.json"), HasSubstr("case_001"), HasSubstr("counted already")));
+  fs::remove(suite / "rule.json");
+
   std::ofstream(suite / "results" / "case_002" / "diagnosis.json") << "{\"verdict\": ";
   const auto broken = run(dir, "challenge score suite");
   EXPECT_EQ(broken.status, 2);
