@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 
 #include "base/errors.hpp"
+#include "base/log_sum.hpp"
 #include "base/not_finite.hpp"
 
 namespace calomel {
@@ -211,17 +214,44 @@ Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid
   return process(problem, grid, sd, kernel, positions, o.discrepancy_distance);
 }
 
+namespace {
+
+/// Scales of a discrepancy over that of its prior, half-normal by the trapezium rule: (scale, weight), the weights over their sum.
+std::vector<std::pair<double, double>> weighed_scales() {
+  std::vector<std::pair<double, double>> all;
+  double total = 0;
+  for (std::size_t i = 0; i < scales_of_prior.size(); ++i) {
+    const double s = scales_of_prior[i], below = i > 0 ? scales_of_prior[i - 1] : s, above = i + 1 < scales_of_prior.size() ? scales_of_prior[i + 1] : s;
+    all.emplace_back(s, std::exp(-0.5 * s * s) * (above - below));
+    total += all.back().second;
+  }
+  for (auto& [scale, weight] : all) weight /= total;
+  return all;
+}
+
+/// Every gauge that recorded alone, and every one with the gauge nearest to it; none where they are fewer than three.
+std::set<std::set<std::size_t>> neighbourhoods(const Problem& problem, const Eigen::MatrixXd& positions) {
+  std::set<std::size_t> gauges;
+  for (const auto& o : problem.observations) gauges.insert(o.sensor);
+  std::set<std::set<std::size_t>> all;
+  if (gauges.size() < 3) return all;
+  for (const std::size_t i : gauges) {
+    const auto distance = [&](std::size_t j) { return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm(); };
+    const auto nearest = *std::min_element(gauges.begin(), gauges.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+    all.insert({i}), all.insert({i, nearest});
+  }
+  return all;
+}
+
+}  // namespace
+
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
   std::vector<WeightedErrors> out;
   if (!(o.discrepancy > 0)) {
     out.push_back({plain});
     return out;
   }
-  double total = 0;
-  for (std::size_t i = 0; i < scales_of_prior.size(); ++i) {
-    const double s = scales_of_prior[i], below = i > 0 ? scales_of_prior[i - 1] : s, above = i + 1 < scales_of_prior.size() ? scales_of_prior[i + 1] : s;
-    const double weight = std::exp(-0.5 * s * s) * (above - below);
-    total += weight;
+  for (const auto& [s, weight] : weighed_scales()) {
     if (s == 0) {
       out.push_back({plain, std::log(weight)});
       continue;
@@ -232,7 +262,34 @@ std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Prob
                      std::log(weight / double(o.discrepancy_times.size())), scale});
     }
   }
-  for (auto& w : out) w.log_weight -= std::log(total);
+  return out;
+}
+
+std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
+  std::vector<WeightedErrors> out;
+  if (positions.rows() == 0 || !(o.discrepancy > 0)) return out;
+  const Decimation& grid = plain.grid();
+  const auto places = neighbourhoods(problem, positions);
+  const auto scales = weighed_scales();
+  for (const double time : o.discrepancy_times) {
+    const Eigen::MatrixXd everywhere = discrepancy_shape(problem, grid, plain.data(), positions, o, matern32(time));
+    for (const auto& place : places) {
+      Eigen::VectorXd there = Eigen::VectorXd::Zero(everywhere.rows());
+      std::size_t records = 0;
+      for (std::size_t i = 0; i < grid.observations(); ++i)
+        if (place.contains(problem.observations[i].sensor)) there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
+      const Eigen::MatrixXd shape = there.asDiagonal() * everywhere * there.asDiagonal();
+      for (const auto& [s, weight] : scales) {
+        if (s == 0) continue;
+        const double scale = s * o.discrepancy, local = scale * scale * double(grid.observations()) / double(records);
+        out.push_back({plain.with({"discrepancy", local * shape}), std::log(weight), scale});
+      }
+    }
+  }
+  std::vector<double> logs;
+  for (const auto& w : out) logs.push_back(w.log_weight);
+  const double total = out.empty() ? 0 : log_sum(logs);
+  for (auto& w : out) w.log_weight -= total;
   return out;
 }
 

@@ -66,8 +66,23 @@ void DiagnosisEngine::describe_base() {
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
   e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
+  e.local = local_evidence();
   out_.mixed_up = mixed_up(in_.base.problem, out_.base);
   for (const auto& slip : out_.mixed_up) say(plain_mixed_up(slip));
+}
+
+/// What the base model is worth where something is missing in one place alone.
+std::optional<double> DiagnosisEngine::local_evidence() {
+  const auto errors = with_local_discrepancy(*out_.base.errors, in_.base.problem, in_.base.errors, in_.base.places.positions);
+  if (errors.empty()) return {};
+  const LogPosterior local = out_.base.under(errors);
+  std::vector<Eigen::VectorXd> starts;
+  for (const auto& found : out_.base.modes) starts.push_back(local.q(found.at.theta, found.at.beyond));
+  const auto modes = find_modes(local, starts);
+  if (modes.empty()) return {};
+  const double worth = log_evidence(local, modes[0]) - log_evidence(*out_.base.posterior, mode());
+  say(fmt::format("something in one place alone: log evidence {:.3g}", worth));
+  return worth;
 }
 
 /// Questions about a fit with these numbers added.
@@ -132,7 +147,10 @@ void DiagnosisEngine::hold_out(Alternative& c) {
   const auto fit = fits_.find(c.explanation.name);
   if (!held_out_->possible() || fit == fits_.end() || c.explanation.log_bayes_factor <= 0 || !c.held_out.empty()) return;
   if (c.explanation.of_a_gauge && !in_.base.least_squares) return;  // of the many gauges of a target one hardly moves what the others are predicted by
-  HeldOutFit with = held_out_->by(fit->second.fit);
+  keep(held_out_->by(fit->second.fit), c);
+}
+
+void DiagnosisEngine::keep(HeldOutFit with, Alternative& c) {
   for (std::size_t i = 0; i < with.misfit.size(); ++i) c.held_out.push_back(held_out_->base().misfit[i]), c.held_out.push_back(with.misfit[i]);
   c.explanation.held_out = held_out_->mean(with.misfit);
   c.held_out_gain = 1 - *c.explanation.held_out / out_.held_out_before;

@@ -150,6 +150,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
+        if (const auto& f = c.explanation.foretold) entry["beginning"] = {{"before", number(f->beginning_before)}, {"after", number(f->beginning)}};
         if (!c.sensor.empty()) entry["sensor"] = c.sensor;
         Json places = Json::object();  // walls, stretches, laws; of a fault of a gauge, by itself or in a pair, the gauge
         for (const auto& [group, place] : c.places)
@@ -197,7 +198,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"mixed_up", mixed_up},
           {"late", d.late ? Json{{"late_s", number(d.late->late)}, {"sd_s", number(d.late->sd)}, {"log_bayes_factor", number(d.late->log_bayes_factor)}, {"text", plain_late(*d.late)}} : Json()},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
-                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}}},
+                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}, {"local", d.evidence.local ? number(*d.evidence.local) : Json()}}},
           {"runs", d.runs},
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},

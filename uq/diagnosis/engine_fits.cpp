@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "uq/diagnosis/engine.hpp"
@@ -72,10 +73,13 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
     if (auto next = linear_fit(about, on_top_of)) c = std::move(next);
   }
   if (!c) return;
-  if (groups_[q.group].linear) {  // what any effect leaves moving is like what an earlier pulse left: only in the first part of the records, which the rest foretells, are they apart
+  if (groups_[q.group].linear) {
     const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
-    const auto [without_it, with_it] = held_out_->beginning({.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .rest = grid().apply(about.rest)});
-    c->explanation.beginning_before = without_it, c->explanation.held_out = with_it;
+    const LinearBeside beside{.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .effects = about.q.effects, .rest = about.rest};
+    Foretold& f = c->explanation.foretold.emplace();
+    f.misfit_before = on_top_of ? on_top_of->explanation.misfit : out_.evidence.misfit;
+    std::tie(f.beginning_before, f.beginning) = held_out_->beginning(beside);
+    if (held_out_->possible()) f.gauges_before = held_out_->misfit_by(below), keep(held_out_->by(beside), *c);
   }
   c->runs = runs_ - before;
   if (!c->settled && c->runs > 0 && c->message.empty()) c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);

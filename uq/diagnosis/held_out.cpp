@@ -176,6 +176,18 @@ HeldOutFit HeldOut::by(const PosteriorFit& fit) const {
   return out;
 }
 
+HeldOutFit HeldOut::by(const LinearBeside& linear) const {
+  const Decimation& grid = base_.errors->grid();
+  HeldOutFit out;
+  for (const auto& f : folds_) {
+    const PartFit part = fit_without_fold(linear, f);
+    out.misfit.push_back(misfit_of(f, grid, part.prediction, base_.errors->data()));
+    out.worth.push_back(part.log_evidence - fit_without(base_, linear.fit, f).log_evidence);
+    keep_held_out(f, grid, problem_, part.history, out.history);
+  }
+  return out;
+}
+
 std::pair<double, double> HeldOut::beginning(const LinearBeside& linear) const {
   const Decimation& grid = base_.errors->grid();
   Fold f;
@@ -185,12 +197,19 @@ std::pair<double, double> HeldOut::beginning(const LinearBeside& linear) const {
       if (windows[k].time < windows.front().time + (windows.back().time - windows.front().time) / 4) f.rows.push_back(Eigen::Index(grid.offset(i) + k));
   }
   const Eigen::VectorXd& data = base_.errors->data();
+  return {misfit_of(f, grid, fit_without(linear.fit, linear.fit, f).prediction, data), misfit_of(f, grid, fit_without_fold(linear, f).prediction, data)};
+}
+
+PartFit HeldOut::fit_without_fold(const LinearBeside& linear, const Fold& f) const {
+  const Decimation& grid = base_.errors->grid();
   const auto rows = rows_without(f, grid);
   const LogPosterior with = part_of(linear.fit, linear.with, rows), without = part_of(linear.fit, linear.without, rows);
   const LocalMode m = mode_of_part(with, linear.fit);
   const AddedDirections of_rows{.by_number = linear.directions.by_number(rows, Eigen::all), .prior_sd = linear.directions.prior_sd};
-  const Eigen::VectorXd change = linear.rest + linear.directions.by_number * numbers_beside(without, m.at, of_rows, with.likeliest(m.at));
-  return {misfit_of(f, grid, fit_without(base_, base_, f).prediction, data), misfit_of(f, grid, linear.fit.coefficients * with.emulator().features(m.at.u, m.at.beyond) + change, data)};
+  const Eigen::VectorXd numbers = numbers_beside(without, m.at, of_rows, with.likeliest(m.at)), change = linear.rest + linear.effects * numbers;
+  return {.log_evidence = log_evidence(with, m),
+          .prediction = linear.fit.coefficients * with.emulator().features(m.at.u, m.at.beyond) + grid.apply(change),
+          .history = linear.fit.history(m.at.u, m.at.beyond) + change};
 }
 
 std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) const {

@@ -58,9 +58,10 @@ struct HeldOutFit {
 /// Numbers beside a fit whose effect on the model's values is rest + effects . numbers.
 struct LinearBeside {
   const PosteriorFit& fit;
-  std::vector<WeightedErrors> without, with;  ///< hypotheses about the records less `rest`: the fit's, and those with the numbers as one more term
-  AddedDirections directions;                 ///< on the grid
-  Eigen::VectorXd rest;                       ///< on the grid, (size)
+  const std::vector<WeightedErrors>&without, &with;  ///< hypotheses about the records less `rest`: the fit's, and those with the numbers as one more term
+  const AddedDirections& directions;                 ///< `effects` on the grid
+  const Eigen::MatrixXd& effects;                    ///< (values of the model, numbers)
+  const Eigen::VectorXd& rest;                       ///< (values of the model)
 };
 
 /// Misfit of all records of a condition (a beam power) by the fit to the other conditions.
@@ -76,8 +77,12 @@ class HeldOut {
   /// Of the base model; its worth is 0.
   [[nodiscard]] const HeldOutFit& base() const { return base_fit_; }
   [[nodiscard]] HeldOutFit by(const PosteriorFit& fit) const;
-  /// Misfit of the first quarter of all records by what is told by the rest of them: by the base model, and with such numbers.
+  /// Of such numbers beside the fit that they stand on.
+  [[nodiscard]] HeldOutFit by(const LinearBeside& linear) const;
+  /// Misfit of the first quarter of all records by what is told by the rest of them: by what such numbers stand on, and with them.
   [[nodiscard]] std::pair<double, double> beginning(const LinearBeside& linear) const;
+  /// Misfit of what is left out by a fit that is not the base model's, mean over the records: what it is by that fit alone.
+  [[nodiscard]] double misfit_by(const PosteriorFit& fit) const { return &fit == &base_ ? mean(base_fit_.misfit) : mean(left_out(fit).misfit); }
   /// Each condition by the fits to the others, where there are several; `named`: of the model with what is named, or null.
   [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
   /// Whether anything can be left out: a single record of a few values cannot.
@@ -88,6 +93,8 @@ class HeldOut {
  private:
   /// Misfits and history of a fit, and its evidences.
   [[nodiscard]] HeldOutFit left_out(const PosteriorFit& fit) const;
+  /// What such numbers and the rest of the records say of a fold.
+  [[nodiscard]] PartFit fit_without_fold(const LinearBeside& linear, const Fold& f) const;
   const Problem& problem_;
   const PosteriorFit& base_;
   std::vector<Fold> folds_;

@@ -148,7 +148,6 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
     case Gate::misfit:
       return {begin + " has the evidence, but with it the records are not nearer.", look};
     case Gate::held_out:
-      if (all[0].beginning_before) return {begin + " has the evidence, but it would show in the first part of the records, too, and does not: it may imitate something else.", look};
       return {begin + " has the evidence, but what was left out of the fit gains too little by it: it may imitate something else.", look};
     case Gate::plausible:
       return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)), "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
@@ -328,8 +327,10 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
     case Gate::misfit:
       return {fmt::format("With it the records are not nearer: their misfit is {}, and {} without it.", percent(e.misfit), percent(d.evidence.misfit)), "A fit with it that comes nearer to the records."};
     case Gate::held_out:
-      if (e.beginning_before)
-        return {fmt::format("The first quarter of the records, left out of the fit, does not gain by it: its misfit is {}, and {} without it.", percent(e.held_out.value_or(0)), percent(*e.beginning_before)), "Records whose beginning it explains, too."};
+      if (const auto& f = e.foretold)
+        return {fmt::format("What was left out of the fit gains too little by it: the misfit of {}the first quarter of the records is {}, and {} without it.",
+                            e.held_out ? fmt::format("gauges is {}, and {} without it, that of ", percent(*e.held_out), percent(f->gauges_before)) : "", percent(f->beginning), percent(f->beginning_before)),
+                "Records that begin before the pulse, and more gauges: what earlier pulses left shows in all of them."};
       return {fmt::format("What was left out of the fit gains too little by it: its misfit is {}, and {} without it.", percent(e.held_out.value_or(0)), percent(d.evidence.held_out)), "More gauges, so that a prediction can be held against records."};
     case Gate::plausible:
       return {fmt::format("It would have to be stronger than is plausible ({}).", plain_size(*a, groups)), "Knowing by other means that it can be that strong."};

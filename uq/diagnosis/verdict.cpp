@@ -44,6 +44,7 @@ std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanati
   const double of_names = 1 - g.prior_none - g.prior_unknown, of_base = all.empty() ? 1 : 0.5;
   const double left = greatest_remainder(base, g);
   std::vector<double> unknown{log_beyond(base.by_scale, 0)}, weights{of_base}, logs, priors;
+  if (base.local) weights[0] = 0.5 * of_base, unknown.push_back(*base.local), weights.push_back(0.5 * of_base);
   for (std::size_t i = 0; i < all.size(); ++i) unknown.push_back(log_beyond(all[i].by_scale, left)), weights.push_back((1 - of_base) * of_name[i]);
   std::vector<Ranked> out{{"none", g.prior_none, log_within(base.by_scale, 0)}, {"unknown", g.prior_unknown, log_sum(unknown, weights)}};
   for (std::size_t i = 0; i < all.size(); ++i) out.push_back({all[i].name, of_names * of_name[i], evidence_of_name(base, all[i], g)});
@@ -119,6 +120,13 @@ bool not_told_apart(const BaseEvidence& base, const Explanation& a, const Explan
   return same_class(a, b) || (!a.numerical && !b.numerical && std::abs(evidence_of_name(base, a, g) - evidence_of_name(base, b, g)) < g.lead);
 }
 
+/// Of the square of the misfit of what was left out of the fit, what is gone with it: of gauges, of many small numbers of the beginning of the records as much. Nothing where nothing was left out.
+std::optional<double> share_foretold(const BaseEvidence& base, const Explanation& e) {
+  if (!e.foretold) return e.held_out ? std::optional(share_gone(*e.held_out, base.held_out)) : std::nullopt;
+  const double beginning = share_gone(e.foretold->beginning, e.foretold->beginning_before);
+  return e.held_out ? 0.5 * (beginning + share_gone(*e.held_out, e.foretold->gauges_before)) : beginning;
+}
+
 /// A numerical alternative that explains as much as a physical explanation, or more: no record tells the two apart, or its evidence is not behind by the lead that a name needs. Null: there is none.
 const Explanation* numerical_rival(const BaseEvidence& base, const std::vector<Explanation>& all, const Explanation& e, const Gates& g) {
   const double own = evidence_of_name(base, e, g);
@@ -148,8 +156,10 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const double plausible = greatest_plausible(base, g);
   if (e.chi2 > plausible && share < least_explained(g)) return share < g.explained ? Gate::explained : Gate::remainder;
   // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them predicts.
-  if (!e.held_out && !(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
-  if (e.held_out && !(share_gone(*e.held_out, e.beginning_before.value_or(base.held_out)) > (e.of_a_gauge || e.beginning_before ? 0 : g.held_out * std::max(0.0, share_gone(e.misfit, base.misfit))))) return Gate::held_out;
+  const auto foretold = share_foretold(base, e);
+  if (!foretold && !(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
+  const double of_records = share_gone(e.misfit, e.foretold ? e.foretold->misfit_before : base.misfit);
+  if (foretold && !(*foretold > (e.of_a_gauge ? 0 : g.held_out * std::max(0.0, of_records)))) return Gate::held_out;
   if (e.farthest > g.farthest) return Gate::plausible;
   if (e.base_pull > std::max(base.base_pull, g.handbook)) return Gate::handbook;
   if (probability_told(base, all, i, g) <= g.believed) return Gate::probability;
@@ -194,8 +204,9 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::misfit:
       return unknown(fmt::format("{} has the evidence, but with it the records are not nearer: their misfit is {:.3g} % and was {:.3g} %", best.name, 100 * best.misfit, 100 * base.misfit));
     case Gate::held_out:
-      if (best.beginning_before)
-        return unknown(fmt::format("{} has the evidence, but the first quarter of the records, left out of the fit, does not gain by it: its misfit is {:.3g} % and was {:.3g} %", best.name, 100 * *best.held_out, 100 * *best.beginning_before));
+      if (best.foretold)
+        return unknown(fmt::format("{} has the evidence, but what was left out of the fit gains too little by it: the misfit of {}the first quarter of all records is {:.3g} % and was {:.3g} %", best.name,
+                                   best.held_out ? fmt::format("gauges is {:.3g} % and was {:.3g} %, that of ", 100 * *best.held_out, 100 * best.foretold->gauges_before) : "", 100 * best.foretold->beginning, 100 * best.foretold->beginning_before));
       return unknown(fmt::format("{} has the evidence, but gauges that were left out of the fit gain too little by it: their misfit is {:.3g} % and was {:.3g} %, where that of the records is {:.3g} % and was {:.3g} %", best.name,
                                  100 * *best.held_out, 100 * base.held_out, 100 * best.misfit, 100 * base.misfit));
     case Gate::plausible:

@@ -21,6 +21,14 @@ using EvidenceByScale = std::vector<ScaleEvidence>;
 /// Scale of the discrepancy that the records ask for: its mean over these hypotheses.
 [[nodiscard]] double mean_scale(const EvidenceByScale& e);
 
+/// What many small numbers foretell of what they were not shown: with so many anything that leaves a target moving is imitated, but not foretold. Misfits as in Explanation.
+struct Foretold {
+  double misfit_before = 0;     ///< of the records by what the numbers stand on, the base model or another explanation
+  double gauges_before = 0;     ///< of gauges left out by the same
+  double beginning_before = 0;  ///< of the first quarter of all records, left out of the fit, by the same
+  double beginning = 0;         ///< and with the numbers
+};
+
 /// What is known of one explanation beside the base model.
 struct Explanation {
   std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
@@ -32,7 +40,7 @@ struct Explanation {
   std::optional<double> base_chi2 = {};  ///< the base model's under the same covariance, its emulator's noise included; none: the base model's own is under it
   double misfit = 0;                  ///< with it, |history - record| / |record|, mean over the gauges
   std::optional<double> held_out;     ///< the same of what was left out of the fit; where that was made
-  std::optional<double> beginning_before = {};  ///< where what was left out is the first quarter of all records: the base model's misfit of that, which `held_out` is held against; none: gauges were left out
+  std::optional<Foretold> foretold = {};  ///< of many small numbers
   double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
   double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
   bool fitted = false;                ///< in the true model; else to first order only
@@ -46,6 +54,7 @@ struct BaseEvidence {
   double misfit = 0;       ///< |history - record| / |record|, mean over the gauges
   double held_out = 0;     ///< the same of what was left out of the fit
   EvidenceByScale by_scale;  ///< its evidence, scale by scale of a discrepancy
+  std::optional<double> local = {};  ///< log evidence with a discrepancy in one place alone, over that of the whole mixture; none: the gauges have no places
   double base_pull = 0;
 };
 
@@ -65,7 +74,7 @@ struct Gates {
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
   double believed = 0.5;        ///< probability of what is named or not told apart, more than
-  int revision = 7;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  int revision = 8;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };

@@ -158,12 +158,36 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
   x.held_out = 0.21;
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("gain too little"));
-  x = beam(), x.held_out = 0.17, x.beginning_before = 0.18;  // of the first quarter of the records any gain will do
+  x = beam(), x.held_out = 0.17, x.foretold = Foretold{.misfit_before = 0.2, .gauges_before = 0.18, .beginning_before = 0.16, .beginning = 0.08};
+  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);  // of the squares gauges lose 11 %, the beginning 75 %, the records 96 %
+  x.foretold->beginning = 0.15;
+  EXPECT_THAT(reason(poor(), {x}), AllOf(HasSubstr("the misfit of gauges is 17 % and was 18 %"), HasSubstr("that of the first quarter of all records is 15 % and was 16 %")));
+  x.held_out = 0.06;  // of which 89 %
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
-  x.beginning_before = 0.16;
-  EXPECT_THAT(reason(poor(), {x}), HasSubstr("the first quarter of the records, left out of the fit, does not gain"));
+  x.held_out.reset();  // no gauge was left out
+  EXPECT_THAT(reason(poor(), {x}), AllOf(HasSubstr("the misfit of the first quarter of all records is 15 % and was 16 %"), Not(HasSubstr("gauges"))));
+  x.foretold->misfit_before = 0.041, x.misfit = 0.04;  // on top of another explanation, which had done nearly all
+  EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
   x = beam(), x.by_scale = with_and_without(-30, 100);
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("has a probability of 0 % only"));
+}
+
+// What the base model is worth with something missing in one place alone is as much "unknown" as with something missing everywhere.
+TEST(Verdict, SomethingInOnePlaceAloneStandsAgainstAName) {
+  BaseEvidence base = poor();
+  base.local = -20;
+  EXPECT_EQ(judge(base, {beam()}).kind, VerdictKind::named);
+  base.local = 110;  // beam(): 102
+  const Verdict v = judge(base, {beam()});
+  EXPECT_EQ(v.kind, VerdictKind::unknown);
+  EXPECT_EQ(v.ranking[0].name, "unknown");
+  // Of the probability of "unknown" before the records half is that of the base model, half of this that of one place.
+  base.local = 102;
+  const Gates g;
+  const auto r = judge(base, {beam()}).ranking;
+  const double of_name = 1 - g.prior_none - g.prior_unknown;
+  ASSERT_EQ(r[0].name, "beam_profile");
+  EXPECT_NEAR(r[0].probability, of_name / (of_name + 0.25 * g.prior_unknown + 0.5 * g.prior_unknown * std::exp(0.5 * (97 - 102))), 1e-3);
 }
 
 // No law is the target's to the last digit: what is left may be more than the errors, if it is small beside what the name accounts for.

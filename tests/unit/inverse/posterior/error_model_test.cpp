@@ -7,6 +7,8 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "base/linear_algebra.hpp"
 #include "tests/unit/inverse/lines.hpp"
@@ -359,6 +361,33 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
     }
   }
   EXPECT_NEAR(everywhere(19, 19), c(19, 19), 1e-9 * c(19, 19));
+}
+
+TEST(Discrepancy, InOnePlaceAloneIsAsLargeOverAllRecordsAsOneEverywhere) {
+  const auto step = [](auto, double t) { return t < 50e-6 ? 0.0 : 50.0; };
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {step, step, step}, 200, 1e-6);
+  const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.05}, 2);
+  const Problem problem = make_problem(model.shape(), recordings, {});
+  const ErrorOptions options{.values = 60, .band = 1e9};
+  const ErrorModel plain(problem, recordings, {}, options, {});
+  Eigen::MatrixXd positions(3, 3);
+  positions << 0, 0, 0, 0.03, 0, 0, 0.5, 0, 0;
+  const auto local = with_local_discrepancy(plain, problem, options, positions);
+  ASSERT_EQ(local.size(), 5u * 2 * 5);  // each gauge, the first two, the last two; correlation times; scales
+  const double everywhere = discrepancy_shape(problem, plain.grid(), plain.data(), positions, options, matern32(15e-6)).trace();
+  double total = 0;
+  std::map<std::string, int> places;
+  for (const auto& w : local) {
+    total += std::exp(w.log_weight);
+    const Eigen::MatrixXd more = w.errors.covariance() - plain.covariance();
+    std::string place;
+    for (Eigen::Index g = 0; g < 3; ++g) place += more.block(20 * g, 0, 20, 60).cwiseAbs().maxCoeff() > 0 ? '1' : '0';
+    ++places[place];
+    EXPECT_NEAR(more.trace() / (w.discrepancy * w.discrepancy * everywhere), 1, 0.01) << place;
+  }
+  EXPECT_NEAR(total, 1, 1e-12);
+  EXPECT_EQ(places, (std::map<std::string, int>{{"100", 10}, {"010", 10}, {"001", 10}, {"110", 10}, {"011", 10}}));
+  EXPECT_TRUE(with_local_discrepancy(plain, problem, options, {}).empty());
 }
 
 }  // namespace
