@@ -174,8 +174,8 @@ Table explanation_table(const Study& study) {
   }
   t.note = fmt::format("Bold is the verdict. Evidence is the logarithm of how many times likelier the records are with this alone than with the simulation as it is and anything else beside it; of what was not tried, with anything else "
                        "beside what was. The log Bayes factor allows anything else beside both. An effect is given with one standard deviation; those of explanations that do not lead are estimates to first order. Probabilities are "
-                       "cautious: they stand for the evidences to the power of 1/{:.2g}. A name asks for more than to lead: for a log Bayes factor of {:.2g}, and evidence {:.2g} above that of the next.",
-                       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead);
+                       "cautious: they stand for the evidences to the power of 1/{:.2g}. A name asks for more than to lead: for a log Bayes factor of {:.2g}, evidence {:.2g} above that of the next, and a probability above {:.0f} %.",
+                       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead, 100 * Gates{}.believed);
   return t;
 }
 

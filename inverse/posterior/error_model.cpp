@@ -10,7 +10,6 @@
 #include <set>
 
 #include "base/errors.hpp"
-#include "base/log_sum.hpp"
 #include "base/not_finite.hpp"
 
 namespace calomel {
@@ -229,20 +228,6 @@ std::vector<std::pair<double, double>> weighed_scales() {
   return all;
 }
 
-/// Every gauge that recorded alone, and every one with the gauge nearest to it; none where they are fewer than three.
-std::set<std::set<std::size_t>> neighbourhoods(const Problem& problem, const Eigen::MatrixXd& positions) {
-  std::set<std::size_t> gauges;
-  for (const auto& o : problem.observations) gauges.insert(o.sensor);
-  std::set<std::set<std::size_t>> all;
-  if (gauges.size() < 3) return all;
-  for (const std::size_t i : gauges) {
-    const auto distance = [&](std::size_t j) { return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm(); };
-    const auto nearest = *std::min_element(gauges.begin(), gauges.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
-    all.insert({i}), all.insert({i, nearest});
-  }
-  return all;
-}
-
 }  // namespace
 
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
@@ -265,31 +250,36 @@ std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Prob
   return out;
 }
 
-std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
-  std::vector<WeightedErrors> out;
-  if (positions.rows() == 0 || !(o.discrepancy > 0)) return out;
+std::vector<std::vector<std::size_t>> places_of_discrepancy(const Problem& problem, const Eigen::MatrixXd& positions) {
+  std::set<std::size_t> sensors;
+  for (const auto& o : problem.observations) sensors.insert(o.sensor);
+  if (positions.rows() == 0 || sensors.size() < 3) return {};
+  std::set<std::vector<std::size_t>> all;
+  for (const std::size_t i : sensors) {
+    const auto distance = [&](std::size_t j) { return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm(); };
+    const auto nearest = *std::min_element(sensors.begin(), sensors.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+    all.insert({i}), all.insert({std::min(i, nearest), std::max(i, nearest)});
+  }
+  return {all.begin(), all.end()};
+}
+
+std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions, const std::vector<std::size_t>& place) {
   const Decimation& grid = plain.grid();
-  const auto places = neighbourhoods(problem, positions);
+  Eigen::VectorXd there = Eigen::VectorXd::Zero(plain.data().size());
+  std::size_t records = 0;
+  for (std::size_t i = 0; i < grid.observations(); ++i)
+    if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end()) there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
+  expect(records > 0 && o.discrepancy > 0, "a place with a record, and a discrepancy");
   const auto scales = weighed_scales();
+  const double share = double(records) / double(grid.observations()), above_none = 1 - scales[0].second;  // the first scale is 0
+  std::vector<WeightedErrors> out;
   for (const double time : o.discrepancy_times) {
-    const Eigen::MatrixXd everywhere = discrepancy_shape(problem, grid, plain.data(), positions, o, matern32(time));
-    for (const auto& place : places) {
-      Eigen::VectorXd there = Eigen::VectorXd::Zero(everywhere.rows());
-      std::size_t records = 0;
-      for (std::size_t i = 0; i < grid.observations(); ++i)
-        if (place.contains(problem.observations[i].sensor)) there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
-      const Eigen::MatrixXd shape = there.asDiagonal() * everywhere * there.asDiagonal();
-      for (const auto& [s, weight] : scales) {
-        if (s == 0) continue;
-        const double scale = s * o.discrepancy, local = scale * scale * double(grid.observations()) / double(records);
-        out.push_back({plain.with({"discrepancy", local * shape}), std::log(weight), scale});
-      }
+    const Eigen::MatrixXd shape = there.asDiagonal() * discrepancy_shape(problem, grid, plain.data(), positions, o, matern32(time)) * there.asDiagonal();
+    for (std::size_t k = 1; k < scales.size(); ++k) {
+      const double scale = scales[k].first * o.discrepancy;
+      out.push_back({plain.with({"discrepancy", scale * scale / share * shape}), std::log(scales[k].second / above_none / double(o.discrepancy_times.size())), scale});
     }
   }
-  std::vector<double> logs;
-  for (const auto& w : out) logs.push_back(w.log_weight);
-  const double total = out.empty() ? 0 : log_sum(logs);
-  for (auto& w : out) w.log_weight -= total;
   return out;
 }
 

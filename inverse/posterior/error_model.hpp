@@ -161,9 +161,12 @@ struct WeightedErrors {
 /// `plain` with a discrepancy of each of a few scales, 0 among them, and correlation times; weights of the half-normal prior by the trapezium rule. They sum to 1.
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions);
 
-/// `plain` with a discrepancy in one place alone: at one gauge, or at one and the gauge nearest to it, of the scales of with_discrepancy but 0 as a root mean square over all records, and of each correlation
-/// time. All places alike before the records; weights sum to 1. Empty where the gauges have no places, or fewer than three recorded. positions: (sensors, 3) [m].
-std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions);
+/// Places where a discrepancy may be alone, each by its sensors: every one that recorded, and every one with that nearest to it. Empty where they have no places (positions: (sensors, 3) [m], or none), or
+/// fewer than three recorded.
+std::vector<std::vector<std::size_t>> places_of_discrepancy(const Problem& problem, const Eigen::MatrixXd& positions);
+
+/// `plain` with a discrepancy in such a place alone, of the scales of with_discrepancy but 0 as a root mean square over all records, and of each correlation time. Weights sum to 1.
+std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions, const std::vector<std::size_t>& place);
 
 /// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
 /// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes over `local` seconds. Full rank, (size, size).

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
+#include "base/log_sum.hpp"
 #include "inverse/posterior/direct_start.hpp"
 #include "uq/diagnosis/engine.hpp"
 #include "uq/diagnosis/plain_words.hpp"
@@ -66,23 +68,27 @@ void DiagnosisEngine::describe_base() {
   e.base_pull = root_mean_square(out_.handbook_pulls);
   e.misfit = misfit(values(out_.base_history));
   e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
-  e.local = local_evidence();
+  describe_places();
   out_.mixed_up = mixed_up(in_.base.problem, out_.base);
   for (const auto& slip : out_.mixed_up) say(plain_mixed_up(slip));
 }
 
-/// What the base model is worth where something is missing in one place alone.
-std::optional<double> DiagnosisEngine::local_evidence() {
-  const auto errors = with_local_discrepancy(*out_.base.errors, in_.base.problem, in_.base.errors, in_.base.places.positions);
-  if (errors.empty()) return {};
-  const LogPosterior local = out_.base.under(errors);
-  std::vector<Eigen::VectorXd> starts;
-  for (const auto& found : out_.base.modes) starts.push_back(local.q(found.at.theta, found.at.beyond));
-  const auto modes = find_modes(local, starts);
-  if (modes.empty()) return {};
-  const double worth = log_evidence(local, modes[0]) - log_evidence(*out_.base.posterior, mode());
-  say(fmt::format("something in one place alone: log evidence {:.3g}", worth));
-  return worth;
+/// What the base model is worth where something is missing in one place alone: the mean over all places. Of those, the likeliest.
+void DiagnosisEngine::describe_places() {
+  const auto places = places_of_discrepancy(in_.base.problem, in_.base.places.positions);
+  if (!(in_.base.errors.discrepancy > 0) || places.empty()) return;
+  const double whole = log_evidence(*out_.base.posterior, mode());
+  std::vector<double> worth;
+  for (const auto& place : places) {
+    const LogPosterior local = out_.base.under(with_local_discrepancy(*out_.base.errors, in_.base.problem, in_.base.errors, in_.base.places.positions, place));
+    const auto modes = find_modes(local, {local.q(mode().at.theta, mode().at.beyond)});
+    worth.push_back(modes.empty() ? -std::numeric_limits<double>::infinity() : log_evidence(local, modes[0]) - whole);
+    if (worth.back() < *std::max_element(worth.begin(), worth.end())) continue;
+    out_.likeliest_place.clear();
+    for (const std::size_t s : place) out_.likeliest_place.push_back(in_.base.problem.shape.sensors[s]);
+  }
+  out_.evidence.local = log_mean(worth);
+  say(fmt::format("something in one place alone: log evidence {:.3g}", *out_.evidence.local));
 }
 
 /// Questions about a fit with these numbers added.

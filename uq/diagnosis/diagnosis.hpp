@@ -79,6 +79,7 @@ struct Alternative {
 struct Diagnosis {
   PosteriorFit base;
   BaseEvidence evidence;
+  std::vector<std::string> likeliest_place;  ///< gauges, one or two, of the place where something alone would say most; empty: they have no places
   std::vector<Alternative> candidates;   ///< the best first
   Verdict verdict;
   LocatedMismatch location;

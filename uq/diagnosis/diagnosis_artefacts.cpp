@@ -198,7 +198,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"mixed_up", mixed_up},
           {"late", d.late ? Json{{"late_s", number(d.late->late)}, {"sd_s", number(d.late->sd)}, {"log_bayes_factor", number(d.late->log_bayes_factor)}, {"text", plain_late(*d.late)}} : Json()},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
-                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}, {"local", d.evidence.local ? number(*d.evidence.local) : Json()}}},
+                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}, {"local", d.evidence.local ? Json{{"log_evidence", number(*d.evidence.local)}, {"gauges", d.likeliest_place}} : Json()}}},
           {"runs", d.runs},
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},

@@ -91,7 +91,7 @@ class DiagnosisEngine {
   /// Whether an explanation of this log Bayes factor could lead what was fitted so far.
   [[nodiscard]] bool may_lead(double worth) const { return worth > worth_fitting && worth > best_so_far() - hopeless; }
   void describe_base();
-  std::optional<double> local_evidence();
+  void describe_places();
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups);
   void ask_all();
   void ask_clock();

@@ -118,9 +118,11 @@ PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup>
 
 PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
   const std::string misfit = fmt::format("(misfit {})", percent(m.before));
-  const std::string look = fmt::format("Look first {}: something that is not in the catalogue may be missing, such as a part of the geometry, or several effects at once, so do not take calibrated values for properties of the "
+  const bool one_place = d.evidence.local && *d.evidence.local > gates.lead;
+  const std::string alone = one_place ? fmt::format(" (it shows near gauge{} {} alone)", d.likeliest_place.size() > 1 ? "s" : "", listed(d.likeliest_place)) : "";
+  const std::string look = fmt::format("Look first {}{}: something that is not in the catalogue may be missing, such as a part of the geometry, or several effects at once, so do not take calibrated values for properties of the "
                                        "material until it is found.",
-                                       where(d.location));
+                                       where(d.location), alone);
   const PlainSummary nothing{fmt::format("The simulation leaves something out {}, and none of the effects that were tried is it.", misfit), look};
   const auto all = d.by_evidence();
   if (all.empty()) return nothing;

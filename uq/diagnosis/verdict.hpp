@@ -73,7 +73,7 @@ struct Gates {
   double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
-  double believed = 0.5;        ///< probability of what is named or not told apart, more than
+  double believed = 0.9;        ///< probability of what is named or not told apart, more than
   int revision = 8;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 

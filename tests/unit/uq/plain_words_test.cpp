@@ -184,6 +184,11 @@ TEST(PlainWords, UnknownSaysWhyAndWhereToLook) {
   EXPECT_EQ(rival.verdict.kind, VerdictKind::unknown);
   EXPECT_THAT(told(rival).finding, HasSubstr("own discretisation does so nearly as well"));
   EXPECT_THAT(told(judged({})).finding, HasSubstr("none of the effects that were tried"));
+  Diagnosis one_place = judged({});
+  one_place.evidence.local = 12, one_place.likeliest_place = {"S03", "S04"};
+  EXPECT_THAT(told(one_place).next_step, HasSubstr("first seen (it shows near gauges S03 and S04 alone): something"));
+  one_place.evidence.local = 3;
+  EXPECT_THAT(told(one_place).next_step, Not(HasSubstr("alone")));
 }
 
 TEST(PlainWords, NothingIsToBeActedOnBeforeTheFitThatItHangsOnSettled) {
@@ -208,7 +213,7 @@ TEST(PlainWords, TheGateThatIsNotPassedAgreesWithTheVerdict) {
   RandomStream random(3, 0);
   int named = 0, unknown = 0;
   for (int trial = 0; trial < 4000; ++trial) {
-    const auto by_scale = [&] { return EvidenceByScale{{0, 0.2, 20 * random.uniform()}, {0.02, 0.3, 20 * random.uniform()}, {0.08, 0.5, 20 * random.uniform()}}; };
+    const auto by_scale = [&] { return EvidenceByScale{{0, 0.2, 60 * random.uniform()}, {0.02, 0.3, 60 * random.uniform()}, {0.08, 0.5, 60 * random.uniform()}}; };
     const BaseEvidence base{.values = 100, .chi2 = 150 + 400 * random.uniform(), .misfit = 0.1, .held_out = 0.1, .by_scale = by_scale(), .base_pull = 2 * random.uniform()};
     std::vector<Explanation> all;
     for (int i = 0; i < 3; ++i)
