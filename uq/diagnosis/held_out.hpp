@@ -81,7 +81,7 @@ class HeldOut {
   [[nodiscard]] HeldOutFit by(const LinearBeside& linear) const;
   /// Misfit of the first quarter of all records by what is told by the rest of them: by what such numbers stand on, and with them.
   [[nodiscard]] std::pair<double, double> beginning(const LinearBeside& linear) const;
-  /// Misfit of what is left out by a fit that is not the base model's, mean over the records: what it is by that fit alone.
+  /// Misfit of what is left out, each fold by this fit without it, mean over the records.
   [[nodiscard]] double misfit_by(const PosteriorFit& fit) const { return &fit == &base_ ? mean(base_fit_.misfit) : mean(left_out(fit).misfit); }
   /// Each condition by the fits to the others, where there are several; `named`: of the model with what is named, or null.
   [[nodiscard]] std::vector<HeldOutCondition> by_condition(const PosteriorFit* named) const;
