@@ -119,7 +119,7 @@ PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup>
 PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Misfits& m, const Gates& gates) {
   const std::string misfit = fmt::format("(misfit {})", percent(m.before));
   const bool one_place = d.evidence.local && *d.evidence.local > gates.lead;
-  const std::string alone = one_place ? fmt::format(" (it shows near gauge{} {} alone)", d.likeliest_place.size() > 1 ? "s" : "", listed(d.likeliest_place)) : "";
+  const std::string alone = !one_place ? "" : d.likeliest_place.size() > 1 ? fmt::format(" (it shows near gauges {} alone)", listed(d.likeliest_place)) : fmt::format(" (it shows near gauge {} alone: see whether it reads true)", d.likeliest_place[0]);
   const std::string look = fmt::format("Look first {}{}: something that is not in the catalogue may be missing, such as a part of the geometry, or several effects at once, so do not take calibrated values for properties of the "
                                        "material until it is found.",
                                        where(d.location), alone);

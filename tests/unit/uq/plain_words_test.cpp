@@ -187,6 +187,8 @@ TEST(PlainWords, UnknownSaysWhyAndWhereToLook) {
   Diagnosis one_place = judged({});
   one_place.evidence.local = 12, one_place.likeliest_place = {"S03", "S04"};
   EXPECT_THAT(told(one_place).next_step, HasSubstr("first seen (it shows near gauges S03 and S04 alone): something"));
+  one_place.likeliest_place = {"S04"};
+  EXPECT_THAT(told(one_place).next_step, HasSubstr("(it shows near gauge S04 alone: see whether it reads true)"));
   one_place.evidence.local = 3;
   EXPECT_THAT(told(one_place).next_step, Not(HasSubstr("alone")));
 }
