@@ -215,7 +215,7 @@ Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid
 
 namespace {
 
-/// Scales of a discrepancy over that of its prior, half-normal by the trapezium rule: (scale, weight), the weights over their sum.
+/// Scales of a discrepancy over that of its prior, half-normal by the trapezium rule: (scale, weight), the weights over their sum; 0 first.
 std::vector<std::pair<double, double>> weighed_scales() {
   std::vector<std::pair<double, double>> all;
   double total = 0;
@@ -228,25 +228,23 @@ std::vector<std::pair<double, double>> weighed_scales() {
   return all;
 }
 
+/// `plain` with a discrepancy of every scale but 0 and every correlation time, each with its weight of all. It shows where `there`, (size), is 1, in this share of the records; as large over all of them.
+void add_discrepancies(std::vector<WeightedErrors>& out, const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions, const Eigen::VectorXd& there, double share) {
+  std::vector<Eigen::MatrixXd> shapes;
+  for (const double time : o.discrepancy_times) shapes.push_back(there.asDiagonal() * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o, matern32(time)) * there.asDiagonal());
+  for (const auto& [s, weight] : weighed_scales()) {
+    if (s == 0) continue;
+    const double scale = s * o.discrepancy;
+    for (const auto& shape : shapes) out.push_back({plain.with({"discrepancy", scale * scale / share * shape}), std::log(weight / double(shapes.size())), scale});
+  }
+}
+
 }  // namespace
 
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions) {
-  std::vector<WeightedErrors> out;
-  if (!(o.discrepancy > 0)) {
-    out.push_back({plain});
-    return out;
-  }
-  for (const auto& [s, weight] : weighed_scales()) {
-    if (s == 0) {
-      out.push_back({plain, std::log(weight)});
-      continue;
-    }
-    for (const double time : o.discrepancy_times) {
-      const double scale = s * o.discrepancy;
-      out.push_back({plain.with({"discrepancy", scale * scale * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o, matern32(time))}),
-                     std::log(weight / double(o.discrepancy_times.size())), scale});
-    }
-  }
+  if (!(o.discrepancy > 0)) return {{plain}};
+  std::vector<WeightedErrors> out{{plain, std::log(weighed_scales()[0].second)}};
+  add_discrepancies(out, plain, problem, o, positions, Eigen::VectorXd::Ones(plain.data().size()), 1);
   return out;
 }
 
@@ -270,16 +268,9 @@ std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, cons
   for (std::size_t i = 0; i < grid.observations(); ++i)
     if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end()) there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
   expect(records > 0 && o.discrepancy > 0, "a place with a record, and a discrepancy");
-  const auto scales = weighed_scales();
-  const double share = double(records) / double(grid.observations()), above_none = 1 - scales[0].second;  // the first scale is 0
   std::vector<WeightedErrors> out;
-  for (const double time : o.discrepancy_times) {
-    const Eigen::MatrixXd shape = there.asDiagonal() * discrepancy_shape(problem, grid, plain.data(), positions, o, matern32(time)) * there.asDiagonal();
-    for (std::size_t k = 1; k < scales.size(); ++k) {
-      const double scale = scales[k].first * o.discrepancy;
-      out.push_back({plain.with({"discrepancy", scale * scale / share * shape}), std::log(scales[k].second / above_none / double(o.discrepancy_times.size())), scale});
-    }
-  }
+  add_discrepancies(out, plain, problem, o, positions, there, double(records) / double(grid.observations()));
+  for (auto& w : out) w.log_weight -= std::log1p(-weighed_scales()[0].second);
   return out;
 }
 

@@ -13,18 +13,17 @@ import os
 import re
 
 from coverage_of_posterior import truth_of
-from spoilt_records import late, main, read, run_case, write
+from spoilt_records import GAUGE, late, main, of_gauge, read, run_case, scaled, write
 
 SET = ('solver.precision="single"', "emulator.element_sizes=[2e-3,1e-3]", 'emulator.start="nominal"')
-GAUGE = "T2"  # of those at fault
 
 
-def of_gauge(change):
-    """The records with those of GAUGE changed by change(values, greatest, share of the record that has passed)."""
+def by_sample(change):
+    """The records with those of GAUGE changed by change(value, greatest, share of the record that has passed)."""
 
     def changed(series):
         greatest = max(abs(x) for (sensor, _), v in series.items() if sensor == GAUGE for _, x in v)
-        return {k: [(t, change(x, greatest, i / len(v)) if k[0] == GAUGE else x) for i, (t, x) in enumerate(v)] for k, v in series.items()}
+        return of_gauge(lambda v, r: [(t, change(x, greatest, i / len(v))) for i, (t, x) in enumerate(v)])(series)
 
     return changed
 
@@ -53,12 +52,12 @@ WAYS = {  # name: (what is wrong, of the case, of the records)
     "wall": ("front wall 1 mm thinner", changed_number("front = ", lambda x: x - 1e-3), same),
     "height": ("target 1 mm higher", higher, same),
     "gains": ("all gains 10 % high", same, lambda s: {k: [(t, 1.1 * x) for t, x in v] for k, v in s.items()}),
-    "gain": (f"gain of {GAUGE} 15 % high", same, of_gauge(lambda x, greatest, share: 1.15 * x)),
+    "gain": (f"gain of {GAUGE} 15 % high", same, scaled(1.15)),
     "place": (f"{GAUGE} 5 mm from its place", changed_number(f'name = "{GAUGE}"\nposition = \\[', lambda x: x + 5e-3), same),
-    "clipped": (f"{GAUGE} clipped at 80 % of its greatest strain", same, of_gauge(lambda x, greatest, share: max(-0.8 * greatest, min(0.8 * greatest, x)))),
-    "drift": (f"{GAUGE} drifts by half of its greatest strain", same, of_gauge(lambda x, greatest, share: x + 0.5 * greatest * share)),
-    "dead": (f"{GAUGE} dead", same, of_gauge(lambda x, greatest, share: 0.0)),
-    "sign": (f"{GAUGE} of the other sign", same, of_gauge(lambda x, greatest, share: -x)),
+    "clipped": (f"{GAUGE} clipped at 80 % of its greatest strain", same, by_sample(lambda x, greatest, share: max(-0.8 * greatest, min(0.8 * greatest, x)))),
+    "drift": (f"{GAUGE} drifts by half of its greatest strain", same, by_sample(lambda x, greatest, share: x + 0.5 * greatest * share)),
+    "dead": (f"{GAUGE} dead", same, by_sample(lambda x, greatest, share: 0.0)),
+    "sign": (f"{GAUGE} of the other sign", same, scaled(-1.0)),
 }
 
 

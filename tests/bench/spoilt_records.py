@@ -19,6 +19,7 @@ import subprocess
 import sys
 
 STEP = 1e-6  # of a suite's records [s]
+GAUGE = "T2"  # of those at fault
 
 
 def read(path):
@@ -83,9 +84,9 @@ def one_of_each_face(series):
     return {k: v for k, v in series.items() if k[0] in ("T2", "B2", "F1")}
 
 
-def of_gauge(change, gauge="T2"):
-    """The records with every series of this gauge changed by change([(time, strain)], random stream)."""
-    return lambda series, r: {k: change(v, r) if k[0] == gauge else v for k, v in series.items()}
+def of_gauge(change):
+    """The records with every series of GAUGE changed by change([(time, strain)], random stream)."""
+    return lambda series, r=None: {k: change(v, r) if k[0] == GAUGE else v for k, v in series.items()}
 
 
 def scaled(factor):
@@ -114,13 +115,13 @@ def ways(peak):
         "tone": ("a tone of 12 kHz, 6 microstrain, its phase random", lambda s, r: add(s, lambda v: tone(r, v, r.uniform(0, 2 * math.pi)))),
         "spikes": ("3 in 1000 samples off by the greatest strain", lambda s, r: add(s, lambda v: [r.choice((-1, 1)) * peak if r.random() < 0.003 else 0 for _ in v])),
         "burst": ("a burst of 5 µs as large as the greatest strain", lambda s, r: add(s, lambda v: [peak * math.exp(-t / 1e-6) * r.gauss(0, 1) if t < 5e-6 else 0 for t, _ in v])),
-        "half": ("T2 reads half", scaled(0.5)),
-        "double": ("T2 reads twice", scaled(2.0)),
-        "reversed": ("T2 of the other sign", scaled(-1.0)),
-        "dead": ("T2 dead, its noise 3 microstrain", of_gauge(lambda v, r: [(t, r.gauss(0, 3e-6)) for t, _ in v])),
-        "late": ("T2 late by 8 µs", of_gauge(lambda v, r: late(v, 8e-6))),
-        "drift": ("T2 drifts by half of the greatest strain", of_gauge(lambda v, r: [(t, x + 0.5 * peak * t / v[-1][0]) for t, x in v])),
-        "clipped": ("T2 clipped at 60 % of the greatest strain of all", of_gauge(lambda v, r: [(t, max(-0.6 * peak, min(0.6 * peak, x))) for t, x in v])),
+        "half": (f"{GAUGE} reads half", scaled(0.5)),
+        "double": (f"{GAUGE} reads twice", scaled(2.0)),
+        "reversed": (f"{GAUGE} of the other sign", scaled(-1.0)),
+        "dead": (f"{GAUGE} dead, its noise 3 microstrain", of_gauge(lambda v, r: [(t, r.gauss(0, 3e-6)) for t, _ in v])),
+        "late": (f"{GAUGE} late by 8 µs", of_gauge(lambda v, r: late(v, 8e-6))),
+        "drift": (f"{GAUGE} drifts by half of the greatest strain", of_gauge(lambda v, r: [(t, x + 0.5 * peak * t / v[-1][0]) for t, x in v])),
+        "clipped": (f"{GAUGE} clipped at 60 % of the greatest strain of all", of_gauge(lambda v, r: [(t, max(-0.6 * peak, min(0.6 * peak, x))) for t, x in v])),
         "jitter": ("clocks that jitter by 0.5 µs from pulse to pulse", with_jitter),
     }
 
