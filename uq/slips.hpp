@@ -8,7 +8,7 @@
 
 namespace calomel {
 
-/// One sentence for each: gauges that look mixed up; where none does, for all that follows would be their doing, a clock that is off and numbers that the
+/// One sentence for each: gauges that are dead; gauges that look mixed up; where none does, for all that follows would be their doing, a clock that is off and numbers that the
 /// records pull far from what was said of them.
 [[nodiscard]] std::vector<std::string> slips(const PosteriorInputs& in, const PosteriorFit& fit);
 

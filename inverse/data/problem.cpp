@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/not_finite.hpp"
@@ -14,6 +15,9 @@ namespace calomel {
 namespace {
 
 constexpr double narrow_share = 0.01;
+constexpr double noise_alone = 3;       ///< a mean square below so much of what noise leaves shows nothing
+constexpr double quiet = 0.1;           ///< of the root mean square of the middle gauge
+constexpr std::size_t long_enough = 10;  ///< samples of a record by which a gauge is called dead
 
 /// Weights of the derivative at x[i] of the parabola through three neighbours (Lagrange), exact for quadratics.
 void add_slope(std::span<const double> x, std::size_t i, double factor, std::size_t first, std::array<double, 4>& weight) {
@@ -93,11 +97,14 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
       if (const double v = r.values[r.at(c, s, p, begin + t)]; std::isfinite(v)) squares += (v - mean) * (v - mean);
     o.mean[t] = mean, o.compared[t] = 1;
     o.peak = std::max(o.peak, std::abs(mean));
+    o.mean_square += mean * mean;
     if (count >= 2) {
-      const double half = factor[std::size_t(count)] * std::sqrt(squares / (count - 1));
+      const double variance = squares / (count - 1), half = factor[std::size_t(count)] * std::sqrt(variance);
       o.low[t] = mean - half, o.high[t] = mean + half;
+      o.noise_square += variance / count;
     } else if (noise) {
       o.low[t] = mean - 1.96 * *noise, o.high[t] = mean + 1.96 * *noise;
+      o.noise_square += *noise * *noise;
     }
   }
   for (std::size_t t = 0; t < n; ++t) {
@@ -111,6 +118,7 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
     else
       o.banded[t] = 1, ++o.banded_samples;
   }
+  if (o.samples > 0) o.mean_square /= double(o.samples), o.noise_square /= double(o.samples);
   o.mean_f.assign(n, 0), o.weight_f.assign(n, 0), o.low_f.assign(n, 0), o.high_f.assign(n, 0), o.inverse_width_f.assign(n, 0);
   for (std::size_t t = 0; t < n; ++t) {
     if (o.compared[t]) o.mean_f[t] = float(o.mean[t]), o.weight_f[t] = 1;
@@ -119,7 +127,41 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
   return o;
 }
 
+/// The same value at every sample.
+bool constant(const Observation& o) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t t = 0; t < o.mean.size(); ++t)
+    if (o.compared[t]) low = std::min(low, o.mean[t]), high = std::max(high, o.mean[t]);
+  return low == high;
+}
+
+/// Takes out the gauges that are dead, and says so. Errors: InputError where all are.
+void leave_out_dead(Problem& p, const Recordings& recordings) {
+  if (p.observations.empty()) return;
+  std::vector<double> sizes;
+  for (const auto& o : p.observations) sizes.push_back(std::sqrt(o.mean_square));
+  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double usual = *middle;
+  const bool some_change = !std::ranges::all_of(p.observations, constant);
+  std::erase_if(p.observations, [&](const Observation& o) {
+    const bool shows_nothing = o.mean_square < noise_alone * o.noise_square && std::sqrt(o.mean_square) < quiet * usual;
+    if (o.peak > 0 && (o.samples < long_enough || !((some_change && constant(o)) || shows_nothing))) return false;
+    p.dead.push_back(p.label(o));
+    return true;
+  });
+  if (p.dead.empty()) return;
+  if (p.observations.empty()) throw InputError({.problem = "no sensor records anything: every mean record is 0 throughout", .key = "recordings.file", .suggestion = "see whether the columns are those of the gauges", .file = recordings.source});
+  p.warnings.push_back(plain_dead(p.dead));
+}
+
 }  // namespace
+
+std::string plain_dead(std::span<const std::string> labels) {
+  const bool one = labels.size() == 1;
+  return fmt::format("{} {} nothing but noise and {} left out: see whether {} dead, and name {} in recordings.exclude.", (one ? "Gauge " : "Gauges ") + join(labels), one ? "records" : "record", one ? "is" : "are",
+                     one ? "it is" : "they are", one ? "it" : "them");
+}
 
 double band_factor(int n, bool of_the_mean) {
   expect(n >= 2, "a scatter needs two values");
@@ -185,13 +227,10 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
         Observation o = observe(recordings, c, std::size_t(it - recordings.sensors.begin()), begin, end, options);
         o.condition = mc, o.sensor = ms;
         if (o.samples == 0) continue;
-        if (o.peak == 0)
-          throw InputError({.problem = fmt::format("the mean record of sensor {} is 0 throughout", p.label(o)),
-                            .key = "recordings.exclude",
-                            .suggestion = fmt::format("a dead gauge is left out with recordings.exclude = [\"{}\"]", shape.sensors[ms])});
         if (o.bandless > 0) p.warnings.push_back(fmt::format("sensor {}: {} samples have one pulse left and no band", p.label(o), o.bandless));
         p.observations.push_back(std::move(o));
       }
+  leave_out_dead(p, recordings);
   if (p.observations.empty()) throw InputError({.problem = "no declared sensor is recorded within the simulation", .key = "recordings.file"});
   const std::size_t narrow =
       std::accumulate(p.observations.begin(), p.observations.end(), std::size_t{0}, [](std::size_t n, const auto& o) { return n + o.narrow; });

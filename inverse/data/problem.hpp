@@ -23,6 +23,8 @@ struct Observation {
   std::size_t condition = 0, sensor = 0;  ///< indices into the model's shape
   int pulses = 0;                         ///< pulses with any sample
   double peak = 0;                        ///< largest |mean|
+  double mean_square = 0;                 ///< of the mean, over the samples compared
+  double noise_square = 0;                ///< what noise alone would leave of that, by the scatter of the pulses or the noise given
   std::vector<double> mean;               ///< (n_times), NaN = absent
   std::vector<double> low, high;          ///< (n_times) band; NaN where there is none
   std::vector<char> compared;             ///< (n_times) the mean is there
@@ -47,15 +49,20 @@ struct Problem {
   bool same_grid = false;         ///< record times are consecutive simulation times, from index `first`
   std::size_t first = 0;
   std::size_t outside = 0;                ///< record times outside of the simulation, not compared
-  std::vector<Observation> observations;  ///< recorded sensors in the model's order, condition by condition
+  std::vector<Observation> observations;  ///< recorded sensors in the model's order, condition by condition, but for those that are dead
+  std::vector<std::string> dead;          ///< labels of gauges that record nothing but noise, which are left out
   std::vector<std::string> warnings;
 
   [[nodiscard]] std::string label(const Observation& o) const;
 };
 
+/// What is said of dead gauges, of which there is one at least.
+std::string plain_dead(std::span<const std::string> labels);
+
 /// Band of each sensor: mean +- t(0.975, n - 1) s, with s the sd over its n pulses; `band = "mean"` divides s by sqrt(n); one
-/// pulse: +- 1.96 noise. Errors: InputError when recordings and simulation do not overlap, a condition is not the model's, or
-/// noise is missing for a sensor with one pulse.
+/// pulse: +- 1.96 noise. A gauge is dead whose mean record is 0 throughout, or never changes where another's does, or has less than three times the mean square that
+/// noise alone would leave and less than a tenth of the root mean square of the middle one of all gauges. Errors: InputError when recordings and simulation do not overlap, a condition is not the model's,
+/// all mean records are 0, or noise is missing for a sensor with one pulse.
 Problem make_problem(const ModelShape& shape, const Recordings& recordings, const RecordingOptions& options);
 
 /// Width of the 95 % band of n values, in units of their sd: t(0.975, n - 1), over sqrt(n) for the mean.

@@ -22,11 +22,26 @@ Diagnosis DiagnosisEngine::run() {
   say("base fit");
   PosteriorInputs base = in_.base;
   base.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return counted(thetas, level, {}); };
+  base.go_on = [this](const PosteriorFit& f) { return mixed_up(in_.base.problem, f).empty(); };  // such records lead a fit astray
   out_.base = fit_posterior(base);
   if (base.least_squares) out_.base = held_to_the_model(base, std::move(out_.base));
   if (base.gauge_places) places_ = base.gauge_places(mode().at.theta);
   describe_base();
   hold_out_base();
+  if (out_.mixed_up.empty())
+    explain();
+  else
+    out_.verdict = {.kind = VerdictKind::unknown, .mechanisms = {}, .ranking = judge(out_.evidence, {}).ranking, .reason = "gauges look mixed up, and nothing was asked of mechanisms"};
+  hold_out_verdict();
+  locate_all();
+  describe_missing();
+  out_.separating = separating_measurement(out_, in_.base.problem);
+  out_.runs = runs_;
+  return std::move(out_);
+}
+
+/// Everything about mechanisms.
+void DiagnosisEngine::explain() {
   ask_all();
   ask_clock();
   fit_terms();
@@ -34,12 +49,6 @@ Diagnosis DiagnosisEngine::run() {
   follow_terms();
   judge_all();
   if (in_.options.pairs) fit_pair();
-  hold_out_verdict();
-  locate_all();
-  describe_missing();
-  out_.separating = separating_measurement(out_, in_.base.problem);
-  out_.runs = runs_;
-  return std::move(out_);
 }
 
 Estimate DiagnosisEngine::told(const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own) const {
@@ -69,7 +78,9 @@ void DiagnosisEngine::describe_base() {
   e.misfit = misfit(values(out_.base_history));
   e.by_scale = evidence_by_scale(posterior, m, out_.base.hypotheses);
   describe_places();
+  out_.dead = in_.base.problem.dead;
   out_.mixed_up = mixed_up(in_.base.problem, out_.base);
+  if (!out_.mixed_up.empty()) skip("what each mechanism would be worth, and everything after it: gauges look mixed up");
   for (const auto& slip : out_.mixed_up) say(plain_mixed_up(slip));
 }
 
@@ -186,7 +197,7 @@ void DiagnosisEngine::locate_all() {
 
 /// Where nothing explains the records: which terms would.
 void DiagnosisEngine::describe_missing() {
-  if (out_.verdict.kind != VerdictKind::unknown || in_.terms.empty() || in_.options.term_runs == 0) return;
+  if (out_.verdict.kind != VerdictKind::unknown || !out_.mixed_up.empty() || in_.terms.empty() || in_.options.term_runs == 0) return;
   if (const int runs = missing_terms_runs(in_.terms); runs > in_.options.term_runs) {
     out_.skipped.push_back(fmt::format("what is missing: its terms take {} runs, and diagnosis.term_runs is {}", runs, in_.options.term_runs));
     return;

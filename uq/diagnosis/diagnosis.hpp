@@ -83,7 +83,8 @@ struct Diagnosis {
   std::vector<Alternative> candidates;   ///< the best first
   Verdict verdict;
   LocatedMismatch location;
-  std::vector<MixedUp> mixed_up;         ///< gauges that look wired wrongly; told first, whatever the verdict
+  std::vector<MixedUp> mixed_up;         ///< gauges that look wired wrongly; nothing is asked of mechanisms then
+  std::vector<std::string> dead;         ///< gauges that record nothing but noise, which are left out
   std::optional<LateRecords> late;       ///< where all records being late says more than any explanation, to first order; told first, too
   std::vector<Estimate> base_parameters;     ///< by the base model
   std::vector<double> handbook_pulls;        ///< of those, in prior standard deviations

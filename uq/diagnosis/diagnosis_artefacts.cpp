@@ -178,7 +178,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
   for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
     if (std::abs(d.handbook_pulls[k]) > absorbing) absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
   Json mixed_up = Json::array();
-  for (const auto& m : d.mixed_up) mixed_up.push_back({{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"text", plain_mixed_up(m)}});
+  for (const auto& m : d.mixed_up) mixed_up.push_back({{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"factor", number(m.factor)}, {"text", plain_mixed_up(m)}});
   return {{"verdict", text(d.verdict.kind)},
           {"mechanisms", d.verdict.mechanisms},
           {"reason", d.verdict.reason},
@@ -196,6 +196,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"missing", missing_json(d.missing)},
           {"separating_measurement", d.separating},
           {"mixed_up", mixed_up},
+          {"dead_gauges", d.dead},
           {"late", d.late ? Json{{"late_s", number(d.late->late)}, {"sd_s", number(d.late->sd)}, {"log_bayes_factor", number(d.late->log_bayes_factor)}, {"text", plain_late(*d.late)}} : Json()},
           {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
                         {"by_discrepancy", by_scale_json(d.evidence.by_scale)}, {"local", d.evidence.local ? Json{{"log_evidence", number(*d.evidence.local)}, {"gauges", d.likeliest_place}} : Json()}}},

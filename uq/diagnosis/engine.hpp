@@ -93,6 +93,7 @@ class DiagnosisEngine {
   void describe_base();
   void describe_places();
   [[nodiscard]] QuestionInputs about(const PosteriorFit& fit, std::vector<AddedParameter> added, const std::vector<ParameterGroup>& groups);
+  void explain();
   void ask_all();
   void ask_clock();
   void fit_terms();

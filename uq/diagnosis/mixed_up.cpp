@@ -12,11 +12,13 @@ constexpr double clock_share = 0.01;  ///< of the record's length: prior standar
 
 // Fits with the wrong physics have correlations of 0.95 and more with their own gauges, neighbours on one wall up to 0.97 with each other.
 constexpr double unlike = 0.7, alike = 0.9;
+constexpr double far_larger = 5;  ///< a bridge that is taken for another makes 4, a decimal point 10
+
+Eigen::VectorXd part(const Decimation& grid, const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); }
 
 /// Correlation sum(record simulation) / |record| |simulation| of the record of one observation with the simulation of another; 0 where they have other times.
 double correlation(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation, std::size_t record, std::size_t gauge) {
-  const auto part = [&](const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); };
-  const auto y = part(records, record), f = part(simulation, gauge);
+  const Eigen::VectorXd y = part(grid, records, record), f = part(grid, simulation, gauge);
   const double size = y.norm() * f.norm();
   return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
 }
@@ -35,12 +37,10 @@ std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, co
   const std::size_t n = grid.observations();
   std::vector<MixedUp> out;
   for (std::size_t i = 0; i < n; ++i) {
-    const double own = correlation(grid, records, simulation, i, i);
-    if (own >= unlike) continue;
-    if (own <= -alike) {
-      out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = -own});
-      continue;
-    }
+    const double own = correlation(grid, records, simulation, i, i), factor = part(grid, records, i).norm() / part(grid, simulation, i).norm();
+    const bool other_size = own >= alike && std::max(factor, 1 / factor) > far_larger;
+    if (own <= -alike || other_size) out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = std::abs(own), .factor = factor});
+    if (own >= unlike || own <= -alike) continue;
     for (std::size_t j = i + 1; j < n; ++j) {
       const double like = std::min(correlation(grid, records, simulation, i, j), correlation(grid, records, simulation, j, i));
       if (problem.observations[i].condition == problem.observations[j].condition && like >= alike && correlation(grid, records, simulation, j, j) < unlike)

@@ -1,5 +1,5 @@
 #pragma once
-/// Gauges that look wired the wrong way round, or taken for one another, and a clock that is off: slips that no physics explains and that spoil a fit, but can be seen at once.
+/// Gauges that look wired the wrong way round, taken for one another or told in another unit, and a clock that is off: slips that no physics explains and that spoil a fit, but can be seen at once.
 #include <Eigen/Core>
 #include <optional>
 #include <string>
@@ -11,12 +11,14 @@
 
 namespace calomel {
 
-/// A record that is not like the simulation of its gauge, but like that with the other sign or like another gauge's, by their correlation sum(record simulation) / |record| |simulation|.
+/// A record that is not like the simulation of its gauge, but like that with the other sign or like another gauge's, by their correlation sum(record simulation) / |record| |simulation|; or like it, but
+/// more than five times as large or as small.
 struct MixedUp {
   std::string gauge;   ///< Problem::label
   std::string other;   ///< the gauge whose simulation the record is like, its record being like this gauge's simulation; empty: of the other sign
   double own = 0;      ///< correlation with the gauge's own simulation
-  double like = 0;     ///< with what it is like: -own, or the lesser of the two of the pair
+  double like = 0;     ///< with what it is like: |own|, or the lesser of the two of the pair
+  double factor = 1;   ///< |record| / |simulation|
 };
 
 /// Each pair once. records, simulation: (size) on the grid.

@@ -367,6 +367,7 @@ std::string plain_missing(const MissingTerms& m) {
 }
 
 std::string plain_mixed_up(const MixedUp& m) {
+  if (m.own > 0 && m.other.empty()) return fmt::format("Gauge {} reads {:.2g} times what is simulated there, in the same course (correlation {:.2f}): see to its unit and its gain.", m.gauge, m.factor, m.own);
   if (m.other.empty()) return fmt::format("Gauge {} reads what is simulated there with the other sign (correlation {:.2f}): see whether it is wired the wrong way round, or its direction wrong.", m.gauge, m.own);
   return fmt::format("Gauge {} reads what is simulated at {}, and {} what is simulated at {} (correlation {:.2f}, with its own {:.2f}): see whether the two are taken for each other.", m.gauge, m.other, m.other, m.gauge, m.like, m.own);
 }
@@ -409,10 +410,12 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
   else if (!fits.empty())
     told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
                                  d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
+  if (!d.mixed_up.empty()) told.finding = fmt::format("The simulation and the records differ (misfit {}), but gauges look mixed up: what was left out was not asked.", percent(m.before));
   std::string slips;
-  for (const auto& m : d.mixed_up) slips += plain_mixed_up(m) + ' ';
+  for (const auto& mixed : d.mixed_up) slips += plain_mixed_up(mixed) + ' ';
   if (d.late) slips += plain_late(*d.late) + ' ';
   if (!slips.empty()) told.next_step = slips + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";  // nothing else is worth doing before
+  if (!d.dead.empty()) told.next_step += ' ' + plain_dead(d.dead);
   return told;
 }
 

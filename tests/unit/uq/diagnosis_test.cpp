@@ -21,8 +21,10 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::Gt;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Le;
+using ::testing::StartsWith;
 
 TEST(Diagnosis, NothingMissingIsNone) {
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -157,6 +159,28 @@ TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
   EXPECT_NEAR(d.candidates[0].numbers[0].mean, 0.12, 0.03);
   EXPECT_TRUE(d.candidates[0].settled);
   EXPECT_THAT(d.candidates[0].runs, AllOf(Gt(0), Le(4 * 3))) << "on the base model's emulator: a fit of its own would take 20 and more";
+}
+
+// Such a gauge leads the fit astray: nothing is asked of mechanisms, after the runs that a box begins with.
+TEST(Diagnosis, EndsWhereGaugesLookMixedUp) {
+  const auto folder = scratch("diagnosis_mixed_up");
+  for (const double gain : {-1.0, 0.1}) {
+    const Diagnosis d = Experiment(0.25, 0, 0, gain, 21).diagnosed(folder);
+    ASSERT_EQ(d.mixed_up.size(), 1u);
+    EXPECT_EQ(d.mixed_up[0].gauge, "S2");
+    EXPECT_EQ(d.verdict.kind, VerdictKind::unknown);
+    EXPECT_THAT(d.candidates, IsEmpty());
+    EXPECT_EQ(d.runs, 24 + 10);
+    const Json json = read_json(folder / "diagnosis.json");
+    EXPECT_THAT(json["finding"].get<std::string>(), HasSubstr("gauges look mixed up"));
+    EXPECT_THAT(json["next_step"].get<std::string>(), StartsWith("Gauge S2 reads"));
+  }
+}
+
+TEST(Diagnosis, GoesOnWithoutADeadGauge) {
+  const Diagnosis d = Experiment(0.25, 0, 0, 0, 21).diagnosed();
+  EXPECT_THAT(d.dead, ElementsAre("S2"));
+  EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo")) << d.verdict.reason;
 }
 
 // A fault that is as the square of its number, as that of a turned gauge: linearised where the number comes out.

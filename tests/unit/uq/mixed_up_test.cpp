@@ -50,6 +50,18 @@ TEST_F(Wiring, OfTheOtherSignIsTold) {
   EXPECT_THAT(plain_mixed_up(found[0]), AllOf(HasSubstr("the other sign"), HasSubstr(found[0].gauge)));
 }
 
+TEST_F(Wiring, AnotherUnitIsTold) {
+  for (const double factor : {1e-3, 0.15, 8.0}) {
+    Eigen::VectorXd records = simulation;
+    records.segment(at(2), size()) *= factor;
+    const auto found = mixed_up(problem, grid, records, simulation);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].gauge, problem.label(problem.observations[2]));
+    EXPECT_NEAR(found[0].factor, factor, 1e-12 * factor);
+    EXPECT_THAT(plain_mixed_up(found[0]), AllOf(HasSubstr(found[0].gauge + " reads"), HasSubstr("times what is simulated there"), HasSubstr("unit")));
+  }
+}
+
 TEST_F(Wiring, OfTwoGaugesTakenForEachOtherIsToldOnce) {
   Eigen::VectorXd records = simulation;
   const Eigen::VectorXd third = records.segment(at(2), size());

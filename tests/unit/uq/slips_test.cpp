@@ -23,6 +23,10 @@ TEST(Slips, AreNotToldOfRecordsThatAreRight) { EXPECT_THAT(told({}), IsEmpty());
 
 TEST(Slips, TellAGaugeOfTheOtherSignAlone) { EXPECT_THAT(told({.gauge = 2, .gain = -1}), ElementsAre(AllOf(HasSubstr("S2"), HasSubstr("the other sign")))); }
 
+TEST(Slips, TellADeadGaugeAndGoOnWithoutIt) { EXPECT_THAT(told({.gauge = 2, .gain = 0}), ElementsAre(HasSubstr("Gauge S2 records nothing but noise"))); }
+
+TEST(Slips, TellAGaugeOfAnotherUnitAlone) { EXPECT_THAT(told({.gauge = 2, .gain = 0.1}), ElementsAre(AllOf(HasSubstr("S2 reads 0.1 times"), HasSubstr("unit")))); }
+
 TEST(Slips, TellAClockThatIsOff) {
   EXPECT_THAT(told({.late = 2e-6}), Contains(AllOf(HasSubstr("All records look"), HasSubstr("late"), HasSubstr("calomel diagnose"))));
 }
@@ -31,7 +35,7 @@ TEST(Slips, TellWhatTheRecordsPullFar) { EXPECT_THAT(told({.gauge = 1, .gain = 1
 
 // Without an emulator: the same sentences from the same prediction and errors.
 TEST(Slips, OfAModelByItselfAreThoseOfItsFit) {
-  for (const Spoilt& spoilt : {Spoilt{}, Spoilt{.gauge = 2, .gain = -1}, Spoilt{.gauge = 1, .gain = 1.08}}) {
+  for (const Spoilt& spoilt : {Spoilt{}, Spoilt{.gauge = 2, .gain = -1}, Spoilt{.gauge = 2, .gain = 0}, Spoilt{.gauge = 1, .gain = 1.08}}) {
     const FourGauges target(spoilt);
     const ErrorModel& errors = target.fit.likeliest().errors;
     const Eigen::VectorXd prediction = target.fit.prediction(target.fit.modes[0].at);

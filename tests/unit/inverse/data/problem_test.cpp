@@ -105,6 +105,38 @@ TEST(Band, NarrowSamplesAreLeftOutAndCounted) {
   EXPECT_NEAR(s.mae, 1e6 * (50 + 0 + 51.00005) / 3, 1);
 }
 
+/// Three gauges, the last of this size about an offset, with noise of standard deviation 1.
+Problem with_a_quiet_gauge(double size, double offset = 0, double noise = 1) {
+  const std::size_t n = 200;
+  std::vector<double> time;
+  for (std::size_t t = 0; t < n; ++t) time.push_back(1e-6 * double(t));
+  auto r = recordings_of({"A", "B", "C"}, {0, 1, 2, 3}, time);
+  RandomStream random(11, 0);
+  for (std::size_t s = 0; s < 3; ++s)
+    for (std::size_t p = 0; p < 4; ++p)
+      for (std::size_t t = 0; t < n; ++t)
+        r.values[r.at(0, s, p, t)] = s < 2 ? 100 * std::sin(0.3 * double(t)) + random.normal() : offset + size * std::sin(0.3 * double(t)) + noise * random.normal();
+  return make_problem(shape_of({"A", "B", "C"}, n, 1e-6), r, {});
+}
+
+TEST(DeadGauge, IsOneThatRecordsItsNoiseAlone) {
+  for (const auto& p : {with_a_quiet_gauge(0), with_a_quiet_gauge(0, 0, 0), with_a_quiet_gauge(0, 7, 0)}) {  // noise, nothing, a value that never changes
+    EXPECT_EQ(p.observations.size(), 2u);
+    EXPECT_THAT(p.dead, testing::ElementsAre("C"));
+    EXPECT_THAT(p.warnings, testing::Contains(testing::AllOf(HasSubstr("Gauge C records nothing but noise and is left out"), HasSubstr("recordings.exclude"))));
+  }
+}
+
+TEST(DeadGauge, IsNotAQuietOneWhoseRecordStandsOutOfItsNoise) {
+  EXPECT_THAT(with_a_quiet_gauge(2).dead, testing::IsEmpty());           // half of its mean square is that of one pulse's noise, of four pulses it is eight times as large
+  EXPECT_THAT(with_a_quiet_gauge(15, 0, 40).dead, testing::IsEmpty());  // noise hides it, but no more than others would be hidden: it is not small beside them
+}
+
+TEST(DeadGauge, AllOfThemAreAnError) {
+  auto r = recordings_of({"A"}, {0, 1}, {0, 1, 2});
+  EXPECT_THROW((void)make_problem(shape_of({"A"}, 3, 1), r, {}), InputError);
+}
+
 TEST(Score, TheBandIsOpen) {
   auto r = recordings_of({"A"}, {0, 1}, {0, 1, 2, 3});
   for (std::size_t t = 0; t < 4; ++t) r.values[r.at(0, 0, 0, t)] = 9, r.values[r.at(0, 0, 1, t)] = 11;
