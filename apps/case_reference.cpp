@@ -49,7 +49,8 @@ std::string prior_text(const MechanismKey& k) {
 /// What stands behind a key's name in its row.
 std::string cells(const MechanismKey& k) {
   if (!k.choices.empty()) return fmt::format(" |  | `\"{}\"` (any) |  |  | {} | {} |\n", k.choices.at(std::size_t(k.off)), join(k.choices), k.doc);
-  return fmt::format(" | {} | {} | {} | {} | {} | {} |\n", k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high), prior_text(k), k.doc);
+  return fmt::format(" | {} | {} | {} | {} | {} | {} |\n", k.unit, off_text(k) + (k.decides ? "" : " (any)"), number_text(k.low), number_text(k.high),
+                     prior_text(k), k.doc);
 }
 
 /// A name without the number that it ends with: "left_" of left_1.
@@ -69,7 +70,8 @@ std::string mechanism_rows(const std::vector<MechanismKey>& keys) {
 std::string mechanism_page() {
   std::string s =
       "\n## `[mechanism.NAME]`\n\nPhysics that the base model leaves out. A listed mechanism is offered to the diagnosis; `enabled = true` makes it part of "
-      "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly; where another number of the case stands there, it is "
+      "the base model.\nEvery mechanism has an *off* value of each key at which the base model is meant to come back exactly; where another number of the case "
+      "stands there, it is "
       "that one (its default in brackets). The range is that of a diagnosis' prior: a normal one is "
       "about off, and its range two standard deviations either way; it may be left up to twice that far, as far as the law goes.\n";
   const auto& rows = mechanisms().rows();
@@ -99,23 +101,32 @@ std::string line_mechanism_page(const std::string& kind) {
 }
 
 std::string line_page() {
-  std::string s = "\n# Cases of a line\n\nWith `[model] kind = \"line\"` the case is a bar or a pipe, see [theory/line.md](theory/line.md). It has `[case]`, `[model]`, `[line]`, `[time]`, "
-                  "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME stands for `line.NAME`) and `[recordings]` as above; `sensor_unit` is the unit of the "
-                  "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n`[emulator]`, `[errors]` and `[diagnosis]` are those above; errors of a mesh and of a target's gauges are 0 by default.\n";
+  std::string s =
+      "\n# Cases of a line\n\nWith `[model] kind = \"line\"` the case is a bar or a pipe, see [theory/line.md](theory/line.md). It has `[case]`, `[model]`, "
+      "`[line]`, `[time]`, "
+      "`[[station]]`, a bar `[drive]`, and `[mechanism.NAME]`,\n`[parameter.NAME]` (NAME stands for `line.NAME`) and `[recordings]` as above; `sensor_unit` is "
+      "the unit of the "
+      "readings: that of a bar's record, `Pa` (default), `kPa`, `MPa` or `bar` for a pipe.\n`[emulator]`, `[errors]` and `[diagnosis]` are those above; errors "
+      "of a mesh and of a target's gauges are 0 by default.\n";
   s += table<ModelOptions>("[model]", "model", "Which model computes the histories.");
   s += table<BarOptions>("[line] of a bar", "line", "The wave that passes a first gauge, where it is measured, runs on to the stations.");
   s += table<DriveOptions>("[drive]", "drive", "What is measured at the first gauge of a bar.");
   s += table<PipeOptions>("[line] of a pipe", "line", "Reservoir, pipe and closing valve.");
   s += table<StationOptions>("[[station]]", "station", "Where a history is read; at least one.");
-  s += "\n## `[mechanism.NAME]` of a line\n\nAs above: a key's *off* value gives the base model exactly. All that the case does not enable are offered to a diagnosis.\n";
+  s += "\n## `[mechanism.NAME]` of a line\n\nAs above: a key's *off* value gives the base model exactly. All that the case does not enable are offered to a "
+       "diagnosis.\n";
   return s + line_mechanism_page("bar") + line_mechanism_page("pipe");
 }
 
 std::string outside_page() {
-  std::string s = "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). The case has `[case]`, `[model]`, "
-                  "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "
-                  "has `enabled`. `[model.config]` is handed to the model as it stands.\n`[campaign]`, `[surrogate]`, `[enc]`, `[spe]`, `[map]`, `[emulator]`, `[errors]`, `[posterior]`, `[sampler]`, `[sensitivity]`, `[diagnosis]` and `[study]` are those above; errors of a mesh and of a "
-                  "target's gauges are 0 by default, and `errors.band` is half of the samples' frequency.\n";
+  std::string s =
+      "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). "
+      "The case has `[case]`, `[model]`, "
+      "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a "
+      "parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "
+      "has `enabled`. `[model.config]` is handed to the model as it stands.\n`[campaign]`, `[surrogate]`, `[enc]`, `[spe]`, `[map]`, `[emulator]`, `[errors]`, "
+      "`[posterior]`, `[sampler]`, `[sensitivity]`, `[diagnosis]` and `[study]` are those above; errors of a mesh and of a "
+      "target's gauges are 0 by default, and `errors.band` is half of the samples' frequency.\n";
   s += table<ServerOptions>("[model] outside", "model", "Where the model is.");
   s += table<OutputOptions>("[output]", "output", "What the model's first output block is.");
   s += table<OutputTime>("[output.time]", "output.time", "The times of every record.");
@@ -136,11 +147,11 @@ constexpr const char* report_table = "\n## `[report]`\n\nThe table may stand the
 std::string case_reference() {
   std::string s = head;
   s += table<CaseName>("[case]", "case", "The whole table may be left out.");
-  s += table<GeometryOptions>(
-      "[geometry]", "geometry",
-      "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). Required. `x` runs along the beam from the outer front face, `z` up from the "
-      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
-      "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
+  s += table<GeometryOptions>("[geometry]", "geometry",
+                              "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). "
+                              "Required. `x` runs along the beam from the outer front face, `z` up from the "
+                              "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
+                              "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
   s += table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
   s += table<LoadOptions>("[load]", "load", "What sets the target in motion. Required; a pulse needs either `peak_pressure` or `energy`.");
@@ -160,8 +171,9 @@ std::string case_reference() {
       "`material.steel.poisson`, `load.profile.center.1` or `sensor.B.gain`. ENC uses the bounds alone, MAP the "
       "priors, too.");
   s += table<CampaignOptions>("[campaign]", "campaign", "The design of experiments, see [theory/campaign.md](theory/campaign.md).");
-  s += table<FloorOptions>("[floor]", "floor",
-                           "The repeatability floor of `calomel check --floor` and of every campaign, and what stands beside it, see [theory/forward.md](theory/forward.md).");
+  s += table<FloorOptions>(
+      "[floor]", "floor",
+      "The repeatability floor of `calomel check --floor` and of every campaign, and what stands beside it, see [theory/forward.md](theory/forward.md).");
   s += table<SurrogateOptions>("[surrogate]", "surrogate", "See [theory/surrogates.md](theory/surrogates.md).");
   s += table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
@@ -169,9 +181,11 @@ std::string case_reference() {
   s += table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
   s += table<PosteriorOptions>("[posterior]", "posterior", "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
   s += table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
-  s += table<DiagnosisOptions>("[diagnosis]", "diagnosis", "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
+  s += table<DiagnosisOptions>("[diagnosis]", "diagnosis",
+                               "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
   s += table<SensitivityOptions>("[sensitivity]", "sensitivity", "Which parameters the records depend on, see [theory/sensitivity.md](theory/sensitivity.md).");
-  s += table<PowerOptions>("[power]", "power", "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
+  s += table<PowerOptions>("[power]", "power",
+                           "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
   s += table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += table<FieldOptions>("[fields]", "fields", "Pictures over time, `calomel simulate --fields`.");

@@ -58,7 +58,8 @@ ExitStatus make(const CommandLine& command, const Notes& notes) {
                                   ? fmt::format("{} SPEC files in {}", summary.cases, (words.directory / "truth").string())
                                   : fmt::format("{} cases in {}, {} made now", summary.cases - summary.failed.size(), words.directory.string(), summary.made)));
   if (summary.failed.empty()) return ExitStatus::done;
-  notes.warn(fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), few_of(summary.failed)));
+  notes.warn(
+      fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }
 
@@ -109,11 +110,19 @@ ExitStatus score(const CommandLine& command, const Notes& notes) {
   for (const auto& file : words.with) {
     std::string other;
     for (auto& c : read_scored(file, other)) {
-      if (!count(c)) throw InputError({.problem = "this case is counted already", .value = c.name, .suggestion = "give the score of another suite, and each once", .file = file.string()});
+      if (!count(c))
+        throw InputError({.problem = "this case is counted already",
+                          .value = c.name,
+                          .suggestion = "give the score of another suite, and each once",
+                          .file = file.string()});
       cases.push_back(std::move(c));
     }
     if (other != rule)
-      throw InputError({.problem = "its cases were judged by another rule than those of " + words.directory.string(), .value = other, .range = rule, .suggestion = "count only what one rule has judged", .file = file.string()});
+      throw InputError({.problem = "its cases were judged by another rule than those of " + words.directory.string(),
+                        .value = other,
+                        .range = rule,
+                        .suggestion = "count only what one rule has judged",
+                        .file = file.string()});
     about["with"].push_back(file.string());
   }
   const challenge::Score result = score_of(cases);  // there is a Score of a simulation, too

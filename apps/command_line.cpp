@@ -42,7 +42,9 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
   add_seed(make, command, "seed of the suite: the same seed gives the same cases")->required();
   make.add_option("--out", words.directory, "directory of the suite")->required()->type_name("DIR");
   make.add_option("--suite", words.suite, "how many cases of which kind (default: small): small, quick, full")->type_name("NAME");
-  const auto count = [&](const char* name, std::optional<int>& value, const char* doc) { make.add_option(name, value, doc)->check(CLI::Range(0, 100000))->take_last()->type_name("N"); };
+  const auto count = [&](const char* name, std::optional<int>& value, const char* doc) {
+    make.add_option(name, value, doc)->check(CLI::Range(0, 100000))->take_last()->type_name("N");
+  };
   count("--none", words.none, "cases with nothing concealed, in place of the suite's number");
   count("--single", words.single, "of each effect that the library has a mechanism for");
   count("--outside", words.outside, "of each effect that it has none for");
@@ -50,7 +52,8 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
   count("--pair", words.pair, "with two effects");
   make.add_option("--effects", words.effects, "singles and outside keep to these")->delimiter(',')->allow_extra_args(false)->type_name("A,B");
   make.add_option("--grid", words.grid, "spacing of the generator's grid [m] (default: 0.25e-3)")->type_name("H");
-  make.add_option("--generator", words.generator, "the program reference_generator (default: looked for beside this one, in its build tree and in libexec)")->type_name("PATH");
+  make.add_option("--generator", words.generator, "the program reference_generator (default: looked for beside this one, in its build tree and in libexec)")
+      ->type_name("PATH");
   make.add_flag("--specs", words.specs, "only draw the cases: their SPEC files in truth/, no records");
   add_threads(make, command, "threads of the generator (default: all)");
   auto& run = *verb.add_subcommand("run", "diagnose every case that has no diagnosis yet, as calomel diagnose does; goes on where it was cut off");
@@ -60,7 +63,10 @@ void add_challenge(CLI::App& verb, CommandLine& command) {
   add_overrides(run, command, "override a value of every case; may be repeated");
   run.add_flag("--discard-runs", words.discard_runs, "delete the journal of a case's runs once its diagnosis stands");
   run.add_flag("--new-rule", words.new_rule, "where the rule of decision has changed, set the old results aside (results.old-N) and begin anew");
-  score.add_option("--with", words.with, "scores of other suites that one rule has judged, whose cases are counted too; may be repeated")->check(CLI::ExistingFile)->allow_extra_args(false)->type_name("FILE");
+  score.add_option("--with", words.with, "scores of other suites that one rule has judged, whose cases are counted too; may be repeated")
+      ->check(CLI::ExistingFile)
+      ->allow_extra_args(false)
+      ->type_name("FILE");
   score.add_option("--json", words.json, "where all numbers go (default: DIR/score.json)")->type_name("FILE");
   for (auto* one : {&make, &run, &score}) add_quiet(*one, command);
 }
@@ -121,7 +127,9 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
 }
 
 /// A suggestion, where there is one, and what to do in any case.
-std::string suggestion_and(const std::string& suggestion, const std::string& otherwise) { return suggestion.empty() ? otherwise : suggestion + ' ' + otherwise; }
+std::string suggestion_and(const std::string& suggestion, const std::string& otherwise) {
+  return suggestion.empty() ? otherwise : suggestion + ' ' + otherwise;
+}
 
 /// `did you mean "--floor"?` of the first word that looks like an option and is none; empty where there is none such, or none near.
 std::string near_option(const CLI::App& verb, std::span<const std::string> words) {

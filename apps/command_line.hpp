@@ -27,7 +27,7 @@ struct ChallengeWords {
   bool discard_runs = false;
   bool new_rule = false;
   // score
-  std::filesystem::path json;  ///< empty: score.json of the suite
+  std::filesystem::path json;               ///< empty: score.json of the suite
   std::vector<std::filesystem::path> with;  ///< score.json of other suites, counted too
 };
 

@@ -75,11 +75,12 @@ InputError from_parse_error(const toml::parse_error& e, const std::string& name,
   std::string line;
   for (std::size_t i = 0; i < at.line && std::getline(lines, line);) ++i;
   static const std::regex decimal_comma(R"(=\s*-?\d+,\d)");
-  return InputError({.problem = fmt::format("not valid TOML: {}", e.description()),
-                     .suggestion = std::regex_search(line, decimal_comma) ? "write numbers with a decimal point, not a comma" : "see https://toml.io for the format",
-                     .file = name,
-                     .line = int(at.line),
-                     .column = int(at.column)});
+  return InputError(
+      {.problem = fmt::format("not valid TOML: {}", e.description()),
+       .suggestion = std::regex_search(line, decimal_comma) ? "write numbers with a decimal point, not a comma" : "see https://toml.io for the format",
+       .file = name,
+       .line = int(at.line),
+       .column = int(at.column)});
 }
 
 void merge(toml::table& into, toml::table&& from) {
@@ -220,7 +221,9 @@ void CaseFile::expect_all_read(std::span<const std::string> known_tables) const 
   for (const auto& name : names("")) {
     if (document_->accepted.contains(name) || std::find(known_tables.begin(), known_tables.end(), name) != known_tables.end()) continue;
     const std::string inside = path_ending_with(document_->root, name), near = name_suggestion(name, known_tables);
-    throw located(InputError({.problem = "unknown table or key", .key = name, .range = inside.empty() && near.empty() ? join(known_tables) : "",
+    throw located(InputError({.problem = "unknown table or key",
+                              .key = name,
+                              .range = inside.empty() && near.empty() ? join(known_tables) : "",
                               .suggestion = inside.empty() ? near : "did you mean \"" + inside + "\"?"}));
   }
 }
@@ -374,7 +377,8 @@ void CaseFile::Reader::operator()(const char* key, std::vector<std::string>& val
 
 void CaseFile::Reader::renamed(const char* key, const char* instead) {
   if (!table_ || !table_->contains(key)) return;
-  throw file_.located(InputError({.problem = "this key is no longer read", .key = path_.empty() ? key : path_ + '.' + key, .suggestion = fmt::format("take it out: {}", instead)}));
+  throw file_.located(InputError(
+      {.problem = "this key is no longer read", .key = path_.empty() ? key : path_ + '.' + key, .suggestion = fmt::format("take it out: {}", instead)}));
 }
 
 void CaseFile::Reader::finish(std::span<const std::string> extra) {
@@ -383,7 +387,8 @@ void CaseFile::Reader::finish(std::span<const std::string> extra) {
   for (const auto& name : file_.names(path_)) {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
     const std::string near = name_suggestion(name, known_);
-    throw file_.located(InputError({.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .range = near.empty() ? join(known_) : "", .suggestion = near}));
+    throw file_.located(InputError(
+        {.problem = "unknown key", .key = path_.empty() ? name : path_ + '.' + name, .range = near.empty() ? join(known_) : "", .suggestion = near}));
   }
 }
 

@@ -4,7 +4,8 @@
 
 namespace calomel {
 
-/// Holds the directory for the life of the object and no longer than the process lives (flock; nothing is written). Where the file system has no such locks nothing is held.
+/// Holds the directory for the life of the object and no longer than the process lives (flock; nothing is written). Where the file system has no such locks
+/// nothing is held.
 class DirectoryLock {
  public:
   /// Errors: InputError where another process holds it.

@@ -62,7 +62,8 @@ std::string name_suggestion(std::string_view name, std::span<const std::string> 
 InputError unreadable_file(std::string key, const std::filesystem::path& path) {
   std::vector<std::string> there;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", ignored)) there.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", ignored))
+    there.push_back(entry.path().filename().string());
   std::sort(there.begin(), there.end());
   const std::string near = name_suggestion(path.filename().string(), there);
   return InputError({.problem = "the file cannot be opened",

@@ -42,7 +42,7 @@ class NetcdfWriter {
   int define(const std::string& name, const std::vector<std::string>& dims, int type, std::size_t given, const Attributes& attributes);
   std::filesystem::path path_, part_;
   int id_ = -1;
-  int at_ = -1;  ///< the group that is being written; id_ at the root
+  int at_ = -1;                                                                   ///< the group that is being written; id_ at the root
   std::map<int, std::map<std::string, std::pair<int, std::size_t>>> dimensions_;  ///< of each group: id and size
 };
 

@@ -36,34 +36,22 @@ void ReferenceVisitor::row(const char* key, const FieldInfo& field, const std::f
   else if (numbers && (std::isfinite(field.range.low) || std::isfinite(field.range.high)))
     allowed = "each " + field.range.text();
   const std::string text = value.is_number_float() ? number_text(value.get<double>()) : value.dump();
-  markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", prefix_ + key, field.unit, field.required ? "required" : (value.is_null() ? "none" : "`" + text + "`"), allowed,
-                          field.doc);
+  markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", prefix_ + key, field.unit,
+                          field.required ? "required" : (value.is_null() ? "none" : "`" + text + "`"), allowed, field.doc);
 }
 
-void EchoVisitor::operator()(const char* key, const bool& value, const FieldInfo&) {
-  object_[key] = value;
-}
-void EchoVisitor::operator()(const char* key, const int& value, const FieldInfo&) {
-  object_[key] = value;
-}
+void EchoVisitor::operator()(const char* key, const bool& value, const FieldInfo&) { object_[key] = value; }
+void EchoVisitor::operator()(const char* key, const int& value, const FieldInfo&) { object_[key] = value; }
 void EchoVisitor::operator()(const char* key, const double& value, const FieldInfo&) {
   if (std::isfinite(value)) object_[key] = value;
 }
-void EchoVisitor::operator()(const char* key, const std::string& value, const FieldInfo&) {
-  object_[key] = value;
-}
+void EchoVisitor::operator()(const char* key, const std::string& value, const FieldInfo&) { object_[key] = value; }
 void EchoVisitor::operator()(const char* key, const std::optional<double>& value, const FieldInfo&) {
   if (value) object_[key] = *value;
 }
-void EchoVisitor::operator()(const char* key, const std::vector<double>& value, const FieldInfo&) {
-  object_[key] = value;
-}
-void EchoVisitor::operator()(const char* key, const std::vector<int>& value, const FieldInfo&) {
-  object_[key] = value;
-}
-void EchoVisitor::operator()(const char* key, const std::vector<std::string>& value, const FieldInfo&) {
-  object_[key] = value;
-}
+void EchoVisitor::operator()(const char* key, const std::vector<double>& value, const FieldInfo&) { object_[key] = value; }
+void EchoVisitor::operator()(const char* key, const std::vector<int>& value, const FieldInfo&) { object_[key] = value; }
+void EchoVisitor::operator()(const char* key, const std::vector<std::string>& value, const FieldInfo&) { object_[key] = value; }
 Json& EchoVisitor::table(const char* key) {
   object_[key] = Json::object();
   return object_[key];

@@ -50,9 +50,12 @@ Mesh mesh_of(const GeometryOptions& g) try { return make_mesh(g); } catch (const
 /// The load must find its place on a mesh from outside.
 void expect_something_moves(const ForwardCase& c, const Mesh& mesh) {
   if (c.load.kind == "end_stress" && mesh.loaded.empty())
-    throw InputError({.problem = "the mesh has no loaded faces for the end_stress", .key = "geometry.sets.loaded", .suggestion = "name the set of those faces"});
+    throw InputError(
+        {.problem = "the mesh has no loaded faces for the end_stress", .key = "geometry.sets.loaded", .suggestion = "name the set of those faces"});
   if (c.load.kind != "end_stress" && mesh.quality.mercury_volume == 0)
-    throw InputError({.problem = "the mesh holds no mercury to heat", .key = "load.kind", .suggestion = "name its sets with geometry.sets.mercury, or use kind = \"end_stress\""});
+    throw InputError({.problem = "the mesh holds no mercury to heat",
+                      .key = "load.kind",
+                      .suggestion = "name its sets with geometry.sets.mercury, or use kind = \"end_stress\""});
 }
 
 /// Where the target is, across the beam.
@@ -110,11 +113,15 @@ std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& ga
 }
 
 /// How the whole is modelled where only one side of a plane across the axis is.
-std::string whole_model(char axis, const ForwardCase& at) { return axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis); }
+std::string whole_model(char axis, const ForwardCase& at) {
+  return axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis);
+}
 
 void expect_rear(const EnabledMechanism& m, const Mesh& mesh) {
   if (m.entry->needs_rear && mesh.rear.empty())
-    throw InputError({.problem = "the target has no rear face that swallows waves, on which alone it acts", .key = "mechanism." + m.name + ".enabled", .value = "true",
+    throw InputError({.problem = "the target has no rear face that swallows waves, on which alone it acts",
+                      .key = "mechanism." + m.name + ".enabled",
+                      .value = "true",
                       .suggestion = "set geometry.rear = \"non_reflecting\" (a mesh from a file: geometry.sets.rear), or remove the mechanism"});
 }
 
@@ -125,10 +132,12 @@ void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Me
     const double value = m.values[k.name];
     if (value == at.off_value(k)) continue;
     const char axis = "xyz"[*k.off_centre];
-    throw InputError({.problem = fmt::format("only one side of a plane across {0} is modelled, and the other is taken for its mirror image: what is off centre along {0} cannot show", axis),
-                      .key = "mechanism." + m.name + '.' + k.name,
-                      .value = number_text(value),
-                      .suggestion = whole_model(axis, at)});
+    throw InputError(
+        {.problem = fmt::format(
+             "only one side of a plane across {0} is modelled, and the other is taken for its mirror image: what is off centre along {0} cannot show", axis),
+         .key = "mechanism." + m.name + '.' + k.name,
+         .value = number_text(value),
+         .suggestion = whole_model(axis, at)});
   }
 }
 
@@ -140,10 +149,13 @@ void expect_on_mirror_planes(const LoadOptions& load, const Mesh& mesh, const Fo
     const double centre = load.profile.center[std::size_t(m.axis - 1)];
     if (std::abs(centre - m.at) < on_mirror_plane) continue;
     const char axis = "xyz"[m.axis];
-    throw InputError({.problem = fmt::format("only one side of the plane {} = {} m is modelled, and the other is taken for its mirror image: a beam off that plane would be two beams", axis, number_text(m.at)),
-                      .key = "load.profile.center",
-                      .value = number_text(centre),
-                      .suggestion = whole_model(axis, at) + ", or put the beam on the plane"});
+    throw InputError(
+        {.problem = fmt::format(
+             "only one side of the plane {} = {} m is modelled, and the other is taken for its mirror image: a beam off that plane would be two beams", axis,
+             number_text(m.at)),
+         .key = "load.profile.center",
+         .value = number_text(centre),
+         .suggestion = whole_model(axis, at) + ", or put the beam on the plane"});
   }
 }
 
@@ -184,7 +196,11 @@ BuiltInModel::BuiltInModel(const ForwardCase& forward_case, EnsembleOptions ense
 }
 
 BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, int threads, Mesh mesh)
-    : case_(std::move(forward_case)), ensemble_(ensemble), threads_(threads), mesh_(std::make_unique<Mesh>(std::move(mesh))), kept_states_(std::make_shared<KeptStates>()) {
+    : case_(std::move(forward_case)),
+      ensemble_(ensemble),
+      threads_(threads),
+      mesh_(std::make_unique<Mesh>(std::move(mesh))),
+      kept_states_(std::make_shared<KeptStates>()) {
   for (const auto& p : case_.parameters)
     for (const auto& m : case_.mechanisms)
       if (m.entry->mesh && p.key.starts_with("mechanism." + m.name + '.')) unchanged_mesh_ = std::make_unique<Mesh>(*mesh_);
@@ -195,7 +211,9 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
   const LoadOptions load = effective_load(case_, *mesh_, front_);
   heating_ = heating_shape(*mesh_, load.profile);
   if (load.kind == "initial_pressure" && !(heating_.integral > 0))
-    throw InputError({.problem = fmt::format("the pulse passes the mercury by and heats nothing; {}", extent_text(*mesh_)), .key = "load.profile.center", .suggestion = "lengths are in metres"});
+    throw InputError({.problem = fmt::format("the pulse passes the mercury by and heats nothing; {}", extent_text(*mesh_)),
+                      .key = "load.profile.center",
+                      .suggestion = "lengths are in metres"});
   solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
   shape_.unit = case_.sensor_unit;
   shape_.parameters = case_.parameters;
@@ -239,7 +257,8 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   });
   for_active(at, [&](const EnabledMechanism& m) {
     if (!m.entry->liquid) return;
-    if (s.liquid_law && m.entry != &correction()) throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
+    if (s.liquid_law && m.entry != &correction())
+      throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
     s.liquid_law = m.entry->liquid(m.values, s);
   });
   return s;
@@ -310,8 +329,12 @@ bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, c
   const std::vector<double> shares = left_shares(at);
   if (shares.empty()) return false;
   if (at.enables("bubbly_liquid"))
-    throw InputError({.problem = "what earlier pulses left holds displacements and velocities, not the sizes of bubbles, which would begin at rest in a motion that they share",
-                      .key = "mechanism.previous_pulses.enabled", .value = "true", .suggestion = "enable previous_pulses or bubbly_liquid, not both"});
+    throw InputError(
+        {.problem =
+             "what earlier pulses left holds displacements and velocities, not the sizes of bubbles, which would begin at rest in a motion that they share",
+         .key = "mechanism.previous_pulses.enabled",
+         .value = "true",
+         .suggestion = "enable previous_pulses or bubbly_liquid, not both"});
   ForwardCase linear = at;
   linear.mercury.law = "linear";
   std::erase_if(linear.mechanisms, [](const auto& m) { return m.entry->left; });

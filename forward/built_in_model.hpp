@@ -28,12 +28,12 @@ struct ModelDescription {
   std::size_t elements = 0, nodes = 0, slip_pairs = 0;
   double time_step = 0;  ///< [s], at the case's own parameters
   std::int64_t steps = 0;
-  int subcycles = 1;     ///< steps in one of the mercury away from the steel
+  int subcycles = 1;         ///< steps in one of the mercury away from the steel
   double element_steps = 0;  ///< of one run; with sub-cycles in steps of all elements that would cost as much
-  double viscosity = 0;  ///< eta [Pa s]
+  double viscosity = 0;      ///< eta [Pa s]
   bool mesh_decides_viscosity = false;
-  double deposited_energy = 0;   ///< in the whole target [J]; 0 for an end_stress
-  double slice_thickness = 0;    ///< in plane strain [m]
+  double deposited_energy = 0;        ///< in the whole target [J]; 0 for an end_stress
+  double slice_thickness = 0;         ///< in plane strain [m]
   double estimated_seconds = 0;       ///< of one run on one thread, at the rate that was measured for this size and precision
   int run_threads = 1;                ///< of those that the model may use, how many a single run takes
   double run_gain = 1;                ///< estimated, over one thread
@@ -94,7 +94,8 @@ class BuiltInModel : public ForwardModel {
   struct Place;
   [[nodiscard]] std::unique_ptr<Place> at(std::span<const double> theta) const;
 
-  /// Where a mechanism says that earlier pulses have left something, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as setup(), and those of the long run.
+  /// Where a mechanism says that earlier pulses have left something, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as
+  /// setup(), and those of the long run.
   bool start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const;
   struct KeptStates;
 
@@ -107,7 +108,7 @@ class BuiltInModel : public ForwardModel {
   std::vector<LocatedGauge> gauges_;
   HeatingShape heating_;
   std::unique_ptr<ExplicitSolver> solver_;
-  double front_ = 0;  ///< x of the outer front face [m], of a mesh from a file; others begin at 0
+  double front_ = 0;      ///< x of the outer front face [m], of a mesh from a file; others begin at 0
   bool remesh_ = false;   ///< a parameter changes the geometry
   bool regauge_ = false;  ///< a parameter changes where a gauge sits
   bool reheat_ = false;   ///< a parameter changes the shape of the deposition

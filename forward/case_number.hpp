@@ -40,7 +40,10 @@ inline void take_over(const CaseFile& file, Parameter& p, const FieldInfo& info)
   const Range range = between(info.range.low, info.range.high);  // a bound may lie on an end that a value may not
   for (const auto& [word, bound] : {std::pair{"min", p.min}, {"max", p.max}})
     if (!range.contains(bound))
-      throw file.located(InputError({.problem = p.key + " cannot be that", .key = "parameter." + p.name + '.' + word, .value = number_text(bound) + (p.unit.empty() ? "" : ' ' + p.unit), .range = info.range.text()}));
+      throw file.located(InputError({.problem = p.key + " cannot be that",
+                                     .key = "parameter." + p.name + '.' + word,
+                                     .value = number_text(bound) + (p.unit.empty() ? "" : ' ' + p.unit),
+                                     .range = info.range.text()}));
 }
 
 }  // namespace calomel

@@ -72,7 +72,8 @@ std::vector<Place> places_on_walls(const GeometryOptions& g) {
     const auto length = upright ? g.height : g.length;
     for (int i = 0; g.kind == "box" && wall != "side" && length && i < parts_of_wall; ++i) {
       const double begin = *length * i / parts_of_wall, end = *length * (i + 1) / parts_of_wall;
-      all.push_back({fmt::format("on the {} wall, {} = {}", wall, upright ? 'z' : 'x', millimetres(begin, end)), {{"wall", double(w)}, {"begin", begin}, {"end", end}}});
+      all.push_back(
+          {fmt::format("on the {} wall, {} = {}", wall, upright ? 'z' : 'x', millimetres(begin, end)), {{"wall", double(w)}, {"begin", begin}, {"end", end}}});
     }
   }
   return all;

@@ -4,7 +4,8 @@
 
 namespace calomel {
 
-/// Each term at each place as a group of one number, of a correction of its own, so that several may act in one run. The mercury as a whole and, of a box, in thirds of its length and along each wall; each wall there is and, of a box, its quarters.
+/// Each term at each place as a group of one number, of a correction of its own, so that several may act in one run. The mercury as a whole and, of a box, in
+/// thirds of its length and along each wall; each wall there is and, of a box, its quarters.
 [[nodiscard]] std::vector<ParameterGroup> correction_groups(const ForwardCase& forward_case);
 
 }  // namespace calomel

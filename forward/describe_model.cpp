@@ -56,7 +56,8 @@ ModelDescription BuiltInModel::describe() const {
   d.notes = case_.notes;
   d.notes.insert(d.notes.end(), mesh_->notes.begin(), mesh_->notes.end());
   if (std::isfinite(s.liquid.tensile_cutoff) && s.liquid.tensile_cutoff != case_.mercury.tensile_cutoff)
-    d.notes.push_back(fmt::format("effective tensile cutoff {} Pa: the case's own and a static pressure together, of which the motion holds the sum alone", number_text(s.liquid.tensile_cutoff)));
+    d.notes.push_back(fmt::format("effective tensile cutoff {} Pa: the case's own and a static pressure together, of which the motion holds the sum alone",
+                                  number_text(s.liquid.tensile_cutoff)));
   if (mesh_->plane_strain) {
     const auto [low, high] = extent(*mesh_, 1);
     d.slice_thickness = high - low;
@@ -77,22 +78,27 @@ ModelDescription BuiltInModel::describe() const {
       d.warnings.push_back(fmt::format("the pulse deposits {:.3g} kJ; 12 to 15 kJ are usual at 1.4 MW", d.deposited_energy / 1e3));
   }
   const auto usual = [&](const char* key, std::optional<double> pressure) {
-    if (pressure && *pressure > 0 && *pressure < least_pressure) d.warnings.push_back(fmt::format("{} = {} Pa is next to nothing: pressures are in Pa, 1 MPa is 1e6", key, number_text(*pressure)));
+    if (pressure && *pressure > 0 && *pressure < least_pressure)
+      d.warnings.push_back(fmt::format("{} = {} Pa is next to nothing: pressures are in Pa, 1 MPa is 1e6", key, number_text(*pressure)));
   };
   usual("load.peak_pressure", case_.load.peak_pressure), usual("material.mercury.tensile_cutoff", case_.mercury.tensile_cutoff);
   const double least = least_extent(*mesh_);
   if (const auto size = case_.geometry.resolved().element_size; size && *size > least)
-    d.warnings.push_back(fmt::format("geometry.element_size = {} m is larger than the target, which is {:.3g} m at its narrowest: lengths are in metres", number_text(*size), least));
+    d.warnings.push_back(fmt::format("geometry.element_size = {} m is larger than the target, which is {:.3g} m at its narrowest: lengths are in metres",
+                                     number_text(*size), least));
   if (mesh_->quality.least_wall_elements > 0 && mesh_->quality.least_wall_elements < 3)
     d.warnings.push_back(
         fmt::format("a wall has only {} elements through its thickness; 3 or more show the bending strain within 4 %", mesh_->quality.least_wall_elements));
   if (!case_.geometry.slips())
     d.warnings.push_back("steel and mercury share nodes on wetted faces (wetted = \"tied\"): strains err by 9 to 25 %, kept to reproduce published results");
   if (case_.geometry.slips() && !case_.geometry.parts() && std::isfinite(s.liquid.tensile_cutoff))
-    d.warnings.push_back("mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept for comparison");
+    d.warnings.push_back(
+        "mercury never parts from the walls (wetted = \"no_separation\"): half a layer of its elements moves with a wall beside which it has given way; kept "
+        "for comparison");
   if (const double most = 0.5 * greatest_film * mesh_->liquid_element_size; s.wall_film > most && case_.geometry.parts())
-    d.warnings.push_back(fmt::format("these elements hold a film of {:.3g} mm on the walls at most, not the {:.3g} mm of material.mercury.wall_film; elements of {:.3g} mm would", 1e3 * most, 1e3 * s.wall_film,
-                                     1e3 * s.wall_film / (0.5 * greatest_film)));
+    d.warnings.push_back(fmt::format(
+        "these elements hold a film of {:.3g} mm on the walls at most, not the {:.3g} mm of material.mercury.wall_film; elements of {:.3g} mm would",
+        1e3 * most, 1e3 * s.wall_film, 1e3 * s.wall_film / (0.5 * greatest_film)));
   for (const auto& g : gauges_)
     if (g.distance > 1e-4) d.warnings.push_back(fmt::format("sensor {} was moved by {:.3g} mm onto the outer surface", g.name, 1e3 * g.distance));
   return d;

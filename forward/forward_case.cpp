@@ -72,14 +72,17 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     const std::string path = "mechanism." + m.name + '.';
     bool word = false;  // read, a key of choices is no number
     for (const auto& k : m.entry->keys) {
-      if (k.choices.empty()) known.push_back(path + k.name);
-      else word = word || (std::is_const_v<Self> && key.ends_with('.' + k.name));
+      if (k.choices.empty())
+        known.push_back(path + k.name);
+      else
+        word = word || (std::is_const_v<Self> && key.ends_with('.' + k.name));
     }
     if (key.rfind(path, 0) != 0 || word) continue;
     const std::string rest = key.substr(path.size());
     const auto dot = rest.rfind('.');
     const bool own = dot != std::string::npos;
-    if (own && (!m.entry->per_sensor || std::none_of(self.sensors.begin(), self.sensors.end(), [&](const auto& s) { return s.name == rest.substr(0, dot); }))) continue;
+    if (own && (!m.entry->per_sensor || std::none_of(self.sensors.begin(), self.sensors.end(), [&](const auto& s) { return s.name == rest.substr(0, dot); })))
+      continue;
     found.number = m.values.find(rest);
     for (const auto& k : m.entry->keys)
       if (k.name == rest.substr(own ? dot + 1 : 0)) found.info.unit = k.unit, found.info.range = between(k.least, k.greatest);
@@ -94,7 +97,10 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
 void TimeOptions::validate() const {
   const double ratio = end / output_interval;
   if (ratio < 0.999999)
-    throw InputError({.problem = fmt::format("no sample would lie before the end, end = {} s", number_text(end)), .key = "output_interval", .value = number_text(output_interval), .range = "<= " + number_text(end)});
+    throw InputError({.problem = fmt::format("no sample would lie before the end, end = {} s", number_text(end)),
+                      .key = "output_interval",
+                      .value = number_text(output_interval),
+                      .range = "<= " + number_text(end)});
   if (ratio > 5e6 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
     throw InputError({.problem = fmt::format("the end must be a multiple of output_interval = {} s (1 to 5 million samples)", number_text(output_interval)),
                       .key = "end",
@@ -166,8 +172,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
     c.conditions.push_back(condition);
   }
   if (!c.conditions.empty() && c.load.kind == "end_stress")
-    throw file.located(InputError({.problem = "a condition is another strength of the pulse, and a measured stress on the end has its own", .key = "condition[0].name",
-                                   .value = '"' + c.conditions[0].name + '"', .suggestion = "make a case of each record, with a file of records of its own"}));
+    throw file.located(InputError({.problem = "a condition is another strength of the pulse, and a measured stress on the end has its own",
+                                   .key = "condition[0].name",
+                                   .value = '"' + c.conditions[0].name + '"',
+                                   .suggestion = "make a case of each record, with a file of records of its own"}));
   file.accept("condition");
   std::vector<std::string> sensor_names(names.begin(), names.end());
   auto mechanism_tables = read_mechanisms(file, sensor_names);
@@ -177,7 +185,8 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.parameters = read_parameters(file);
   bind_parameters(file, c.parameters, [&](const Parameter& p) {
     const double value = c.number(p.key);
-    return p.key.starts_with("mechanism.") && std::abs(value) == anywhere ? std::clamp(value, p.min, p.max) : value;  // an end that a wall's stretch has nowhere
+    return p.key.starts_with("mechanism.") && std::abs(value) == anywhere ? std::clamp(value, p.min, p.max)
+                                                                          : value;  // an end that a wall's stretch has nowhere
   });
   for (auto& p : c.parameters) take_over(file, p, c.about(p.key));
   return c;

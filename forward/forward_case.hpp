@@ -62,11 +62,11 @@ struct ForwardCase {
   TimeOptions time;
   SolverOptions solver;
   std::vector<SensorOptions> sensors;
-  std::vector<ConditionOptions> conditions;  ///< empty: one, as the load says
-  std::vector<Parameter> parameters;         ///< declared order, nominal filled
-  std::vector<EnabledMechanism> mechanisms;  ///< part of the model
+  std::vector<ConditionOptions> conditions;    ///< empty: one, as the load says
+  std::vector<Parameter> parameters;           ///< declared order, nominal filled
+  std::vector<EnabledMechanism> mechanisms;    ///< part of the model
   std::vector<std::string> listed_mechanisms;  ///< that have a table, enabled or not
-  std::vector<std::string> notes;            ///< e.g. mechanisms that are listed but not built yet
+  std::vector<std::string> notes;              ///< e.g. mechanisms that are listed but not built yet
 
   /// Reads every forward table. Errors: InputError with the place.
   static ForwardCase read(CaseFile& file);

@@ -45,7 +45,11 @@ ForwardCase on_mesh(ForwardCase c, double element_size) {
 
 LevelRuns::LevelRuns(const ForwardCase& forward_case, EnsembleOptions ensemble, std::vector<Parameter> parameters, std::vector<double> element_sizes,
                      double viscosity, RunStore& store)
-    : case_(forward_case), ensemble_(ensemble), parameters_(std::move(parameters)), sizes_(element_sizes.rbegin(), element_sizes.rend()), viscosity_(viscosity),
+    : case_(forward_case),
+      ensemble_(ensemble),
+      parameters_(std::move(parameters)),
+      sizes_(element_sizes.rbegin(), element_sizes.rend()),
+      viscosity_(viscosity),
       store_(store) {
   for (const double size : sizes_) {
     ForwardCase c = on_mesh(case_, size);
@@ -98,10 +102,12 @@ std::vector<RunRecord> LevelRuns::run(const Eigen::MatrixXd& thetas, const std::
     set_added(points.back(), {theta.data() + own, added.size()}, added);
   }
   const auto cost = [](const RunPoint& p) { return 1 / std::max(p.at(element_key), 1e-9); };
-  return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop);
+  return store_.run(
+      points, [&](const RunPoint& p) { return evaluate(p); }, threads, cost, progress, stop);
 }
 
-Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
+Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd, int threads, const RunStore::Progress& progress,
+                                        const std::atomic<bool>* stop) {
   const int level = std::min(1, levels() - 1);
   const double shift = std::max(sd, 0.5 * element_size(level));
   const ModelShape& shape = model(level).shape();
@@ -115,7 +121,10 @@ Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd
         p[key] = (own == base.end() ? s.position[x] : own->second) + by * s.direction[x] / length;
       }
   };
-  const auto run = [&](const std::vector<RunPoint>& points) { return store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop); };
+  const auto run = [&](const std::vector<RunPoint>& points) {
+    return store_.run(
+        points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
+  };
   const auto sensors = shape.sensors.size();
   const auto times = Eigen::Index(shape.times.size());
   Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(Eigen::Index(shape.values()), Eigen::Index(sensors));
@@ -139,14 +148,18 @@ Eigen::MatrixXd LevelRuns::gauge_places(std::span<const double> theta, double sd
   const auto runs = run(points);
   for (std::size_t s = 0; s < sensors; ++s) {
     const RunRecord &up = runs[1 + 2 * s], &down = runs[2 + 2 * s];
-    if (up.done && down.done) put(s, up, down, 2 * shift);
-    else if (up.done && runs[0].done) put(s, up, runs[0], shift);
-    else if (down.done && runs[0].done) put(s, runs[0], down, shift);
+    if (up.done && down.done)
+      put(s, up, down, 2 * shift);
+    else if (up.done && runs[0].done)
+      put(s, up, runs[0], shift);
+    else if (down.done && runs[0].done)
+      put(s, runs[0], down, shift);
   }
   return directions;
 }
 
-std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> theta, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
+std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> theta, int threads, const RunStore::Progress& progress,
+                                                       const std::atomic<bool>* stop) {
   /// A key between two runs; the first is the base model's where it starts at its off value.
   struct Difference {
     std::size_t mechanism;
@@ -177,7 +190,8 @@ std::vector<MechanismDirections> LevelRuns::mechanisms(std::span<const double> t
       differences.push_back(d);
     }
   }
-  const auto runs = store_.run(points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
+  const auto runs = store_.run(
+      points, [&](const RunPoint& p) { return evaluate(p); }, threads, {}, progress, stop);
   std::vector<MechanismDirections> out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     MechanismDirections m{.name = rows[i]->name, .like_the_mesh = rows[i]->entry.like_the_mesh};

@@ -19,7 +19,7 @@ class WithNumbers : public ForwardModel {
 }  // namespace
 
 std::vector<RunRecord> NumberedRuns::run(const Eigen::MatrixXd& thetas, std::span<const AddedParameter> added, int threads, const RunStore::Progress& progress,
-                                     const std::atomic<bool>* stop) {
+                                         const std::atomic<bool>* stop) {
   const auto& parameters = model_.shape().parameters;
   const std::size_t own = parameters.size();
   expect(std::size_t(thetas.rows()) == own + added.size(), "a theta holds the parameters and what is added");

@@ -17,7 +17,8 @@ void Parameter::validate() const {
                       .value = number_text(max),
                       .range = "> " + number_text(min)});
   const auto within = [](const char* word, double x, Range range, const std::string& what) {
-    if (!range.contains(x)) throw InputError({.problem = what + " lies outside the parameter's bounds", .key = word, .value = number_text(x), .range = range.text()});
+    if (!range.contains(x))
+      throw InputError({.problem = what + " lies outside the parameter's bounds", .key = word, .value = number_text(x), .range = range.text()});
   };
   if (nominal && (*nominal < min || *nominal > max))
     throw InputError(
@@ -32,7 +33,9 @@ void Parameter::validate() const {
   if (prior == "normal" || prior == "truncated_normal") need("mean", mean), need("sd", sd);
   if (prior == "lognormal") need("mu", mu), need("sigma", sigma);
   if (prior == "normal") within("mean", *mean, {min, max}, "the prior's mean");
-  if (prior == "lognormal" && max > 0) within("mu", *mu, {min > 0 ? std::log(min) : -std::numeric_limits<double>::infinity(), std::log(max)}, fmt::format("the prior's median, exp(mu) = {:.4g},", std::exp(*mu)));
+  if (prior == "lognormal" && max > 0)
+    within("mu", *mu, {min > 0 ? std::log(min) : -std::numeric_limits<double>::infinity(), std::log(max)},
+           fmt::format("the prior's median, exp(mu) = {:.4g},", std::exp(*mu)));
   if (prior == "half_cauchy") need("scale", scale);
   if (prior == "beta") need("alpha", alpha), need("beta", beta);
 }
@@ -42,7 +45,10 @@ std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table)
   for (const auto& name : file.names("parameter")) {
     const bool taken = name == "chain" || name == "draw" || name == "beyond";
     if (taken || name.empty() || !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; }))
-      throw file.located(InputError({.problem = taken ? "posterior.nc calls something else so" : "a parameter's name has letters, digits, _ and - alone", .key = "parameter", .value = '"' + name + '"', .suggestion = "take another name"}));
+      throw file.located(InputError({.problem = taken ? "posterior.nc calls something else so" : "a parameter's name has letters, digits, _ and - alone",
+                                     .key = "parameter",
+                                     .value = '"' + name + '"',
+                                     .suggestion = "take another name"}));
     Parameter p;
     p.name = name;
     p.key = table + '.' + name;
@@ -59,8 +65,14 @@ void bind_parameters(CaseFile& file, std::vector<Parameter>& parameters, const s
       try {
         const double value = number(p);
         if (!p.nominal && p.max > p.min && (value < p.min || value > p.max))
-          throw file.located(InputError({.problem = fmt::format("the case's own value lies outside the bounds of [{}]", table), .key = file.has(p.key) ? p.key : table, .value = number_text(value), .range = Range{p.min, p.max}.text(),
-                            .suggestion = file.has(p.key) ? "" : fmt::format("{} is {} where the case does not set it; give nominal a value within the bounds", p.key, number_text(value))}));
+          throw file.located(InputError(
+              {.problem = fmt::format("the case's own value lies outside the bounds of [{}]", table),
+               .key = file.has(p.key) ? p.key : table,
+               .value = number_text(value),
+               .range = Range{p.min, p.max}.text(),
+               .suggestion = file.has(p.key)
+                                 ? ""
+                                 : fmt::format("{} is {} where the case does not set it; give nominal a value within the bounds", p.key, number_text(value))}));
         if (!p.nominal) p.nominal = value;
         p.validate();
       } catch (const InputError& e) {

@@ -38,7 +38,8 @@ struct Parameter {
   }
   /// Whether it is searched and boxed by its logarithm: where its lower bound is positive.
   [[nodiscard]] bool logarithmic() const { return min > 0; }
-  /// The coordinate of a value, its logarithm or itself; the value of a coordinate; and the width in the coordinate, to first order, of one in natural units about `at`.
+  /// The coordinate of a value, its logarithm or itself; the value of a coordinate; and the width in the coordinate, to first order, of one in natural units
+  /// about `at`.
   [[nodiscard]] double coordinate(double value) const { return logarithmic() ? std::log(value) : value; }
   [[nodiscard]] double natural(double coordinate) const { return logarithmic() ? std::exp(coordinate) : coordinate; }
   [[nodiscard]] double coordinate_width(double width, double at) const { return logarithmic() ? width / at : width; }
@@ -49,8 +50,9 @@ struct Parameter {
 /// {name: value} of the values in `theta`, (n) with n no more than the parameters.
 Json named(std::span<const Parameter> parameters, std::span<const double> theta);
 
-/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for a name that posterior.nc has for something
-/// else (chain, draw, beyond), and one of other characters than letters, digits, _ and -, which keys of runs and files cannot hold.
+/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for a name that
+/// posterior.nc has for something else (chain, draw, beyond), and one of other characters than letters, digits, _ and -, which keys of runs and files cannot
+/// hold.
 std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
 
 /// Holds each parameter against its number in the case, which is its nominal value where it has none of its own. `number`: of a parameter.

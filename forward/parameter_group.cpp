@@ -54,7 +54,8 @@ AddedParameter added_number(const std::string& mechanism, const MechanismKey& k,
   const double up = p.max - off, down = off - p.min;
   if (up > 0) a.strengths.push_back(off + first_part * up);
   if (down > 0) a.strengths.push_back(off - first_part * down);
-  // The range is two standard deviations, of the wider side. A fit may leave it: a bound where the range ends would hold the number there, and its error too small.
+  // The range is two standard deviations, of the wider side. A fit may leave it: a bound where the range ends would hold the number there, and its error too
+  // small.
   p.prior = "truncated_normal", p.mean = off, p.sd = 0.5 * std::max(up, down);
   p.max = std::min(k.greatest, off + beyond * up), p.min = std::max(k.least, off - beyond * down);
   return a;
@@ -130,8 +131,10 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
       one.place = word->choices[i], one.part = end < anywhere;
       for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
       if (length) {  // its ends are likeliest where they are looked at first, and may lie anywhere that leaves its middle within
-        const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length, middle = 0.5 * (from + to), least = 0.25 * reach;
-        one.shapes.push_back(place_of(group.name, "begin", 0, from, middle - least, reach)), one.shapes.push_back(place_of(group.name, "end", middle + least, to, *length, reach));
+        const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length,
+                     middle = 0.5 * (from + to), least = 0.25 * reach;
+        one.shapes.push_back(place_of(group.name, "begin", 0, from, middle - least, reach)),
+            one.shapes.push_back(place_of(group.name, "end", middle + least, to, *length, reach));
       }
       if (one.part) {
         one.place += fmt::format(", {:.3g} to {:.3g} mm", 1e3 * begin, 1e3 * end);
@@ -147,7 +150,8 @@ ParameterGroup numerics_of(const ForwardCase& c) {
   const auto number = [](const char* name, const char* doc, double now, double other) {
     AddedParameter a;
     a.doc = doc;
-    a.parameter = {.name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
+    a.parameter = {
+        .name = std::string("numerics.") + name, .key = std::string("material.mercury.") + name, .min = std::min(now, other), .max = std::max(now, other)};
     a.parameter.nominal = now;
     a.strengths = {other};
     return a;
@@ -170,8 +174,15 @@ std::vector<ParameterGroup> offered_groups(const ForwardCase& c, const Mesh& mes
     const bool listed = c.listed_mechanisms.empty() || std::find(c.listed_mechanisms.begin(), c.listed_mechanisms.end(), row.name) != c.listed_mechanisms.end();
     if (!listed || c.enables(row.name) || !entry.built() || (entry.needs_rear && mesh.rear.empty())) continue;
     for (const auto& law : laws_of(entry)) {
-      ParameterGroup g{.name = row.name, .place = law, .law = !law.empty(), .by_sensor = entry.per_sensor, .linear = entry.left != nullptr, .like_the_mesh = entry.like_the_mesh, .cost = entry.cost,
-                       .plain = entry.plain, .check = entry.check};
+      ParameterGroup g{.name = row.name,
+                       .place = law,
+                       .law = !law.empty(),
+                       .by_sensor = entry.per_sensor,
+                       .linear = entry.left != nullptr,
+                       .like_the_mesh = entry.like_the_mesh,
+                       .cost = entry.cost,
+                       .plain = entry.plain,
+                       .check = entry.check};
       for (const auto& k : entry.keys) {
         if ((!k.law.empty() && k.law != law) || hidden_by_mirror(k, mesh)) continue;
         if (k.decides && k.asked) g.added.push_back(added_number(row.name, k, c.off_value(k), k.shows_below.empty() ? 1 : c.number(k.shows_below)));

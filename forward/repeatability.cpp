@@ -37,7 +37,12 @@ struct Scatter {
 class FloorRuns {
  public:
   FloorRuns(const ForwardCase& forward_case, const EnsembleOptions& ensemble, const FloorOptions& options, std::uint64_t seed)
-      : case_(forward_case), ensemble_(ensemble), options_(options), seed_(seed), own_(forward_case, ensemble, 1), single_(own_case_of_single_runs(), {.pulses = 1}, 1) {
+      : case_(forward_case),
+        ensemble_(ensemble),
+        options_(options),
+        seed_(seed),
+        own_(forward_case, ensemble, 1),
+        single_(own_case_of_single_runs(), {.pulses = 1}, 1) {
     // The costly ones first.
     if (options.finer_mesh && finer_is_small_enough(options, own_.mesh()) && case_.geometry.resolved().element_size) places_.push_back(finer_mesh);
     if (options.precisions) places_.push_back(other_precision);
@@ -184,7 +189,11 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
     if (watch.stop && *watch.stop) throw Interrupted();
     const std::size_t place = runs.places()[i];
     const RunPoint point{{"floor.run", double(place)}};
-    RunRecord record = watch.store ? watch.store->run({&point, 1}, [&](const RunPoint&) { return runs.run(place); }, 1).front() : runs.run(place);
+    RunRecord record = watch.store ? watch.store
+                                         ->run(
+                                             {&point, 1}, [&](const RunPoint&) { return runs.run(place); }, 1)
+                                         .front()
+                                   : runs.run(place);
     const std::lock_guard guard(lock);
     records[place] = std::move(record);
     if (watch.progress) watch.progress(++done, runs.places().size());
@@ -236,7 +245,8 @@ RepeatabilityFloor measure_floor(const ForwardCase& forward_case, const Ensemble
   };
   if (options.finer_mesh)
     compare("finer_mesh", "ensemble mean with elements of half the size, relative L2 difference", finer_mesh,
-            forward_case.geometry.resolved().element_size ? "left out: that mesh would have more elements than floor.finer_elements" : "left out: the mesh comes from a file");
+            forward_case.geometry.resolved().element_size ? "left out: that mesh would have more elements than floor.finer_elements"
+                                                          : "left out: the mesh comes from a file");
   if (options.precisions) compare("precision", "ensemble mean in single against double precision, relative L2 difference", other_precision, "");
   return floor;
 }

@@ -22,14 +22,16 @@ RunRecord record_at(const BuiltInModel& model, std::span<const double> theta) {
 
 }  // namespace
 
-Eigen::MatrixXd totals_at(const BuiltInModel& model, const Eigen::MatrixXd& thetas, RunStore& store, int threads, const RunStore::Progress& progress, const std::atomic<bool>* stop) {
+Eigen::MatrixXd totals_at(const BuiltInModel& model, const Eigen::MatrixXd& thetas, RunStore& store, int threads, const RunStore::Progress& progress,
+                          const std::atomic<bool>* stop) {
   const auto& shape = model.shape();
   std::vector<RunPoint> points;
   for (Eigen::Index i = 0; i < thetas.cols(); ++i) {
     points.push_back(point_at(shape.parameters, {thetas.col(i).data(), std::size_t(thetas.rows())}));
     points.back()[totals_key] = 1;
   }
-  const auto records = store.run(points, [&](const RunPoint& p) { return record_at(model, theta_at(shape.parameters, p)); }, threads, {}, progress, stop);
+  const auto records = store.run(
+      points, [&](const RunPoint& p) { return record_at(model, theta_at(shape.parameters, p)); }, threads, {}, progress, stop);
   const auto rows = Eigen::Index(shape.conditions.size() * run_total_count);
   Eigen::MatrixXd out = Eigen::MatrixXd::Constant(rows, thetas.cols(), std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index i = 0; i < out.cols(); ++i)

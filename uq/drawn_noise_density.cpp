@@ -53,8 +53,10 @@ std::vector<double> DrawnNoiseDensity::weights(const Eigen::VectorXd& q) const {
   return shares(logs);
 }
 
-NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities, std::size_t most) {
-  const std::size_t all = coordinates.chains * coordinates.draws, d = coordinates.names.size(), n = quantities.names.size(), step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
+NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
+                             std::size_t most) {
+  const std::size_t all = coordinates.chains * coordinates.draws, d = coordinates.names.size(), n = quantities.names.size(),
+                    step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
   NoiseWidening out;
   std::vector<double> logs;                     // estimate over mean, by draw
   std::vector<std::vector<double>> draw_share;  // of each draw of the hyperparameters
@@ -73,7 +75,8 @@ NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterio
   const std::vector<double> by_estimate = shares(logs), evenly(taken.size(), 1 / double(taken.size()));
   std::vector<double> alike(taken.size(), 0.0);
   double squares = 0;
-  const auto counted = double(std::count_if(out.weights.begin(), out.weights.end(), [](double w) { return w > 0; }));  // one that no draw of the chains bears out has no width
+  const auto counted =
+      double(std::count_if(out.weights.begin(), out.weights.end(), [](double w) { return w > 0; }));  // one that no draw of the chains bears out has no width
   for (std::size_t i = 0; i < taken.size(); ++i) {
     for (std::size_t b = 0; b < out.weights.size(); ++b)
       if (out.weights[b] > 0) alike[i] += draw_share[i][b] / (out.weights[b] * double(taken.size()) * counted);
@@ -89,7 +92,8 @@ NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterio
     };
     const auto [mean, sd] = moments(evenly);
     const auto [plug_in_mean, plug_in_sd] = moments(by_estimate);
-    out.sd_ratio.push_back(sd / plug_in_sd), out.sd_ratio_alike.push_back(moments(alike).second / plug_in_sd), out.shift.push_back((mean - plug_in_mean) / plug_in_sd);
+    out.sd_ratio.push_back(sd / plug_in_sd), out.sd_ratio_alike.push_back(moments(alike).second / plug_in_sd),
+        out.shift.push_back((mean - plug_in_mean) / plug_in_sd);
   }
   return out;
 }

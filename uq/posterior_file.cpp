@@ -72,7 +72,8 @@ PosteriorGroup read_group(const NetcdfReader& file, const std::string& name) {
     } else {
       const std::size_t own = dims.size() >= 2 && dims[0] == "chain" && dims[1] == "draw" ? 2 : 0;
       if (own == 0 && name != "observed_data") continue;  // not of this schema
-      group.variables.push_back({.name = variable, .unit = file.attribute("units", full), .dims = {dims.begin() + std::ptrdiff_t(own), dims.end()}, .values = file.doubles(full)});
+      group.variables.push_back(
+          {.name = variable, .unit = file.attribute("units", full), .dims = {dims.begin() + std::ptrdiff_t(own), dims.end()}, .values = file.doubles(full)});
     }
   }
   return group;
@@ -109,7 +110,9 @@ std::vector<PosteriorGroup> posterior_groups(const std::vector<Parameter>& param
     for (const auto& p : parameters)
       if (p.name == v.name) v.unit = p.unit;
   PosteriorGroup stats{.name = "sample_stats", .chains = result.quantities.chains, .draws = result.quantities.draws, .coordinates = {}, .variables = {}};
-  const auto add = [&](const char* name, const std::vector<double>& values, Kind kind) { stats.variables.push_back({.name = name, .unit = "", .dims = {}, .values = values, .kind = kind}); };
+  const auto add = [&](const char* name, const std::vector<double>& values, Kind kind) {
+    stats.variables.push_back({.name = name, .unit = "", .dims = {}, .values = values, .kind = kind});
+  };
   add("lp", result.log_density, Kind::real), add("acceptance_rate", result.acceptance, Kind::real);
   if (!result.energy.empty()) {
     std::vector<double> diverging = result.diverging;  // with thinning a draw has several transitions

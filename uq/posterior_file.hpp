@@ -22,7 +22,11 @@ struct PosteriorVariable {
   std::string unit;               ///< empty for a pure number
   std::vector<std::string> dims;  ///< beyond chain and draw
   std::vector<double> values;
-  enum class Kind { real, whole, truth } kind = Kind::real;  ///< as what they are stored; a truth is a byte with the attribute dtype = "bool", as xarray does it
+  enum class Kind {
+    real,
+    whole,
+    truth
+  } kind = Kind::real;  ///< as what they are stored; a truth is a byte with the attribute dtype = "bool", as xarray does it
 };
 
 /// Values along a dimension: numbers or words, as many as it is long.
@@ -50,8 +54,8 @@ PosteriorGroup group_of(const std::string& name, const Draws& draws);
 /// Back to draws: the variables of a group that have no other dimension than chain and draw.
 Draws draws_of(const PosteriorGroup& group);
 
-/// posterior (quantities, with the units of the parameters of their names), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate; energy, diverging, tree_depth of a
-/// sampler along trajectories) of a sampler's result.
+/// posterior (quantities, with the units of the parameters of their names), unconstrained_posterior (coordinates) and sample_stats (lp, acceptance_rate;
+/// energy, diverging, tree_depth of a sampler along trajectories) of a sampler's result.
 std::vector<PosteriorGroup> posterior_groups(const std::vector<Parameter>& parameters, const SamplerResult& result);
 
 /// Writes the groups in this order, each with inference_library = "calomel" and its version; the provenance stands at the root. The file depends on its content

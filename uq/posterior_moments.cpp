@@ -11,7 +11,7 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t design_points = 128;
-constexpr double inner = 0.9;  ///< half width of the design, in the box's
+constexpr double inner = 0.9;    ///< half width of the design, in the box's
 constexpr double far_above = 1;  ///< in the log density: another mode, or a search that ended early
 
 }  // namespace

@@ -77,7 +77,8 @@ Next next_inputs(const PosteriorInputs& in, const PosteriorFit& fit, const TrueM
     next.in.known.push_back({{at.begin(), at.end()}, level[i], std::move(records[i])});
   }
 
-  const Eigen::VectorXd sd = ((draws.colwise() - draws.rowwise().mean()).cwiseAbs2().rowwise().sum() / double(std::max<Eigen::Index>(1, draws.cols() - 1))).cwiseSqrt();
+  const Eigen::VectorXd sd =
+      ((draws.colwise() - draws.rowwise().mean()).cwiseAbs2().rowwise().sum() / double(std::max<Eigen::Index>(1, draws.cols() - 1))).cwiseSqrt();
   const Eigen::VectorXd width = (drawn_in * sd).cwiseMax(narrowest).cwiseMin(1.0);
   next.drew_in = width.minCoeff() < worth_drawing;
   const Eigen::VectorXd middle = Eigen::VectorXd::Zero(d);
@@ -98,12 +99,16 @@ RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int m
   std::optional<PosteriorInputs> now(in);  // it holds references, so that it is made anew, not assigned
   for (int made = 0;; ++made) {
     const Eigen::Index checks = std::max(1, in.emulator.check_coarse + in.emulator.check_fine);
-    out.check = check_by_true_model(*now, out.fit, evenly(posterior_draws(out.fit, now->seed ^ check_stream), checks), in.emulator.check_coarse, in.emulator.check_fine);
+    out.check = check_by_true_model(*now, out.fit, evenly(posterior_draws(out.fit, now->seed ^ check_stream), checks), in.emulator.check_coarse,
+                                    in.emulator.check_fine);
     if (told) told(out.check);
     const bool any = std::any_of(out.check.runs.begin(), out.check.runs.end(), [](const auto& r) { return r.done; });
-    if (out.check.holds) out.ended = "the true model lies where the emulator says";
-    else if (!any) out.ended = "no run of the true model came through to check it by";
-    else if (made == most) out.ended = most == 0 ? "none was asked for (posterior.refinements)" : "there are no more to be made (posterior.refinements)";
+    if (out.check.holds)
+      out.ended = "the true model lies where the emulator says";
+    else if (!any)
+      out.ended = "no run of the true model came through to check it by";
+    else if (made == most)
+      out.ended = most == 0 ? "none was asked for (posterior.refinements)" : "there are no more to be made (posterior.refinements)";
     if (!out.ended.empty()) return out;
     const std::size_t held = out.fit.runs.size();
     Next next = next_inputs(*now, out.fit, out.check, in.seed + seeds_apart * std::uint64_t(made + 1));

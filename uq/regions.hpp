@@ -14,9 +14,9 @@ struct Regions {
   Eigen::VectorXd mean;        ///< (names) [unit of each]
   Eigen::MatrixXd covariance;  ///< (names, names)
   struct Share {
-    double share = 0;                             ///< of the draws
-    std::vector<double> low, high;                ///< (names), quantiles (1 - share)/2 and (1 + share)/2
-    double square_radius = 0;                     ///< quantile `share` of the draws' squared Mahalanobis distances
+    double share = 0;               ///< of the draws
+    std::vector<double> low, high;  ///< (names), quantiles (1 - share)/2 and (1 + share)/2
+    double square_radius = 0;       ///< quantile `share` of the draws' squared Mahalanobis distances
   };
   std::vector<Share> shares;  ///< 50 and 90 %; none of a single draw, which has no covariance either
 };

@@ -26,7 +26,8 @@ std::vector<std::string> slips(const PosteriorInputs& in, const PosteriorFit& fi
   return told;
 }
 
-std::vector<std::string> slips(const Problem& problem, const ErrorOptions& options, const ErrorModel& errors, const Eigen::VectorXd& prediction, const FitResidual& left) {
+std::vector<std::string> slips(const Problem& problem, const ErrorOptions& options, const ErrorModel& errors, const Eigen::VectorXd& prediction,
+                               const FitResidual& left) {
   const auto mixed = mixed_up(problem, errors.grid(), errors.data(), prediction);
   auto told = slips_of_gauges(problem, mixed);
   if (!mixed.empty()) return told;

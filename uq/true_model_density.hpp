@@ -12,9 +12,9 @@ namespace calomel {
 ///
 ///   ln p(q) = ln p(q | emulator) - ln L(emulator) + ln L(run(theta) + B [phi(u, k) - phi(u, finest)]; v),
 ///
-/// B phi the emulator's mean, of which only the way from the finest mesh to the records' place beyond it, k, is left; v = the numerical noise of one run, 1 where the
-/// model carries any, and the emulator's variance of that way. Zero where a run fails. Runs are made one at a time, whatever the number of chains, each on all
-/// threads; those that were made are kept by `in.run`. Both arguments outlive the object.
+/// B phi the emulator's mean, of which only the way from the finest mesh to the records' place beyond it, k, is left; v = the numerical noise of one run, 1
+/// where the model carries any, and the emulator's variance of that way. Zero where a run fails. Runs are made one at a time, whatever the number of chains,
+/// each on all threads; those that were made are kept by `in.run`. Both arguments outlive the object.
 class TrueModelDensity final : public LogDensity {
  public:
   TrueModelDensity(const PosteriorInputs& in, const PosteriorFit& fit) : in_(in), fit_(fit), names_(fit.posterior->names()) {}

@@ -15,7 +15,7 @@ namespace calomel::challenge {
 
 namespace {
 
-constexpr double never_parts = 1e9;   ///< tension at which a wetted face parts, in cutoffs, that nothing reaches
+constexpr double never_parts = 1e9;  ///< tension at which a wetted face parts, in cutoffs, that nothing reaches
 
 double rounded(double value, double step) { return step * std::round(value / step); }
 double on_grid(double value) { return rounded(value, edge_step); }
@@ -219,7 +219,8 @@ DrawnEffect rib(const Target& t, RandomStream& r) {
 
 DrawnEffect gas_pocket(const Target& t, RandomStream& r) {
   const auto s = t.stretch(r, "top", 0.008, 0.02);
-  return {{{"wall", "top"}, {"begin", s.begin}, {"length", s.length}, {"thickness", log_uniform(r, 2e-6, 2e-5)}}, s.longest};  // a thinner one is a face that lets go
+  return {{{"wall", "top"}, {"begin", s.begin}, {"length", s.length}, {"thickness", log_uniform(r, 2e-6, 2e-5)}},
+          s.longest};  // a thinner one is a face that lets go
 }
 
 DrawnEffect speed_gradient(const Target&, RandomStream& r) {
@@ -300,7 +301,8 @@ std::string draw_spec(std::size_t index, const std::vector<std::string>& effects
     text += table("[[effect]]", e.numbers);
   }
   if (!effects.empty() && effects != std::vector<std::string>{"tait"}) {  // a real liquid's curvature is no matter of choice
-    const double target = effects.size() > 1 ? log_uniform(r, 0.05, 0.2) : log_uniform(r, 0.02, 0.16);  // of a pair as of one its weaker half would lie near the noise
+    const double target =
+        effects.size() > 1 ? log_uniform(r, 0.05, 0.2) : log_uniform(r, 0.02, 0.16);  // of a pair as of one its weaker half would lie near the noise
     text += table("[strength]", {{"target", target}, {"greatest_scale", greatest}, {"least_scale", 1e-3}});
   }
   return text;

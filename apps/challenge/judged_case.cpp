@@ -56,8 +56,11 @@ Finding finding_of(const Json& json) {
   if (names == f.mechanisms.empty()) throw std::runtime_error("the verdict \"" + verdict + "\" does not go with its mechanisms");
   f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
   for (const auto& entry : json.at("ranking")) {
-    if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true)) f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
-    Ranking r{.name = entry.at("name"), .probability = entry.at("probability"), .gauge = entry.value("sensor", entry.value("places", Json::object()).value("sensor_response", ""))};
+    if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true))
+      f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
+    Ranking r{.name = entry.at("name"),
+              .probability = entry.at("probability"),
+              .gauge = entry.value("sensor", entry.value("places", Json::object()).value("sensor_response", ""))};
     for (const auto& p : entry.at("parameters")) r.numbers[p.at("name").get<std::string>()] = {number_or_nan(p, "mean"), number_or_nan(p, "sd")};
     f.ranking.push_back(std::move(r));
   }
@@ -183,8 +186,13 @@ JudgedCase judged_of(const Json& json) {
   const std::string family = json.at("family");
   const auto known = std::find(families.begin(), families.end(), family);
   if (known == families.end()) throw std::runtime_error("no family is called \"" + family + '"');
-  c.truth = {.family = Family(known - families.begin()), .mechanisms = json.at("mechanisms"), .effects = json.at("effects"), .gauge = json.at("gauge"), .strength = json.at("strength"),
-             .parameters = json.at("parameters"), .numbers = json.at("numbers")};
+  c.truth = {.family = Family(known - families.begin()),
+             .mechanisms = json.at("mechanisms"),
+             .effects = json.at("effects"),
+             .gauge = json.at("gauge"),
+             .strength = json.at("strength"),
+             .parameters = json.at("parameters"),
+             .numbers = json.at("numbers")};
   return c;
 }
 
@@ -220,7 +228,9 @@ std::vector<JudgedCase> read_scored(const fs::path& path, std::string& rule_hash
     for (const auto& c : json.at("list")) all.push_back(judged_of(c));
     return all;
   } catch (const std::exception& e) {
-    throw InputError({.problem = std::string("is no score of a suite with its rule: ") + e.what(), .suggestion = "give a score.json that calomel challenge score has written", .file = path.string()});
+    throw InputError({.problem = std::string("is no score of a suite with its rule: ") + e.what(),
+                      .suggestion = "give a score.json that calomel challenge score has written",
+                      .file = path.string()});
   }
 }
 

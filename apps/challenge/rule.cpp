@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 
 Json gates_json(const Gates& gates) {
   // All members by name: one more, and this no longer compiles until it is told here.
-  const auto& [log_bayes_factor, lead, explained, null_chi2, adequate, remainder, misfit, held_out, farthest, handbook, temperature, prior_none, prior_unknown, prior_pairs, believed, revision] = gates;
+  const auto& [log_bayes_factor, lead, explained, null_chi2, adequate, remainder, misfit, held_out, farthest, handbook, temperature, prior_none, prior_unknown,
+               prior_pairs, believed, revision] = gates;
   return {{"log_bayes_factor", log_bayes_factor},
           {"lead", lead},
           {"explained", explained},

@@ -31,7 +31,8 @@ struct SuiteOptions {
     v("pair", pair, {.range = between(0, 100000), .doc = "cases with two effects"});
     v("effects", effects, {.doc = "effects that singles and outside keep to; empty: all"});
     v("grid", grid, {.unit = "m", .range = between(0.02e-3, 0.5e-3), .doc = "a whole part of 0.5 mm, spacing of the grid on which the records are made"});
-    v("target", target, {.doc = "small: slices of 0.10 m by 0.04 m, 0.25 ms, 8 gauges; full: 0.20 m by 0.06 m, 0.5 ms, 11 gauges", .choices = {"small", "full"}});
+    v("target", target,
+      {.doc = "small: slices of 0.10 m by 0.04 m, 0.25 ms, 8 gauges; full: 0.20 m by 0.06 m, 0.5 ms, 11 gauges", .choices = {"small", "full"}});
   }
   /// Errors: InputError where an effect is not known, grid does not divide 0.5 mm, or there is no case at all.
   void validate() const;

@@ -8,10 +8,10 @@ namespace calomel {
 
 /// A finished fit of the same records by a model with fewer parameters, in the larger one's.
 struct NestedFit {
-  NestedModel model;                                   ///< name and added
-  std::vector<std::pair<Eigen::Index, double>> held;   ///< added parameters at their nominal values
-  std::vector<double> theta;                           ///< its mode, (n_parameters), nuisances included
-  std::vector<double> history;                         ///< what its finest mesh said there, (values)
+  NestedModel model;                                  ///< name and added
+  std::vector<std::pair<Eigen::Index, double>> held;  ///< added parameters at their nominal values
+  std::vector<double> theta;                          ///< its mode, (n_parameters), nuisances included
+  std::vector<double> history;                        ///< what its finest mesh said there, (values)
 };
 
 /// `parameters`: of the posterior, the nuisances after the `own` ones of the case. `recordings`: hash of their file; finest: element size [m].

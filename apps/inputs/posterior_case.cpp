@@ -10,8 +10,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double box_of_viscosity = 1.8;  ///< half width of the box in its logarithm, in prior sds
-constexpr double widest_viscosity = 3;    ///< bounds of its prior, in sds
+constexpr double box_of_viscosity = 1.8;                ///< half width of the box in its logarithm, in prior sds
+constexpr double widest_viscosity = 3;                  ///< bounds of its prior, in sds
 constexpr double box_of_young = 2.5, widest_young = 5;  ///< the same of the steel's modulus
 constexpr double box_of_film = 2.5, widest_film = 3;    ///< the same of the walls' film
 constexpr double mesh_error_by_size = 80;               ///< over the local amplitude, per metre of element size: of the first order
@@ -38,7 +38,15 @@ std::vector<Parameter> posterior_parameters(const StudyCase& study) {
   nuisance("young", young_key, study.forward.steel.young, study.errors.young_sd, widest_young);
   const double film = study.errors.wall_film, film_sd = study.errors.wall_film_sd;
   if (film_sd > 0 && absent(film_key) && study.on_mesh() && study.forward.geometry.parts() && study.forward.mercury.law != "linear")
-    parameters.push_back({.name = "wall_film", .key = film_key, .min = film - widest_film * film_sd, .max = film + widest_film * film_sd, .prior = "normal", .nominal = study.forward.mercury.wall_film, .mean = film, .sd = film_sd, .unit = study.forward.about(film_key).unit});
+    parameters.push_back({.name = "wall_film",
+                          .key = film_key,
+                          .min = film - widest_film * film_sd,
+                          .max = film + widest_film * film_sd,
+                          .prior = "normal",
+                          .nominal = study.forward.mercury.wall_film,
+                          .mean = film,
+                          .sd = film_sd,
+                          .unit = study.forward.about(film_key).unit});
   return parameters;
 }
 
@@ -110,8 +118,8 @@ bool basin_on_surrogate(const StudyCase& study) {
   return !known;
 }
 
-/// What a polynomial of order two follows over half a millisecond (boxes of 4.5 % of density, 6 % of sound speed and 0.6e5 to 3.6e5 Pa on the slice `null`: left
-/// out, 3.6 % at 1 mm, of which 3.0 % are numerical noise).
+/// What a polynomial of order two follows over half a millisecond (boxes of 4.5 % of density, 6 % of sound speed and 0.6e5 to 3.6e5 Pa on the slice `null`:
+/// left out, 3.6 % at 1 mm, of which 3.0 % are numerical noise).
 double first_half_width(const Parameter& p, bool nuisance) {
   if (nuisance && p.key == film_key) return box_of_film * *p.sd;
   if (nuisance) return (p.key == viscosity_key ? box_of_viscosity : box_of_young) * *p.sigma;
@@ -122,7 +130,8 @@ double first_half_width(const Parameter& p, bool nuisance) {
 }
 
 double first_half_width_of_a_line(const Parameter& p) {
-  const double middle = *p.nominal, reach = box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
+  const double middle = *p.nominal,
+               reach = box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
   return p.coordinate_width(reach, middle);
 }
 

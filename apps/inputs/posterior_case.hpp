@@ -12,10 +12,11 @@ namespace calomel {
 /// modulus where they have a prior and are none of them.
 std::vector<Parameter> posterior_parameters(const StudyCase& study);
 
-/// Element sizes of the emulator's meshes, finest last [m]: those that are set, else the case's own and its half; {0} for a mesh from a file, which has no other.
+/// Element sizes of the emulator's meshes, finest last [m]: those that are set, else the case's own and its half; {0} for a mesh from a file, which has no
+/// other.
 std::vector<double> element_sizes(const StudyCase& study);
-/// Those of a diagnosis, where the case gives none: the same, but twice the case's element size and that itself where it resolves the front of the pulse. Names need
-/// no finer mesh, and what a finer one asks of the records' own errors few records keep.
+/// Those of a diagnosis, where the case gives none: the same, but twice the case's element size and that itself where it resolves the front of the pulse. Names
+/// need no finer mesh, and what a finer one asks of the records' own errors few records keep.
 std::vector<double> diagnosis_element_sizes(const StudyCase& study);
 
 /// What other meshes than the case's own the emulator has.
@@ -32,8 +33,8 @@ std::optional<int> own_level(const StudyCase& study);
 /// Where the gauges sit, (sensors, 3) [m].
 Eigen::MatrixXd gauge_positions(const StudyCase& study);
 
-/// Error of the mesh over the local amplitude [-]: errors.mesh, or its default by the size of the elements. Of an emulator with one mesh that of this mesh, `size_from_file` [m] of one from a file; of
-/// several that of the case's own, on which the surrogate stands that the basin is sought on.
+/// Error of the mesh over the local amplitude [-]: errors.mesh, or its default by the size of the elements. Of an emulator with one mesh that of this mesh,
+/// `size_from_file` [m] of one from a file; of several that of the case's own, on which the surrogate stands that the basin is sought on.
 double mesh_error(const StudyCase& study, double size_from_file);
 
 /// Elements of the emulator's finest mesh through the front of the pulse (sound speed times pulse length); nothing where the load has no such front or the mesh

@@ -16,14 +16,18 @@ namespace calomel {
 
 namespace {
 
-/// Defaults of [errors] are those of a target: a pipe's times are a thousand times longer. Errors: InputError for times below the distance of the values compared.
+/// Defaults of [errors] are those of a target: a pipe's times are a thousand times longer. Errors: InputError for times below the distance of the values
+/// compared.
 void expect_times_of_the_records(const PosteriorInputs& in) {
   const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
   const auto windows = grid.windows(0);
-  const double apart = windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value stands for the record
+  const double apart =
+      windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value stands for the record
   const auto expect_above = [&](const char* key, double time) {
     if (time < apart)
-      throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)), .key = key, .value = number_text(time),
+      throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)),
+                        .key = key,
+                        .value = number_text(time),
                         .suggestion = "give times of the line's own scale, some of them near the time that a wave takes through it, or a higher errors.band"});
   };
   expect_above("errors.discrepancy_times", *std::max_element(in.errors.discrepancy_times.begin(), in.errors.discrepancy_times.end()));
@@ -41,9 +45,10 @@ Eigen::MatrixXd outermost(const Mesh& mesh) {
 }
 
 /// What does not depend on where the runs come from.
-std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Problem& problem, const Recordings& recordings, const RecordingOptions& recording_options, const CommandLine& command) {
-  std::unique_ptr<PosteriorInputs> out(
-      new PosteriorInputs{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
+std::unique_ptr<PosteriorInputs> without_runs(const StudyCase& study, const Problem& problem, const Recordings& recordings,
+                                              const RecordingOptions& recording_options, const CommandLine& command) {
+  std::unique_ptr<PosteriorInputs> out(new PosteriorInputs{
+      .problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = study.errors, .emulator = study.emulator});
   PosteriorInputs& in = *out;
   in.parameters = posterior_parameters(study), in.seed = command.seed;
   in.places.positions = gauge_positions(study), in.discrepancy = study.map.product == "physical";
@@ -88,7 +93,9 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& 
   PosteriorInputs& in = *out;
   if (inputs.study().external) {
     for (const auto& p : in.parameters)
-      if (p.prior == "uniform") in.warnings.push_back(fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", p.name));
+      if (p.prior == "uniform")
+        in.warnings.push_back(
+            fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", p.name));
     start_directly(in);
     in.least_squares = true;
     return out;
@@ -99,7 +106,9 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& 
 
 std::unique_ptr<PosteriorInputs> posterior_inputs(StudyInputs& inputs, const RunStore::Progress& told) {
   const auto& study = inputs.study();
-  return posterior_inputs({.study = study, .runs = inputs.levels(), .problem = inputs.problem(), .recordings = inputs.recordings(), .recording_options = *study.recordings}, inputs.command(), told);
+  return posterior_inputs(
+      {.study = study, .runs = inputs.levels(), .problem = inputs.problem(), .recordings = inputs.recordings(), .recording_options = *study.recordings},
+      inputs.command(), told);
 }
 
 std::vector<double> fine_run(const PosteriorInputs& in, std::vector<double> theta) {

@@ -23,8 +23,8 @@ struct PosteriorParts {
 };
 std::unique_ptr<PosteriorInputs> posterior_inputs(const PosteriorParts& parts, const CommandLine& command, const RunStore::Progress& told);
 
-/// The same of a line, its first box about the nominal values and as wide as the priors, or of a model outside, whose first box stands where it fits. Errors: InputError with its place where nothing may move, or for times of
-/// [errors] that are far below the line's.
+/// The same of a line, its first box about the nominal values and as wide as the priors, or of a model outside, whose first box stands where it fits. Errors:
+/// InputError with its place where nothing may move, or for times of [errors] that are far below the line's.
 std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& inputs);
 
 /// The same without a first box.

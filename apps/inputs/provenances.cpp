@@ -51,7 +51,8 @@ Provenance map_provenance(const StudyInputs& inputs) {
 
 Provenance simulate_provenance(const StudyInputs& inputs) {
   Provenance p = of_model(inputs, "simulate");
-  if (inputs.study().on_mesh()) p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
+  if (inputs.study().on_mesh())
+    p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
   return p;
 }
 
@@ -96,7 +97,8 @@ Provenance on_posterior(const StudyInputs& inputs, std::string stage) {
 /// Of a log density, which holds its own data.
 Provenance of_density(const StudyInputs& inputs, std::string stage) {
   const auto& study = inputs.study();
-  return {.stage = std::move(stage), .options = posterior_options(study), .seed = inputs.command().seed, .inputs = {{"model", runs_provenance(study).identity()}}};
+  return {
+      .stage = std::move(stage), .options = posterior_options(study), .seed = inputs.command().seed, .inputs = {{"model", runs_provenance(study).identity()}}};
 }
 
 }  // namespace
@@ -123,7 +125,8 @@ Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) 
 
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
-  if (const auto& external = inputs.study().external) p.options["mechanism"] = external->echo()["mechanism"];  // what is offered: runs do not hang on its priors, a verdict does
+  if (const auto& external = inputs.study().external)
+    p.options["mechanism"] = external->echo()["mechanism"];  // what is offered: runs do not hang on its priors, a verdict does
   p.options.erase("sampler");
   p.options["offered"] = inputs.study().listed_mechanisms();  // what has a table is offered, and nothing else where one has
   p.options["diagnosis"] = echo(inputs.study().diagnosis);

@@ -12,7 +12,8 @@ namespace calomel {
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
                                                "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "power",    "report",    "study",    "fields",    "output",   "floor", "emulator", "errors", "posterior", "line", "drive", "station"};
+                                               "sampler",   "sensitivity", "diagnosis", "power",     "report",   "study",     "fields", "output",  "floor",
+                                               "emulator",  "errors",      "posterior", "line",      "drive",    "station"};
   return tables;
 }
 
@@ -21,10 +22,10 @@ namespace {
 /// Those of a target's strain gauges and of its beam.
 void no_errors_of_gauges(ErrorOptions& e) { e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0; }
 
-/// `[errors]` of a model outside, where the case says nothing: the noise of its records alone, on the model's own times; and, of the physical product, a discrepancy on
-/// the scale of the records.
+/// `[errors]` of a model outside, where the case says nothing: the noise of its records alone, on the model's own times; and, of the physical product, a
+/// discrepancy on the scale of the records.
 ErrorOptions errors_of_external(const ExternalCase& external) {
-  constexpr double slack = 1.01;                                                       // of rounding in the times
+  constexpr double slack = 1.01;                                                                              // of rounding in the times
   constexpr double short_share = 1.0 / 40, long_share = 1.0 / 10, local_share = 1.0 / 16, least_steps = 1.5;  // of the record's length; of its steps
   ErrorOptions e;
   const double step = external.time.step, length = std::max(external.time.count - 1, 1) * step;
@@ -41,7 +42,9 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
 void expect_sampler_fits(const StudyCase& study) {
   const SamplerOptions& sampler = study.sampler;
   if (sampler.kind == "delayed_acceptance" && study.external && (study.is_log_density() || !study.file.has("surrogate")))
-    throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself", .key = "sampler.kind", .value = "\"delayed_acceptance\"",
+    throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself",
+                      .key = "sampler.kind",
+                      .value = "\"delayed_acceptance\"",
                       .suggestion = study.is_log_density() ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
   if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
 }
@@ -58,10 +61,14 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   ForwardCase forward = line || external ? ForwardCase{} : file.locating([&] { return ForwardCase::read(file); });
   StudyCase study{.file = std::move(file), .forward = std::move(forward), .line = std::move(line), .external = std::move(external)};
   if (!study.external && study.file.has("output"))
-    throw study.file.located(InputError({.problem = "this table belongs to a model outside of the program", .key = "output", .suggestion = "add [model] with kind = \"umbridge\", or take it out"}));
+    throw study.file.located(InputError({.problem = "this table belongs to a model outside of the program",
+                                         .key = "output",
+                                         .suggestion = "add [model] with kind = \"umbridge\", or take it out"}));
   for (const char* of_a_line : {"line", "drive", "station"})
     if (!study.line && !study.external && study.file.has(of_a_line))
-      throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh", .key = of_a_line, .suggestion = "add [model] with kind = \"line\", or take it out"}));
+      throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh",
+                                           .key = of_a_line,
+                                           .suggestion = "add [model] with kind = \"line\", or take it out"}));
   study.file.read("campaign", study.campaign);
   study.file.read("floor", study.floor);
   study.file.read("surrogate", study.surrogate);
@@ -83,7 +90,10 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.file.read("power", study.power);
   study.file.read("sensitivity", study.sensitivity);
   if (study.sensitivity.run_totals && !study.on_mesh())
-    throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, the model is another", .key = "sensitivity.run_totals", .value = "true", .suggestion = "leave it out"}));
+    throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, the model is another",
+                                         .key = "sensitivity.run_totals",
+                                         .value = "true",
+                                         .suggestion = "leave it out"}));
   study.file.read("study", study.study);
   study.file.read("fields", study.fields);
   NoKeys none;
@@ -92,7 +102,9 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   if (study.recordings && !study.on_mesh()) {
     auto& records = *study.recordings;
     if (study.file.has("recordings.unit") && records.unit != study.unit())
-      throw study.file.located(InputError({.problem = "the model's values are in " + study.unit() + " (case.sensor_unit), and records are in the same unit", .key = "recordings.unit", .value = '"' + records.unit + '"',
+      throw study.file.located(InputError({.problem = "the model's values are in " + study.unit() + " (case.sensor_unit), and records are in the same unit",
+                                           .key = "recordings.unit",
+                                           .value = '"' + records.unit + '"',
                                            .suggestion = "set case.sensor_unit to what both are in, or take recordings.unit out"}));
     records.unit = study.unit(), records.as_it_is = true;
   }
@@ -133,7 +145,8 @@ Json StudyCase::model_options() const {
   if (line) return line->echo();
   if (external) return external->model_options();
   Json options = forward.echo();
-  for (const char* changes_nothing : {"checkpoint", "energy_balance"}) options["solver"].erase(changes_nothing);  // how often a run is saved, whether its energies are told
+  for (const char* changes_nothing : {"checkpoint", "energy_balance"})
+    options["solver"].erase(changes_nothing);                                     // how often a run is saved, whether its energies are told
   if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any
   Json parameters = Json::object();
   for (const auto& p : forward.parameters) {

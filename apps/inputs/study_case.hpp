@@ -34,8 +34,11 @@ struct StudyOptions {
   template <class V>
   void visit(V& v) {
     v("stages", stages,
-      {.doc = "what `calomel study` does, in this order", .choices = {"simulate", "campaign", "train", "calibrate", "sample", "sensitivity", "report"}, .least_size = 1});
-    v("methods", methods, {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
+      {.doc = "what `calomel study` does, in this order",
+       .choices = {"simulate", "campaign", "train", "calibrate", "sample", "sensitivity", "report"},
+       .least_size = 1});
+    v("methods", methods,
+      {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
   }
 };
 
@@ -75,7 +78,9 @@ struct StudyCase {
 
   /// `case.name`, or the file's; when a run ends [s]; and the unit of the records, of whichever model.
   [[nodiscard]] const std::string& name() const { return line ? line->name : external ? external->name : forward.name; }
-  [[nodiscard]] double time_end() const { return line ? line->time.end : external ? external->time.start + external->time.step * std::max(external->time.count - 1, 0) : forward.time.end; }
+  [[nodiscard]] double time_end() const {
+    return line ? line->time.end : external ? external->time.start + external->time.step * std::max(external->time.count - 1, 0) : forward.time.end;
+  }
   [[nodiscard]] std::string unit() const { return line ? line->unit : external ? external->unit : forward.sensor_unit; }
   /// The case's own parameters, of whichever model.
   [[nodiscard]] const std::vector<Parameter>& parameters() const { return line ? line->parameters : external ? external->parameters : forward.parameters; }
@@ -93,8 +98,8 @@ struct StudyCase {
   [[nodiscard]] std::map<std::string, std::string> model_inputs() const;
   /// Path of the recordings. Errors: InputError when the case has no [recordings].
   [[nodiscard]] std::filesystem::path recordings_file() const;
-  /// The recordings, held against the sensors that the model has; adds to `warnings` which sensors have no record; what the file itself gives cause to warn of is in the recordings'.
-  /// Errors: InputError with its place; see read_recordings, match_sensors.
+  /// The recordings, held against the sensors that the model has; adds to `warnings` which sensors have no record; what the file itself gives cause to warn of
+  /// is in the recordings'. Errors: InputError with its place; see read_recordings, match_sensors.
   [[nodiscard]] Recordings matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const;
 };
 

@@ -19,13 +19,21 @@ constexpr double long_after = 2;  ///< times the records' end, from which on a r
 /// Holds what the case says of times and units against its records. Errors: InputError for records of a target that are no strain.
 void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
   if (study.on_mesh() && recordings.unit != "strain")
-    throw study.file.located(InputError({.problem = "the gauges of a target tell strain", .key = "recordings.unit", .value = '"' + recordings.unit + '"', .range = "strain, microstrain", .suggestion = name_suggestion(recordings.unit, std::vector<std::string>{"strain", "microstrain"})}));
+    throw study.file.located(InputError({.problem = "the gauges of a target tell strain",
+                                         .key = "recordings.unit",
+                                         .value = '"' + recordings.unit + '"',
+                                         .range = "strain, microstrain",
+                                         .suggestion = name_suggestion(recordings.unit, std::vector<std::string>{"strain", "microstrain"})}));
   if (recordings.time.size() < 2) return;
   const double end = recordings.time.back(), length = end - recordings.time.front();
   if (!shape.times.empty() && shape.times.back() > long_after * end)
-    warnings.push_back(fmt::format("the simulation ends at {:.4g} s and the records at {:.4g} s: what is simulated after that is compared with nothing", shape.times.back(), end));
+    warnings.push_back(fmt::format("the simulation ends at {:.4g} s and the records at {:.4g} s: what is simulated after that is compared with nothing",
+                                   shape.times.back(), end));
   if (study.errors.band * length < 0.5)
-    warnings.push_back(fmt::format("errors.band = {} Hz: the records are {:.4g} s long and hold no half period of this frequency, so that little of them is compared; from {:.4g} Hz on they do", number_text(study.errors.band), length, 0.5 / length));
+    warnings.push_back(
+        fmt::format("errors.band = {} Hz: the records are {:.4g} s long and hold no half period of this frequency, so that little of them is compared; from "
+                    "{:.4g} Hz on they do",
+                    number_text(study.errors.band), length, 0.5 / length));
 }
 
 }  // namespace
@@ -33,9 +41,13 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
 StudyInputs::StudyInputs(const CommandLine& command)
     : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
   if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose" && command.verb != "report")
-    throw study_.file.located(
-        InputError({.problem = "a line is checked, simulated, diagnosed and reported in this version, not: " + command.verb, .key = "model.kind", .suggestion = "use check, simulate, diagnose or report"}));
-  if (!study_.on_mesh() && command.power) throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model", .key = "model.kind", .suggestion = "leave out --power"}));
+    throw study_.file.located(InputError({.problem = "a line is checked, simulated, diagnosed and reported in this version, not: " + command.verb,
+                                          .key = "model.kind",
+                                          .suggestion = "use check, simulate, diagnose or report"}));
+  if (!study_.on_mesh() && command.power)
+    throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model",
+                                          .key = "model.kind",
+                                          .suggestion = "leave out --power"}));
   if (study_.external) study_.external->server.stop = &stop_requested();
   if ((command.verb == "check" && !command.floor) || command.verb == "report") return;
   make_directory(command.out);

@@ -18,8 +18,8 @@ namespace calomel {
 
 class StudyInputs {
  public:
-  /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or that another call works in, is told before the work. `command` outlives the object.
-  /// Errors: InputError for anything wrong with the case or the output directory.
+  /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or that another call works in, is told before the work.
+  /// `command` outlives the object. Errors: InputError for anything wrong with the case or the output directory.
   explicit StudyInputs(const CommandLine& command);
   StudyInputs(const StudyInputs&) = delete;
   StudyInputs& operator=(const StudyInputs&) = delete;

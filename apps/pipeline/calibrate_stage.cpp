@@ -38,7 +38,9 @@ std::optional<Json> finished(const StudyInputs& inputs, const std::string& metho
   if (!std::filesystem::exists(path)) return std::nullopt;
   Json json = read_json(path);
   const auto missing = [&](const char* name) { return !std::filesystem::exists(inputs.artefact(name)); };
-  if ((method == "enc" && missing("surrogate.nc")) || (method == "spe" && missing("campaign.nc")) || (basin_on_surrogate(inputs.study()) && missing("surrogate.nc"))) return std::nullopt;
+  if ((method == "enc" && missing("surrogate.nc")) || (method == "spe" && missing("campaign.nc")) ||
+      (basin_on_surrogate(inputs.study()) && missing("surrogate.nc")))
+    return std::nullopt;
   const bool same = identity_of(json.value("provenance", Json::object())) == calibration_provenance(inputs, method).identity();
   return same && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }

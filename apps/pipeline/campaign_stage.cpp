@@ -27,17 +27,18 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
   {
     std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command.quiet || finished), std::cerr);
     FloorSource floor;
-    if (campaign.floor && inputs.study().on_mesh() && (asked == Asked::by_user || !finished)) floor = [&] {
-      display.reset();
-      need_floor(call);
-      return read_floor(read_json(inputs.artefact("floor.json")));
-    };
+    if (campaign.floor && inputs.study().on_mesh() && (asked == Asked::by_user || !finished))
+      floor = [&] {
+        display.reset();
+        need_floor(call);
+        return read_floor(read_json(inputs.artefact("floor.json")));
+      };
     const auto progress = [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed_note(failed)); };
-    summary = inputs.study().file.locating(
-        [&] {
-          return run_campaign(model, campaign, command.seed, command.threads, provenance, command.out, [&]() -> RunStore& { return inputs.runs(); }, progress,
-                               &stop_requested(), floor);
-        });
+    summary = inputs.study().file.locating([&] {
+      return run_campaign(
+          model, campaign, command.seed, command.threads, provenance, command.out, [&]() -> RunStore& { return inputs.runs(); }, progress, &stop_requested(),
+          floor);
+    });
   }
   if (asked == Asked::by_user || !finished) inputs.notes().say(campaign_line(summary));
   return summary.status;

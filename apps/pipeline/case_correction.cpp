@@ -21,7 +21,8 @@ constexpr double same_viscosity = 1e-6;  ///< relative difference of two viscosi
 void expect_own_mesh_among_emulators(const StudyCase& study, const std::string& method) {
   if (own_level(study)) return;
   throw study.file.located(
-      InputError({.problem = fmt::format("the case's element size, {} m, is none of the emulator's, so it cannot be corrected for the mesh", *study.forward.geometry.resolved().element_size),
+      InputError({.problem = fmt::format("the case's element size, {} m, is none of the emulator's, so it cannot be corrected for the mesh",
+                                         *study.forward.geometry.resolved().element_size),
                   .key = "emulator.element_sizes",
                   .suggestion = fmt::format("add the case's element size or set {}.mesh_correction = false", method)}));
 }
@@ -51,11 +52,14 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
     std::vector<double> there = fit.modes[0].at.theta;
     there[k] = own_viscosity;
     if (!fit.posterior->box().contains(there))
-      reservations.push_back(fmt::format("the case's own mesh has a regularising viscosity of {:.4g} Pa s, outside those of the emulator: what it does beyond them is not corrected. Elements of another size, or a greater emulator.viscosity_sd ({:.3g}), reach it",
-                                         own_viscosity, study.emulator.viscosity_sd));
+      reservations.push_back(
+          fmt::format("the case's own mesh has a regularising viscosity of {:.4g} Pa s, outside those of the emulator: what it does beyond them is not "
+                      "corrected. Elements of another size, or a greater emulator.viscosity_sd ({:.3g}), reach it",
+                      own_viscosity, study.emulator.viscosity_sd));
   }
   const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
-  if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity) notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
+  if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity)
+    notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
   taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(study), fine, working);
   taught_->reservations = std::move(reservations);
   return &*taught_;

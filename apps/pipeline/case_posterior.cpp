@@ -23,8 +23,9 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
   const auto surrogate = load_surrogate(inputs.artefact("surrogate.nc"));
   const Feasibility feasibility(read_archive(inputs.artefact("campaign.nc")));
   progress("basin", 0, 1);
-  auto found = find_basin(in.problem, in.recordings, in.recording_options, in.errors, GuardedModel(*surrogate, feasibility), std::max(least_surrogate_error, in.mesh),
-                          [&](const std::vector<double>& theta) { return fine_run(in, theta); }, in.seed, inputs.command().threads);
+  auto found = find_basin(
+      in.problem, in.recordings, in.recording_options, in.errors, GuardedModel(*surrogate, feasibility), std::max(least_surrogate_error, in.mesh),
+      [&](const std::vector<double>& theta) { return fine_run(in, theta); }, in.seed, inputs.command().threads);
   progress("basin", 1, 1);
   return found;
 }
@@ -34,13 +35,15 @@ std::vector<double> basin(StudyInputs& inputs, const PosteriorInputs& in, const 
 CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress& progress, const NestedFit* nested) {
   const bool quick = !inputs.study().on_mesh();
   CasePosterior out{.inputs = quick ? posterior_inputs_of_a_quick_model(inputs)
-                                    : posterior_inputs(inputs, [progress](std::size_t done, std::size_t total) {
-                                                        if (total > 1) progress("runs of the true model", done, total);  // one alone is a sampler's
-                                                      }),
+                                    : posterior_inputs(inputs,
+                                                       [progress](std::size_t done, std::size_t total) {
+                                                         if (total > 1) progress("runs of the true model", done, total);  // one alone is a sampler's
+                                                       }),
                     .fit = {}};
   PosteriorInputs& in = *out.inputs;
   const auto& study = inputs.study();
-  if (const auto elements = elements_per_front(study); elements && *elements < front_resolved) in.warnings.push_back(front_sentence(*elements, element_sizes(study).back()));
+  if (const auto elements = elements_per_front(study); elements && *elements < front_resolved)
+    in.warnings.push_back(front_sentence(*elements, element_sizes(study).back()));
   if (!quick) put_first_box(in, basin(inputs, in, progress));
   in.round_done = [&inputs, &parameters = in.parameters](const PosteriorRound& r) { inputs.notes().say(round_line(r, parameters)); };
   if (nested) {

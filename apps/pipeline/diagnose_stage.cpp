@@ -41,7 +41,9 @@ ExitStatus diagnose_stage(StageCall& call) {
       return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
     };
     const DiagnosisInputs in{.base = *base,
-                             .groups = study.line ? offered_groups(inputs.line()) : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape())) : offered_groups(study.forward, inputs.model().mesh()),
+                             .groups = study.line       ? offered_groups(inputs.line())
+                                       : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape()))
+                                                        : offered_groups(study.forward, inputs.model().mesh()),
                              .terms = quick ? std::vector<ParameterGroup>{} : correction_groups(study.forward),
                              .run = run,
                              .options = study.diagnosis,
@@ -54,7 +56,8 @@ ExitStatus diagnose_stage(StageCall& call) {
     json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();  // of this call
     write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
-    notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind), d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
+    notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind),
+                                                 d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
     notes.say(json["summary"].get<std::string>());
     return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });

@@ -39,9 +39,16 @@ ExitStatus simulate_external_stage(StageCall& call) {
   const auto provenance = simulate_provenance(inputs);
   write_histories(inputs.artefact("simulate.nc"), model.shape(), prediction.mean, provenance);
   const Json none = nullptr;  // nobody outside knows
-  write_json(inputs.artefact("simulate.json"), {{"elements", none}, {"nodes", none}, {"steps", none}, {"time_step_s", none}, {"wall_s", wall},
-                                                {"element_steps_per_s", none}, {"energy_balance_error", none}, {"theta", named(model.shape().parameters, theta)},
-                                                {"warnings", Json::array()}, {"provenance", provenance.json()}});
+  write_json(inputs.artefact("simulate.json"), {{"elements", none},
+                                                {"nodes", none},
+                                                {"steps", none},
+                                                {"time_step_s", none},
+                                                {"wall_s", wall},
+                                                {"element_steps_per_s", none},
+                                                {"energy_balance_error", none},
+                                                {"theta", named(model.shape().parameters, theta)},
+                                                {"warnings", Json::array()},
+                                                {"provenance", provenance.json()}});
   inputs.notes().say(external_simulate_line(model, wall));
   return ExitStatus::done;
 }

@@ -20,8 +20,8 @@ class FinishedStages {
   /// Whether the stage's artefacts must be set aside first (--fresh): those of the stage that the user asked for, and those upstream that do not match.
   /// Errors: InputError naming the changed keys where they do not match and --fresh was not given.
   [[nodiscard]] bool to_be_set_aside(const Provenance& now, Asked asked);
-  /// Whether the stage must be done: false when its summary, STAGE.json, matches `now` and all `files` stand. Sets them aside as above, with them what a call that was
-  /// cut off has left: `unfinished`, which may be empty.
+  /// Whether the stage must be done: false when its summary, STAGE.json, matches `now` and all `files` stand. Sets them aside as above, with them what a call
+  /// that was cut off has left: `unfinished`, which may be empty.
   [[nodiscard]] bool due(const Provenance& now, const std::vector<std::string>& files, Asked asked, const std::string& unfinished = {});
 
  private:

@@ -12,8 +12,10 @@ namespace calomel {
 std::optional<NestedFit> compared_fit(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.map.compare_with.empty()) return std::nullopt;
-  return study.file.locating(
-      [&] { return read_nested_fit(nested_directory(inputs), posterior_parameters(study), study.forward.parameters.size(), study.map, hash_file(study.recordings_file())); });
+  return study.file.locating([&] {
+    return read_nested_fit(nested_directory(inputs), posterior_parameters(study), study.forward.parameters.size(), study.map,
+                           hash_file(study.recordings_file()));
+  });
 }
 
 MapSummary map_stage(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress) {
@@ -27,8 +29,9 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
   if (options.score_tests && inputs.study().on_mesh())
     left_out = [&](std::span<const double>) {
-      return inputs.levels().mechanisms(made.fit.modes[0].at.theta, command.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); },
-                                        &stop_requested());
+      return inputs.levels().mechanisms(
+          made.fit.modes[0].at.theta, command.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); },
+          &stop_requested());
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
   const auto told = slips(*made.inputs, made.fit);

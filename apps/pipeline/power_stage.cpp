@@ -79,7 +79,10 @@ struct Planned {
 };
 
 Planned planned(const StudyInputs& inputs, const Mesh& mesh) {
-  Planned out{.study = StudyCase::read(inputs.command().case_file, inputs.command().overrides), .own_sensors = inputs.study().forward.sensors.size(), .gauges = {}, .powers = {}};
+  Planned out{.study = StudyCase::read(inputs.command().case_file, inputs.command().overrides),
+              .own_sensors = inputs.study().forward.sensors.size(),
+              .gauges = {},
+              .powers = {}};
   const PowerOptions& options = out.study.power;
   ForwardCase& c = out.study.forward;
   std::vector<double> lengths;
@@ -88,18 +91,22 @@ Planned planned(const StudyInputs& inputs, const Mesh& mesh) {
   for (const auto& place : free_places(mesh, c.sensors, options.gauges)) {
     SensorOptions s{.name = fmt::format("new {}", out.gauges.size() + 1), .position = place.position, .direction = place.direction};
     s.gauge_length = lengths.empty() ? 0 : lengths[lengths.size() / 2];
-    out.gauges.push_back(fmt::format("a gauge along {} at ({:.3g}, {:.3g}, {:.3g}) m", s.direction[0] > 0 ? "x" : "z", s.position[0], s.position[1], s.position[2]));
+    out.gauges.push_back(
+        fmt::format("a gauge along {} at ({:.3g}, {:.3g}, {:.3g}) m", s.direction[0] > 0 ? "x" : "z", s.position[0], s.position[1], s.position[2]));
     c.sensors.push_back(std::move(s));
   }
   if (c.conditions.empty() && !options.energies.empty() && (c.load.peak_pressure || c.load.energy)) {
     const auto condition = [&](const std::string& name, double by) {
       ConditionOptions o{.name = name, .peak_pressure = {}, .energy = {}};
-      if (c.load.energy) o.energy = by * *c.load.energy;
-      else o.peak_pressure = by * *c.load.peak_pressure;
+      if (c.load.energy)
+        o.energy = by * *c.load.energy;
+      else
+        o.peak_pressure = by * *c.load.peak_pressure;
       c.conditions.push_back(std::move(o));
     };
     condition("as planned", 1);
-    for (const double by : options.energies) condition(fmt::format("times {:.3g}", by), by), out.powers.push_back(fmt::format("records at {:.3g} times the beam power as well", by));
+    for (const double by : options.energies)
+      condition(fmt::format("times {:.3g}", by), by), out.powers.push_back(fmt::format("records at {:.3g} times the beam power as well", by));
   }
   return out;
 }
@@ -131,7 +138,14 @@ Recordings planned_records(const ModelShape& shape, const RunRecord& run, const 
 Json plan_json(const PlanPower& p) {
   Json numbers = Json::array();
   for (const auto& d : p.numbers)
-    numbers.push_back({{"mechanism", d.mechanism}, {"place", d.place}, {"parameter", d.number}, {"off", number(d.off)}, {"named_from", d.from ? number(*d.from) : Json()}, {"end_of_range", number(d.farthest)}, {"share_of_range", number(d.share)}, {"limited_by", d.limited_by}});
+    numbers.push_back({{"mechanism", d.mechanism},
+                       {"place", d.place},
+                       {"parameter", d.number},
+                       {"off", number(d.off)},
+                       {"named_from", d.from ? number(*d.from) : Json()},
+                       {"end_of_range", number(d.farthest)},
+                       {"share_of_range", number(d.share)},
+                       {"limited_by", d.limited_by}});
   return {{"name", p.plan.name}, {"gain", number(p.gain)}, {"numbers", numbers}};
 }
 
@@ -152,12 +166,14 @@ ExitStatus power_stage(StageCall& call) {
 
     std::vector<double> theta;
     for (const auto& p : posterior_parameters(study)) theta.push_back(*p.nominal);
-    const auto run = levels.run(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0}, command.threads, told, &stop_requested())[0];
+    const auto run =
+        levels.run(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0}, command.threads, told, &stop_requested())[0];
     if (!run.done) throw NumericsError("the base model fails at its nominal values: " + run.message);
     const Recordings recordings = planned_records(shape, run, study.power, command.seed);
     const RecordingOptions recording_options;
     const Problem problem = make_problem(shape, recordings, recording_options);
-    const auto in = posterior_inputs({.study = study, .runs = levels, .problem = problem, .recordings = recordings, .recording_options = recording_options}, command, told);
+    const auto in =
+        posterior_inputs({.study = study, .runs = levels, .problem = problem, .recordings = recordings, .recording_options = recording_options}, command, told);
     put_first_box(*in, nominal(shape));
     in->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, in->parameters)); };
     const PosteriorFit fit = fit_posterior(*in);
@@ -177,7 +193,8 @@ ExitStatus power_stage(StageCall& call) {
       const auto& o = problem.observations[i];
       const bool own = o.sensor < plan.own_sensors, first = o.condition == 0 || plan.powers.empty();
       for (std::size_t k = 0; k < plans.size(); ++k) {
-        const bool gauge = k > 0 && k <= plan.gauges.size() && first && o.sensor == plan.own_sensors + k - 1, other = k > plan.gauges.size() && own && o.condition == k - plan.gauges.size();
+        const bool gauge = k > 0 && k <= plan.gauges.size() && first && o.sensor == plan.own_sensors + k - 1,
+                   other = k > plan.gauges.size() && own && o.condition == k - plan.gauges.size();
         if ((own && first) || gauge || other) plans[k].observations.push_back(i);
       }
     }
@@ -185,7 +202,8 @@ ExitStatus power_stage(StageCall& call) {
     std::stable_sort(all.begin() + 1, all.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
     Json json = Json::array();
     for (const auto& p : all) json.push_back(plan_json(p));
-    write_json(inputs.artefact("power.json"), {{"plans", json}, {"skipped", answers.skipped}, {"settled", fit.settled}, {"provenance", power_provenance(inputs).json()}});
+    write_json(inputs.artefact("power.json"),
+               {{"plans", json}, {"skipped", answers.skipped}, {"settled", fit.settled}, {"provenance", power_provenance(inputs).json()}});
     notes.say(power_lines(all));
     return fit.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });

@@ -21,15 +21,18 @@ Predicting predicting(const PosteriorFit& fit, const std::vector<Parameter>& par
   Eigen::VectorXd variance = density.variance * fit.noise.diagonal();
   for (std::size_t j = 0; j < fit.hypotheses.size(); ++j)
     for (const auto& term : fit.hypotheses[j].errors.terms()) variance += (fit.hypotheses.size() > 1 ? density.weights[j] : 1.0) * term.covariance.diagonal();
-  return {.parameters = parameters,
-          .priors = fit.posterior->priors(),
-          .log_prior = [&fit](const Eigen::VectorXd& q) { return fit.posterior->log_density(q) - fit.posterior->density(fit.posterior->point(q), false).log_likelihood; },
-          .history = [&fit](const Eigen::VectorXd& q) {
+  return {
+      .parameters = parameters,
+      .priors = fit.posterior->priors(),
+      .log_prior =
+          [&fit](const Eigen::VectorXd& q) { return fit.posterior->log_density(q) - fit.posterior->density(fit.posterior->point(q), false).log_likelihood; },
+      .history =
+          [&fit](const Eigen::VectorXd& q) {
             const auto at = fit.posterior->point(q);
             return fit.history(at.u, at.beyond);
           },
-          .error_variance = std::move(variance),
-          .grid = &fit.errors->grid()};
+      .error_variance = std::move(variance),
+      .grid = &fit.errors->grid()};
 }
 
 PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::vector<Prior>& priors, std::uint64_t seed) {
@@ -39,7 +42,8 @@ PosteriorGroup prior_group(const std::vector<Parameter>& parameters, const std::
     const auto& p = parameters[k];
     PosteriorVariable v{.name = p.name, .unit = p.unit, .dims = {}, .values = {}};
     const double below = priors[k].probability_below(p.min), within = priors[k].probability_below(p.max) - below;
-    for (std::size_t i = 0; i < prior_draws; ++i) v.values.push_back(std::clamp(priors[k].quantile(std::clamp(below + within * random.uniform(), 1e-12, 1 - 1e-12)), p.min, p.max));
+    for (std::size_t i = 0; i < prior_draws; ++i)
+      v.values.push_back(std::clamp(priors[k].quantile(std::clamp(below + within * random.uniform(), 1e-12, 1 - 1e-12)), p.min, p.max));
     prior.variables.push_back(std::move(v));
   }
   return prior;
@@ -70,11 +74,17 @@ std::vector<double> error_sd(const Problem& problem, const Decimation& grid, con
 
 std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Problem& problem, const SamplerResult& result, std::uint64_t seed) {
   const auto& shape = problem.shape;
-  const PosteriorCoordinate sensor{.name = "sensor", .unit = "", .numbers = {}, .words = shape.sensors}, time{.name = "time", .unit = "s", .numbers = shape.times, .words = {}},
-      record_time{.name = "record_time", .unit = "s", .numbers = problem.time, .words = {}}, condition{.name = "condition", .unit = "", .numbers = {}, .words = shape.conditions};
+  const PosteriorCoordinate sensor{.name = "sensor", .unit = "", .numbers = {}, .words = shape.sensors},
+      time{.name = "time", .unit = "s", .numbers = shape.times, .words = {}},
+      record_time{.name = "record_time", .unit = "s", .numbers = problem.time, .words = {}},
+      condition{.name = "condition", .unit = "", .numbers = {}, .words = shape.conditions};
   const bool many = shape.conditions.size() > 1;
-  const auto dims = [&](const std::string& last) { return many ? std::vector<std::string>{"condition", "sensor", last} : std::vector<std::string>{"sensor", last}; };
-  const auto coordinates = [&](const PosteriorCoordinate& last) { return many ? std::vector<PosteriorCoordinate>{condition, sensor, last} : std::vector<PosteriorCoordinate>{sensor, last}; };
+  const auto dims = [&](const std::string& last) {
+    return many ? std::vector<std::string>{"condition", "sensor", last} : std::vector<std::string>{"sensor", last};
+  };
+  const auto coordinates = [&](const PosteriorCoordinate& last) {
+    return many ? std::vector<PosteriorCoordinate>{condition, sensor, last} : std::vector<PosteriorCoordinate>{sensor, last};
+  };
   const std::string unit = shape.unit == "strain" ? "1" : shape.unit;
   const auto point_at = [&](std::size_t chain, std::size_t draw) {
     Eigen::VectorXd q(Eigen::Index(result.coordinates.names.size()));
@@ -82,7 +92,11 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
     return q;
   };
 
-  PosteriorGroup predictive{.name = "posterior_predictive", .chains = result.coordinates.chains, .draws = std::min(std::max<std::size_t>(2, predictive_draws / result.coordinates.walkers), result.coordinates.draws), .coordinates = coordinates(time), .variables = {}};
+  PosteriorGroup predictive{.name = "posterior_predictive",
+                            .chains = result.coordinates.chains,
+                            .draws = std::min(std::max<std::size_t>(2, predictive_draws / result.coordinates.walkers), result.coordinates.draws),
+                            .coordinates = coordinates(time),
+                            .variables = {}};
   PosteriorVariable strain{.name = "strain", .unit = unit, .dims = dims("time"), .values = {}};
   for (std::size_t c = 0; c < predictive.chains; ++c)
     for (std::size_t i = 0; i < predictive.draws; ++i) {
@@ -98,9 +112,11 @@ std::vector<PosteriorGroup> predictive_groups(const Predicting& of, const Proble
   observed.variables.push_back({.name = "strain", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.mean)});
   observed.variables.push_back({.name = "strain_low", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.low)});
   observed.variables.push_back({.name = "strain_high", .unit = unit, .dims = dims("record_time"), .values = std::move(bands.high)});
-  if (of.grid) observed.variables.push_back({.name = "error_sd", .unit = unit, .dims = dims("record_time"), .values = error_sd(problem, *of.grid, of.error_variance)});
+  if (of.grid)
+    observed.variables.push_back({.name = "error_sd", .unit = unit, .dims = dims("record_time"), .values = error_sd(problem, *of.grid, of.error_variance)});
 
-  PosteriorGroup likelihood{.name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}};
+  PosteriorGroup likelihood{
+      .name = "log_likelihood", .chains = result.coordinates.chains, .draws = result.coordinates.draws, .coordinates = {}, .variables = {}};
   PosteriorVariable records{.name = "records", .unit = "", .dims = {}, .values = result.log_density};
   for (std::size_t c = 0; c < likelihood.chains; ++c)
     for (std::size_t i = 0; i < likelihood.draws; ++i) records.values[c * likelihood.draws + i] -= of.log_prior(point_at(c, i));

@@ -23,22 +23,38 @@ Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseWiden
   Json ratios = Json::array(), scales = Json::array(), weights = Json::array(), sds = Json::object(), alike = Json::object(), shifts = Json::object();
   for (const auto& d : drawn) ratios.push_back(d.noise_ratio), scales.push_back(number(d.scale));
   for (const double w : widening.weights) weights.push_back(number(w));
-  for (std::size_t k = 0; k < names.size(); ++k) sds[names[k]] = number(widening.sd_ratio[k]), alike[names[k]] = number(widening.sd_ratio_alike[k]), shifts[names[k]] = number(widening.shift[k]);
-  return {{"draws", drawn.size()}, {"noise_ratio", ratios}, {"noise_scale", scales}, {"weights", weights}, {"effective_draws", number(widening.effective_draws)},
-          {"sd_ratio", sds}, {"sd_ratio_alike", alike}, {"mean_shift_sds", shifts}, {"plug_in_draws", number(widening.plug_in_draws)}, {"sentence", widening_sentence(widening, names)}};
+  for (std::size_t k = 0; k < names.size(); ++k)
+    sds[names[k]] = number(widening.sd_ratio[k]), alike[names[k]] = number(widening.sd_ratio_alike[k]), shifts[names[k]] = number(widening.shift[k]);
+  return {{"draws", drawn.size()},
+          {"noise_ratio", ratios},
+          {"noise_scale", scales},
+          {"weights", weights},
+          {"effective_draws", number(widening.effective_draws)},
+          {"sd_ratio", sds},
+          {"sd_ratio_alike", alike},
+          {"mean_shift_sds", shifts},
+          {"plug_in_draws", number(widening.plug_in_draws)},
+          {"sentence", widening_sentence(widening, names)}};
 }
 
 Json refinement_json(const RefinedFit& fit, int most) {
   Json checks = Json::array();
   for (const auto& r : fit.refinements)
-    checks.push_back({{"p_value", number(r.check.p_value)}, {"score", number(r.check.score)}, {"sentence", r.check.sentence}, {"runs", r.runs}, {"box_drawn_in", r.drew_in}});
+    checks.push_back({{"p_value", number(r.check.p_value)},
+                      {"score", number(r.check.score)},
+                      {"sentence", r.check.sentence},
+                      {"runs", r.runs},
+                      {"box_drawn_in", r.drew_in}});
   return {{"made", fit.refinements.size()}, {"most", most}, {"ended", fit.ended}, {"sentence", refinement_sentence(fit)}, {"checks", checks}};
 }
 
 Json regions_json(const Regions& regions) {
   Json shares = Json::array();
   for (const auto& s : regions.shares) shares.push_back({{"share", s.share}, {"low", s.low}, {"high", s.high}, {"square_radius", number(s.square_radius)}});
-  return {{"parameters", regions.names}, {"mean", std::vector<double>(regions.mean.begin(), regions.mean.end())}, {"covariance", matrix_json(regions.covariance)}, {"shares", shares}};
+  return {{"parameters", regions.names},
+          {"mean", std::vector<double>(regions.mean.begin(), regions.mean.end())},
+          {"covariance", matrix_json(regions.covariance)},
+          {"shares", shares}};
 }
 
 Json compared_json(const std::string& what, const Convergence& convergence, const Regions& regions) {

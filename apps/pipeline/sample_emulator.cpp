@@ -26,7 +26,8 @@ Json SampledEmulator::hyperparameters(const SamplerResult& result, const std::st
   return hyperparameters_json(drawn_, noise_widening(*averaged_, *fit_.posterior, result.coordinates, result.quantities), result.quantities.names);
 }
 
-Json sample_compared(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, const std::vector<std::string>& own, const SamplerOptions& options, const SamplerRun& run) {
+Json sample_compared(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, const std::vector<std::string>& own,
+                     const SamplerOptions& options, const SamplerRun& run) {
   const LogPosterior posterior = compared_posterior(form, in, fit, own.size());
   const EmulatorBox& box = posterior.box();
   std::vector<Eigen::VectorXd> starts{posterior.q(fit.modes[0].at.theta, 0)};

@@ -28,8 +28,9 @@ class SampledEmulator {
   bool asked_;
 };
 
-/// A posterior under other errors on the same emulator, sampled by chains of its own: `compared` of posterior.json. own: the case's own parameters. Errors: those of
-/// compared_posterior and run_sampler.
-Json sample_compared(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, const std::vector<std::string>& own, const SamplerOptions& options, const SamplerRun& run);
+/// A posterior under other errors on the same emulator, sampled by chains of its own: `compared` of posterior.json. own: the case's own parameters. Errors:
+/// those of compared_posterior and run_sampler.
+Json sample_compared(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, const std::vector<std::string>& own,
+                     const SamplerOptions& options, const SamplerRun& run);
 
 }  // namespace calomel

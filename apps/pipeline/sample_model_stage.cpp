@@ -26,10 +26,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double long_wait = 600;  ///< [s] that is told before the chains begin
-constexpr double search_share = 0.01;                              ///< of the chains' evaluations, for the search of modes
-constexpr std::size_t fewest_points = 64, most_points = 1024;      ///< of its design
-constexpr double edge = 0.02;                                      ///< share of the bounds' distance at either end that the design leaves out
+constexpr double long_wait = 600;                              ///< [s] that is told before the chains begin
+constexpr double search_share = 0.01;                          ///< of the chains' evaluations, for the search of modes
+constexpr std::size_t fewest_points = 64, most_points = 1024;  ///< of its design
+constexpr double edge = 0.02;                                  ///< share of the bounds' distance at either end that the design leaves out
 
 /// The density, which is zero everywhere once the user asked to stop: so that a search ends.
 class UntilStopped final : public LogDensity {
@@ -76,10 +76,13 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.is_log_density()) return std::nullopt;
   if (study.map.product == "physical")
-    throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised", .key = "map.product", .value = "\"physical\"",
+    throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised",
+                                         .key = "map.product",
+                                         .value = "\"physical\"",
                                          .suggestion = "add a [surrogate] table, by which it is sampled on an emulator, or set product = \"tuned\""}));
   const Problem& problem = inputs.problem();
-  return ErrorModel(problem, inputs.recordings(), *study.recordings, study.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
+  return ErrorModel(problem, inputs.recordings(), *study.recordings, study.errors,
+                    {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }
 
 /// What the records say of the model at a mode: for posterior.json, and as warnings.
@@ -91,10 +94,16 @@ struct Judged {
 Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPosterior& posterior, const Eigen::VectorXd& mode) {
   const ErrorModel& errors = *posterior.errors();
   const Eigen::VectorXd prediction = errors.grid().apply(posterior.prediction(mode));
-  if (!prediction.allFinite()) return {.told = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
+  if (!prediction.allFinite())
+    return {.told = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
   const FitResidual left = residual_of(errors, prediction, std::size_t(posterior.dimension()));
   const GoodnessOfFit goodness = goodness_of_fit(left);
-  Judged out{.told = {{"mode", {{"theta", named(posterior.parameters(), posterior.theta(mode))}, {"chi2", number(goodness.chi2)}, {"values", goodness.values}, {"covariance_shares", shares_json(errors)}, {"pulls", pulls_json(left)}}},
+  Judged out{.told = {{"mode",
+                       {{"theta", named(posterior.parameters(), posterior.theta(mode))},
+                        {"chi2", number(goodness.chi2)},
+                        {"values", goodness.values},
+                        {"covariance_shares", shares_json(errors)},
+                        {"pulls", pulls_json(left)}}},
                       {"adequate", goodness.adequate},
                       {"adequacy", goodness.sentence}},
              .warnings = slips(problem, options, errors, prediction, left)};
@@ -122,7 +131,10 @@ ExitStatus sample_model_stage(StageCall& call) {
   const double calls = usual_evaluations(s, std::size_t(posterior.dimension()));
   const double wait = clock.seconds() * calls / std::min(s.chains, command.threads);
   if (wait > long_wait)
-    notes.warn({fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or ask for fewer sampler.draws", wait / 60, calls)});
+    notes.warn(
+        {fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or "
+                     "ask for fewer sampler.draws",
+                     wait / 60, calls)});
   const auto modes = modes_of(call, posterior, density);
   const SamplerStart start = start_at_modes(modes);
 
@@ -136,10 +148,12 @@ ExitStatus sample_model_stage(StageCall& call) {
   if (posterior.is_log_density())
     groups.push_back(prior_group(parameters, posterior.priors(), command.seed));
   else
-    for (auto& g : predictive_groups({.parameters = parameters, .priors = posterior.priors(), .log_prior = [&](const Eigen::VectorXd& q) { return posterior.log_prior(q); },
-                                      .history = [&](const Eigen::VectorXd& q) { return posterior.prediction(q); },
-                                      .error_variance = posterior.errors()->covariance().diagonal(),
-                                      .grid = &posterior.errors()->grid()},
+    for (auto& g : predictive_groups({.parameters = parameters,
+                   .priors = posterior.priors(),
+                   .log_prior = [&](const Eigen::VectorXd& q) { return posterior.log_prior(q); },
+                   .history = [&](const Eigen::VectorXd& q) { return posterior.prediction(q); },
+                   .error_variance = posterior.errors()->covariance().diagonal(),
+                   .grid = &posterior.errors()->grid()},
                                      inputs.problem(), result, command.seed))
       groups.push_back(std::move(g));
   Json json = posterior_json(convergence, s.kind, result, provenance);

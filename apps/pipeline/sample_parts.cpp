@@ -37,8 +37,12 @@ std::optional<ExitStatus> finished_sample(StageCall& call, const Provenance& pro
 
 SamplerRun saved_run(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress) {
   const auto& command = call.inputs.command();
-  return {.seed = command.seed, .threads = command.threads, .journal = call.inputs.artefact(journal_name), .provenance = provenance,
-          .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); }, .stop = &stop_requested()};
+  return {.seed = command.seed,
+          .threads = command.threads,
+          .journal = call.inputs.artefact(journal_name),
+          .provenance = provenance,
+          .progress = [&](std::size_t done, std::size_t all) { progress("transitions", done, all); },
+          .stop = &stop_requested()};
 }
 
 void write_sample(StageCall& call, const std::vector<PosteriorGroup>& groups, const Json& json, const Provenance& provenance) {

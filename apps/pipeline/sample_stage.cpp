@@ -43,7 +43,8 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& parameters = made.inputs->parameters;
   notes.say(stage_line("sample", emulator_sentence(made.fit.message)));
   // The check comes before the chains: what they walk on is the last emulator.
-  const RefinedFit refined = check_and_refine(*made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", c.sentence)); });
+  const RefinedFit refined =
+      check_and_refine(*made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", c.sentence)); });
   const PosteriorFit& fit = refined.fit;
   const TrueModelCheck& check = refined.check;
   if (!refined.refinements.empty()) notes.say(stage_line("sample", refinement_sentence(refined)));
@@ -78,11 +79,14 @@ ExitStatus sample_stage(StageCall& call) {
   json["modes"] = modes_json(density, modes);
   json["true_model_check"] = check_json(check, parameters);
   json["refinement"] = refinement_json(refined, study.posterior.refinements);
-  json["hyperparameters"] = sampled.hyperparameters(result, second_stage ? "delayed acceptance walks on the posterior with their estimate" : "their estimate alone (posterior.hyperparameter_draws)");
+  json["hyperparameters"] = sampled.hyperparameters(
+      result, second_stage ? "delayed acceptance walks on the posterior with their estimate" : "their estimate alone (posterior.hyperparameter_draws)");
   std::vector<std::string> own;
   for (const auto& p : study.parameters()) own.push_back(p.name);
   json["regions"] = regions_json(regions(result.quantities, own));
-  for (const auto& form : study.posterior.compare) json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler, {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
+  for (const auto& form : study.posterior.compare)
+    json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler,
+                                             {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
   json["adequate"] = goodness.adequate, json["adequacy"] = goodness.sentence;
   json["absorption"] = alarms, json["warnings"] = warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
@@ -92,7 +96,8 @@ ExitStatus sample_stage(StageCall& call) {
   notes.warn(alarms);
   notes.warn(warnings);
   notes.say(stage_line("sample", convergence.message));
-  if (exact.failed() > 0) notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
+  if (exact.failed() > 0)
+    notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
   if (!fit.settled) notes.warn(emulator_sentence(fit.message));
   return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }

@@ -46,7 +46,8 @@ std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::
   const auto priors = priors_of(parameters);
   std::vector<std::pair<double, double>> range;
   for (std::size_t k = 0; k < parameters.size(); ++k)
-    range.emplace_back(by_prior ? priors[k].probability_below(parameters[k].min) : parameters[k].min, by_prior ? priors[k].probability_below(parameters[k].max) : parameters[k].max);
+    range.emplace_back(by_prior ? priors[k].probability_below(parameters[k].min) : parameters[k].min,
+                       by_prior ? priors[k].probability_below(parameters[k].max) : parameters[k].max);
   return [=](const Eigen::MatrixXd& unit) {
     Eigen::MatrixXd out = unit;
     for (Eigen::Index k = 0; k < unit.rows(); ++k) {
@@ -69,7 +70,8 @@ TotalsOfRuns totals_of(StudyInputs& inputs, const Eigen::MatrixXd& thetas) {
   TotalsOfRuns out{.which = {}, .thetas = thetas, .values = {}};
   for (const auto& c : model.shape().conditions)
     for (const auto& t : run_totals) out.which.push_back({t.name, model.shape().conditions.size() > 1 ? c : "", t.unit});
-  out.values = totals_at(model, thetas, inputs.runs(), command.threads, [&](std::size_t done, std::size_t all) { progress("runs", done, all); }, &stop_requested());
+  out.values = totals_at(
+      model, thetas, inputs.runs(), command.threads, [&](std::size_t done, std::size_t all) { progress("runs", done, all); }, &stop_requested());
   return out;
 }
 
@@ -88,7 +90,9 @@ std::string total_line(const QuantitySensitivity& q, const std::vector<Parameter
   std::string line = fmt::format("sensitivity: {}{}:", q.name, q.condition.empty() ? "" : " of " + q.condition);
   if (!q.source.empty()) {
     line += fmt::format(" {:.3g} {} with sd {:.2g};", q.mean, q.unit, q.sd);
-    for (std::size_t k = 0; k < parameters.size(); ++k) line += fmt::format("{} {} {:.3g} alone, {:.3g} with the others", k ? "," : "", parameters[k].name, q.sobol.first_order[k].value, q.sobol.total_order[k].value);
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      line += fmt::format("{} {} {:.3g} alone, {:.3g} with the others", k ? "," : "", parameters[k].name, q.sobol.first_order[k].value,
+                          q.sobol.total_order[k].value);
     line += fmt::format("; by {}, left-out R2 {:.3f}", q.source, q.left_out_r2);
   }
   return line + (q.note.empty() ? "" : (q.source.empty() ? " " : "; ") + q.note);
@@ -99,12 +103,14 @@ std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parame
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const auto &f = whole.sobol.first_order[k], &t = whole.sobol.total_order[k];
-    lines.push_back(fmt::format("sensitivity: {}: {:.3g} of the variance of all records alone ({:.3g} to {:.3g}), {:.3g} with the others ({:.3g} to {:.3g})", parameters[k].name, f.value, f.low, f.high, t.value, t.low, t.high));
+    lines.push_back(fmt::format("sensitivity: {}: {:.3g} of the variance of all records alone ({:.3g} to {:.3g}), {:.3g} with the others ({:.3g} to {:.3g})",
+                                parameters[k].name, f.value, f.low, f.high, t.value, t.low, t.high));
   }
   for (const auto& q : s.quantities)
     if (std::any_of(std::begin(run_totals), std::end(run_totals), [&](const auto& t) { return q.name == t.name; })) lines.push_back(total_line(q, parameters));
   if (!s.doubt.empty()) lines.push_back("sensitivity: not to be trusted: " + s.doubt);
-  lines.push_back(fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
+  lines.push_back(
+      fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
   return lines;
 }
 
@@ -145,7 +151,8 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
   Sensitivity s = analyse_sensitivity(in);
-  if (!by_surrogate && inputs.runs().lost() > 0) inputs.notes().warn({fmt::format("to {} evaluations no answer came: --fresh asks for these again", inputs.runs().lost())});
+  if (!by_surrogate && inputs.runs().lost() > 0)
+    inputs.notes().warn({fmt::format("to {} evaluations no answer came: --fresh asks for these again", inputs.runs().lost())});
   if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
   const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);

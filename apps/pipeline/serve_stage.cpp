@@ -18,16 +18,18 @@ namespace calomel {
 
 namespace {
 
-constexpr int most_pulses = 1000;          ///< of an ensemble that a request may ask for
-constexpr std::size_t most_models = 4;     ///< of as many numbers of pulses that are kept
+constexpr int most_pulses = 1000;       ///< of an ensemble that a request may ask for
+constexpr std::size_t most_models = 4;  ///< of as many numbers of pulses that are kept
 
 /// The pulses that a request's config asks for; 1 where it asks for none. Errors: InputError for any other key.
 int pulses_of(const Json& config) {
   int pulses = 1;
   for (const auto& [key, value] : config.items()) {
-    if (key != "pulses") throw InputError({.problem = "unknown key of config", .key = key, .suggestion = "the model knows \"pulses\": the ensemble mean over so many energies"});
+    if (key != "pulses")
+      throw InputError({.problem = "unknown key of config", .key = key, .suggestion = "the model knows \"pulses\": the ensemble mean over so many energies"});
     if (!value.is_number_integer() || value.get<std::int64_t>() < 1 || value.get<std::int64_t>() > most_pulses)
-      throw InputError({.problem = "must be a whole number", .key = "config.pulses", .value = value.dump().substr(0, 40), .range = fmt::format("1 to {}", most_pulses)});
+      throw InputError(
+          {.problem = "must be a whole number", .key = "config.pulses", .value = value.dump().substr(0, 40), .range = fmt::format("1 to {}", most_pulses)});
     pulses = value.get<int>();
   }
   return pulses;
@@ -42,7 +44,8 @@ std::vector<double> answer_of(Prediction prediction) {
   return std::move(prediction.mean);
 }
 
-/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. A few models of so many pulses are kept: each has its mesh.
+/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. A few models of so many pulses are kept: each has its
+/// mesh.
 class MeshModels {
  public:
   MeshModels(const ForwardCase& forward, EnsembleOptions ensemble) : forward_(forward), ensemble_(ensemble) {}
@@ -66,11 +69,14 @@ class MeshModels {
 /// A case file could not say it, so the model does not take it: a negative density, for one. ranges: of the parameters' keys.
 void expect_possible(const std::vector<Parameter>& parameters, const std::vector<Range>& ranges, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
-    if (!ranges[k].contains(theta[k])) throw InputError({.problem = parameters[k].key + " cannot be that", .key = parameters[k].name, .value = number_text(theta[k]), .range = ranges[k].text()});
+    if (!ranges[k].contains(theta[k]))
+      throw InputError(
+          {.problem = parameters[k].key + " cannot be that", .key = parameters[k].name, .value = number_text(theta[k]), .range = ranges[k].text()});
 }
 
 ServedModel described(const std::string& name, const ModelShape& shape) {
-  ServedModel out{.name = name, .input_sizes = {shape.parameters.size()}, .output_sizes = {shape.values()}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
+  ServedModel out{
+      .name = name, .input_sizes = {shape.parameters.size()}, .output_sizes = {shape.values()}, .evaluate = {}, .gradient = {}, .apply_jacobian = {}};
   return out;
 }
 
@@ -100,7 +106,9 @@ ServedModel served(StudyInputs& inputs) {
 std::vector<double> jacobian_action(const Surrogate& surrogate, const std::vector<double>& theta, const std::vector<double>& v) {
   const HistoryBasis basis = surrogate.basis();
   const Eigen::Map<const Eigen::VectorXd> direction(v.data(), Eigen::Index(v.size()));
-  const auto slope = [&](const Eigen::VectorXd& weights) { return surrogate.vector_jacobian_product(theta, {weights.data(), std::size_t(weights.size())}).dot(direction); };
+  const auto slope = [&](const Eigen::VectorXd& weights) {
+    return surrogate.vector_jacobian_product(theta, {weights.data(), std::size_t(weights.size())}).dot(direction);
+  };
   const auto values = Eigen::Index(surrogate.shape().values());
   Eigen::VectorXd out(values);
   if (basis.empty()) {
@@ -119,7 +127,8 @@ std::vector<double> jacobian_action(const Surrogate& surrogate, const std::vecto
 void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
     if (const auto& p = shape.parameters[k]; theta[k] < p.min || theta[k] > p.max)
-      throw InputError({.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
+      throw InputError(
+          {.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
 }
 
 /// Errors: InputError where the summary does not stand, or is not of this case; the seed does not matter.
@@ -172,7 +181,8 @@ ExitStatus serve_stage(StageCall& call) {
   std::vector<std::string> names;
   for (const auto& m : models) names.push_back(fmt::format("{} ({} -> {})", m.name, m.input_sizes[0], m.output_sizes[0]));
   UmbridgeServer server(std::move(models), {.host = command.host, .port = command.port, .threads = command.threads});
-  inputs.notes().say(fmt::format("serve: {} at http://{}:{}, {} at a time; stop with Ctrl-C", join(names), command.host.find(':') == std::string::npos ? command.host : '[' + command.host + ']', server.port(), command.threads));
+  inputs.notes().say(fmt::format("serve: {} at http://{}:{}, {} at a time; stop with Ctrl-C", join(names),
+                                 command.host.find(':') == std::string::npos ? command.host : '[' + command.host + ']', server.port(), command.threads));
   server.run(stop_requested());
   inputs.notes().say(fmt::format("serve: stopped after {} requests", server.answered()));
   return ExitStatus::done;

@@ -46,7 +46,8 @@ Json of_run(const SolveSummary& s, bool balanced) {
             {"dissipated_J", s.dissipated},
             {"radiated_J", s.radiated},
             {"kernel", s.kernel}};
-  if (balanced) json.update({{"time_at_cutoff_s", s.time_at_cutoff}, {"greatest_wall_stress_Pa", s.greatest_stress}, {"greatest_wall_stress_at_m", s.greatest_stress_at}});
+  if (balanced)
+    json.update({{"time_at_cutoff_s", s.time_at_cutoff}, {"greatest_wall_stress_Pa", s.greatest_stress}, {"greatest_wall_stress_at_m", s.greatest_stress_at}});
   return json;
 }
 

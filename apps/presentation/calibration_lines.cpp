@@ -32,12 +32,14 @@ std::vector<std::string> map_lines(const MapSummary& summary) {
 }
 
 std::string not_corrected_line(const std::string& method, EmulatorMeshes meshes) {
-  const std::string why = meshes == EmulatorMeshes::from_file ? "the mesh comes from a file, of which the program makes no finer one" : "the emulator has one mesh only (emulator.element_sizes)";
+  const std::string why = meshes == EmulatorMeshes::from_file ? "the mesh comes from a file, of which the program makes no finer one"
+                                                              : "the emulator has one mesh only (emulator.element_sizes)";
   return stage_line(method, "predictions are not corrected for the mesh: " + why);
 }
 
 std::string viscosity_left_sentence(const std::string& method, double of_case, double of_emulator) {
-  return stage_line(method, fmt::format("the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = 0: the difference is not taken off",
+  return stage_line(method, fmt::format("the case's mesh has a regularising viscosity of {:.4g} Pa s, the emulator one of {:.4g}, and emulator.viscosity_sd = "
+                                        "0: the difference is not taken off",
                                         of_case, of_emulator));
 }
 

@@ -15,9 +15,10 @@ std::vector<std::string> model_lines(const StudyPlan& plan) {
   const auto& d = plan.model;
   const auto& shape = plan.shape;
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("case: {}, {}{}{}", c.name, c.geometry.kind, plan.mesh.plane_strain ? " in plane strain" : "", plan.mesh.mirrors.empty() ? "" : ", symmetric"));
-  lines.push_back(fmt::format("model: {} elements, {} nodes, {} steps of {:.3g} s, {} sensors at {} times, about {:.0f} MB", d.elements, d.nodes, d.steps, d.time_step,
-                              shape.sensors.size(), shape.times.size(), d.estimated_bytes / 1e6));
+  lines.push_back(fmt::format("case: {}, {}{}{}", c.name, c.geometry.kind, plan.mesh.plane_strain ? " in plane strain" : "",
+                              plan.mesh.mirrors.empty() ? "" : ", symmetric"));
+  lines.push_back(fmt::format("model: {} elements, {} nodes, {} steps of {:.3g} s, {} sensors at {} times, about {:.0f} MB", d.elements, d.nodes, d.steps,
+                              d.time_step, shape.sensors.size(), shape.times.size(), d.estimated_bytes / 1e6));
   if (shape.conditions.size() > 1) lines.push_back("conditions: " + join(shape.conditions));
   if (d.subcycles > 1) lines.push_back(fmt::format("sub-cycling: mercury away from the steel takes one step in {}", d.subcycles));
   return lines;
@@ -34,8 +35,9 @@ std::string mechanisms_line(const ForwardCase& c) {
 }
 
 std::string mesh_line(const MeshQuality& q, const std::string& wetted) {
-  return fmt::format("mesh: scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted faces {}",
-                     q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, wetted);
+  return fmt::format(
+      "mesh: scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted faces {}",
+      q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, wetted);
 }
 
 std::string parameters_line(const std::vector<Parameter>& parameters) {
@@ -59,13 +61,14 @@ std::vector<std::string> cost_lines(const StudyPlan& plan) {
   const auto& d = plan.model;
   const auto& campaign = plan.study.campaign;
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}, {} repeatability floor {}", plan.threads,
-                              duration_text(plan.cost.run), campaign.runs, plan.shape.parameters.size(), duration_text(plan.cost.campaign), campaign.floor ? "its" : "a",
-                              duration_text(plan.cost.floor)));
+  lines.push_back(fmt::format("cost on {} threads: one run about {}; the campaign of {} ensemble means over {} parameters about {}, {} repeatability floor {}",
+                              plan.threads, duration_text(plan.cost.run), campaign.runs, plan.shape.parameters.size(), duration_text(plan.cost.campaign),
+                              campaign.floor ? "its" : "a", duration_text(plan.cost.floor)));
   if (plan.cost.posterior > 0)
-    lines.push_back(fmt::format("with the records: the emulator of a posterior begins with runs of about {}; a diagnosis makes at most {} runs, about {}", duration_text(plan.cost.posterior), plan.study.diagnosis.max_runs,
-                                duration_text(plan.cost.diagnosis)));
-  if (d.run_threads < plan.threads) lines.push_back(fmt::format("a single run is too small to gain by more than {} thread{}", d.run_threads, d.run_threads > 1 ? "s" : ""));
+    lines.push_back(fmt::format("with the records: the emulator of a posterior begins with runs of about {}; a diagnosis makes at most {} runs, about {}",
+                                duration_text(plan.cost.posterior), plan.study.diagnosis.max_runs, duration_text(plan.cost.diagnosis)));
+  if (d.run_threads < plan.threads)
+    lines.push_back(fmt::format("a single run is too small to gain by more than {} thread{}", d.run_threads, d.run_threads > 1 ? "s" : ""));
   return lines;
 }
 
@@ -101,10 +104,11 @@ std::vector<InputError> nominals_left_out(const StudyCase& study) {
   for (const auto& p : study.forward.parameters) {
     const double table = study.forward.number(p.key);
     if (!p.nominal || *p.nominal == table) continue;
-    out.push_back(study.file.located(InputError({.problem = "simulate takes the numbers of the tables, so this has no effect on it",
-                                                 .key = "parameter." + p.name + ".nominal",
-                                                 .value = number_text(*p.nominal),
-                                                 .suggestion = fmt::format("set {} itself, which is {}: --set {}={}", p.key, number_text(table), p.key, number_text(*p.nominal))})));
+    out.push_back(study.file.located(
+        InputError({.problem = "simulate takes the numbers of the tables, so this has no effect on it",
+                    .key = "parameter." + p.name + ".nominal",
+                    .value = number_text(*p.nominal),
+                    .suggestion = fmt::format("set {} itself, which is {}: --set {}={}", p.key, number_text(table), p.key, number_text(*p.nominal))})));
   }
   return out;
 }

@@ -12,11 +12,11 @@ namespace calomel {
 
 /// Estimated wall times [s].
 struct StudyCost {
-  double run = 0;       ///< one run of every condition
-  double campaign = 0;  ///< its ensemble means
-  double floor = 0;     ///< the repeatability floor
-  double posterior = 0; ///< the runs that the emulator of a posterior begins with; 0 where none is asked for
-  double diagnosis = 0; ///< as many as diagnosis.max_runs allows
+  double run = 0;        ///< one run of every condition
+  double campaign = 0;   ///< its ensemble means
+  double floor = 0;      ///< the repeatability floor
+  double posterior = 0;  ///< the runs that the emulator of a posterior begins with; 0 where none is asked for
+  double diagnosis = 0;  ///< as many as diagnosis.max_runs allows
 };
 
 /// What `check` tells of.
@@ -38,7 +38,8 @@ std::vector<std::string> physics_lines(const LoadOptions& load, const ModelDescr
 
 std::string mesh_written_line(const std::filesystem::path& file);
 
-/// One for every parameter whose nominal value is another than the number of the tables, which simulate takes: what to set in its place, at its place in the case.
+/// One for every parameter whose nominal value is another than the number of the tables, which simulate takes: what to set in its place, at its place in the
+/// case.
 std::vector<InputError> nominals_left_out(const StudyCase& study);
 
 /// "5 of the listed mechanisms are not built yet in this version and take no part"

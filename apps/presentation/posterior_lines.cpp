@@ -10,13 +10,15 @@ namespace calomel {
 std::string round_line(const PosteriorRound& r, const std::vector<Parameter>& parameters) {
   std::string at;
   for (std::size_t k = 0; k < parameters.size(); ++k) at += fmt::format("{}{} {:.5g} ± {:.2g}", k ? ", " : "", parameters[k].name, r.theta[k], r.theta_sd[k]);
-  return fmt::format("emulator: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine, r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance);
+  return fmt::format("emulator: {} coarse and {} fine runs{}: {}; emulator's variance {:.2g}", r.coarse, r.fine,
+                     r.failed ? fmt::format(" ({} failed)", r.failed) : "", at, r.variance);
 }
 
 std::vector<std::string> draws_lines(const Convergence& convergence) {
   std::vector<std::string> lines;
   for (const auto& p : convergence.parameters)
-    lines.push_back(fmt::format("sample: {} {:.5g} ± {:.2g} (90 %: {:.5g} to {:.5g}; R-hat {:.3f}, ESS {:.0f})", p.name, p.mean, p.sd, p.q05, p.q95, p.r_hat, p.ess_bulk));
+    lines.push_back(
+        fmt::format("sample: {} {:.5g} ± {:.2g} (90 %: {:.5g} to {:.5g}; R-hat {:.3f}, ESS {:.0f})", p.name, p.mean, p.sd, p.q05, p.q95, p.r_hat, p.ess_bulk));
   return lines;
 }
 
@@ -24,14 +26,15 @@ std::string emulator_sentence(const std::string& message) { return "the emulator
 
 std::string front_sentence(double elements_per_front, double finest_size) {
   return fmt::format(
-      "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.4 to 1.8 times the deviations told here; with "
+      "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.4 to 1.8 "
+      "times the deviations told here; with "
       "elements of {:.3g} mm (emulator.element_sizes) they were not",
       1e3 * finest_size, elements_per_front, 0.5e3 * finest_size * elements_per_front);
 }
 
 std::string absorption_sentence(const std::string& parameter, double prior_sds) {
-  return fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", parameter, std::abs(prior_sds),
-                     prior_sds > 0 ? "above" : "below");
+  return fmt::format("{} sits {:.2g} prior standard deviations {} what was known of it: the model leaves something else out, which it absorbs", parameter,
+                     std::abs(prior_sds), prior_sds > 0 ? "above" : "below");
 }
 
 std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes) {
@@ -48,15 +51,18 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
 
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names) {
   const auto most = std::size_t(std::max_element(widening.sd_ratio.begin(), widening.sd_ratio.end()) - widening.sd_ratio.begin());
-  return fmt::format("averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}", widening.weights.size(),
-                     widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most], names[most]);
+  return fmt::format(
+      "averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}",
+      widening.weights.size(), widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most],
+      names[most]);
 }
 
 std::string refinement_sentence(const RefinedFit& fit) {
   int runs = 0;
   for (const auto& r : fit.refinements) runs += r.runs;
   if (fit.refinements.empty()) return fmt::format("the emulator was not refined: {}", fit.ended);
-  return fmt::format("the emulator was refined {} by {} further runs: {}", fit.refinements.size() == 1 ? "once" : fmt::format("{} times", fit.refinements.size()), runs, fit.ended);
+  return fmt::format("the emulator was refined {} by {} further runs: {}",
+                     fit.refinements.size() == 1 ? "once" : fmt::format("{} times", fit.refinements.size()), runs, fit.ended);
 }
 
 std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check) {

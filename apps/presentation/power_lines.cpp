@@ -24,8 +24,10 @@ std::string gauges_line(const std::vector<const Detectable*>& all) {
   const auto named = std::count_if(all.begin(), all.end(), [](const auto* d) { return d->from.has_value(); });
   const std::string head = fmt::format("power: {} of one gauge could be named at {} of {} gauges", first.number, named, all.size());
   if (named == 0) return fmt::format("{} up to {:.3g}: {}", head, first.farthest, why_not(first));
-  if (named < std::ptrdiff_t(all.size())) return fmt::format("{}, from {:.3g} on at {} (off at {:.3g}, range to {:.3g})", head, *first.from, first.place, first.off, first.farthest);
-  return fmt::format("{}, from {:.3g} on at {}, {:.3g} at {} (off at {:.3g}, range to {:.3g})", head, *first.from, first.place, *last.from, last.place, first.off, first.farthest);
+  if (named < std::ptrdiff_t(all.size()))
+    return fmt::format("{}, from {:.3g} on at {} (off at {:.3g}, range to {:.3g})", head, *first.from, first.place, first.off, first.farthest);
+  return fmt::format("{}, from {:.3g} on at {}, {:.3g} at {} (off at {:.3g}, range to {:.3g})", head, *first.from, first.place, *last.from, last.place,
+                     first.off, first.farthest);
 }
 
 }  // namespace
@@ -46,7 +48,8 @@ std::vector<std::string> power_lines(const std::vector<PlanPower>& plans) {
   const auto named = [](const PlanPower& p) { return std::count_if(p.numbers.begin(), p.numbers.end(), [](const auto& d) { return d.from.has_value(); }); };
   lines.push_back(fmt::format("power: {}: {} of {} numbers could be named within their ranges", first.plan.name, named(first), first.numbers.size()));
   for (std::size_t k = 1; k < plans.size(); ++k)
-    lines.push_back(fmt::format("power: {}: {} of {}, strengths needed {:.2g} times those as planned (geometric mean)", plans[k].plan.name, named(plans[k]), plans[k].numbers.size(), std::exp(-plans[k].gain)));
+    lines.push_back(fmt::format("power: {}: {} of {}, strengths needed {:.2g} times those as planned (geometric mean)", plans[k].plan.name, named(plans[k]),
+                                plans[k].numbers.size(), std::exp(-plans[k].gain)));
   return lines;
 }
 

@@ -27,8 +27,8 @@ std::vector<std::string> floor_lines(const RepeatabilityFloor& floor) {
       floor.members.size(), 100 * floor.mean, 100 * floor.worst)};
   const std::size_t sensors = floor.sensors.size();
   for (std::size_t row = 0; row < floor.relative.size(); ++row)
-    lines.push_back(
-        fmt::format("  {}{}: {:.2f} %", floor.conditions.size() > 1 ? floor.conditions[row / sensors] + ' ' : "", floor.sensors[row % sensors], 100 * floor.relative[row]));
+    lines.push_back(fmt::format("  {}{}: {:.2f} %", floor.conditions.size() > 1 ? floor.conditions[row / sensors] + ' ' : "", floor.sensors[row % sensors],
+                                100 * floor.relative[row]));
   for (const auto& c : floor.comparisons) lines.push_back(c.what + ": " + numbers_of(c));
   return lines;
 }
@@ -41,9 +41,10 @@ std::string campaign_line(const CampaignSummary& summary) {
 
 std::vector<std::string> failure_lines(const Archive& archive, const Feasibility& feasibility) {
   if (!feasibility.any_failed()) return {};
-  std::vector<std::string> lines{fmt::format(
-      "{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told rightly from the others)",
-      feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy())};
+  std::vector<std::string> lines{
+      fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told "
+                  "rightly from the others)",
+                  feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy())};
   for (const auto& [reason, count] : failure_reasons(archive)) lines.push_back(fmt::format("  {} x {}", count, reason));
   return lines;
 }
@@ -51,7 +52,8 @@ std::vector<std::string> failure_lines(const Archive& archive, const Feasibility
 std::vector<std::string> train_lines(const TrainSummary& summary) {
   std::vector<std::string> lines;
   for (const auto& s : summary.surrogates)
-    lines.push_back(fmt::format("train: {} on {} runs, held out {}: R2 {:.3f}, mean absolute error {:.3g}", s.name, s.n_train, s.n_test, s.test.r2, s.test.mae));
+    lines.push_back(
+        fmt::format("train: {} on {} runs, held out {}: R2 {:.3f}, mean absolute error {:.3g}", s.name, s.n_train, s.n_test, s.test.r2, s.test.mae));
   return lines;
 }
 
@@ -60,12 +62,15 @@ std::string resumed_line(const std::string& which, std::int64_t step, bool finis
 }
 
 std::string simulate_line(const SimulatedSpeed& speed) {
-  return fmt::format("simulate: {} elements, {} steps, {:.3g} s, {:.3g} million element-steps a second", speed.elements, speed.steps, speed.wall, speed.element_steps / 1e6);
+  return fmt::format("simulate: {} elements, {} steps, {:.3g} s, {:.3g} million element-steps a second", speed.elements, speed.steps, speed.wall,
+                     speed.element_steps / 1e6);
 }
 
 std::string report_line(const std::filesystem::path& page) { return "report: " + page.string(); }
 
-std::string report_tables_line(std::size_t tables, const std::filesystem::path& folder) { return fmt::format("report: {} tables in {}", tables, folder.string()); }
+std::string report_tables_line(std::size_t tables, const std::filesystem::path& folder) {
+  return fmt::format("report: {} tables in {}", tables, folder.string());
+}
 
 std::string import_line(const ImportSummary& summary) {
   const auto& r = summary.recordings;

@@ -75,16 +75,25 @@ Table effort_table(const Study& study) {
 
 Table place_table(const Study& study) {
   Table t{.id = "in_posterior", .caption = "Where the answers lie in the posterior, by MAP\u2019s mode and covariance."};
-  t.columns = {{"method", "Method", 4, true}, {"distance", "Deviations from its mode", -2}, {"share_nearer", "Share of it that lies nearer [%]", -1, false, 100}};
-  for (const auto& p : comparison_of(study).in_posterior) t.rows.push_back({method_label(p.method), Cell(p.distance, p.outside()), Cell(p.share_nearer, p.outside())});
+  t.columns = {
+      {"method", "Method", 4, true}, {"distance", "Deviations from its mode", -2}, {"share_nearer", "Share of it that lies nearer [%]", -1, false, 100}};
+  for (const auto& p : comparison_of(study).in_posterior)
+    t.rows.push_back({method_label(p.method), Cell(p.distance, p.outside()), Cell(p.share_nearer, p.outside())});
   t.note = "Bold: outside the posterior, since more than 99 % of it lies nearer to its mode.";
   return t;
 }
 
 Table hypothesis_table(const Study& study) {
   Table t{.id = "hypotheses", .caption = "The model with the added parameters against the one without, on one emulator and under one covariance."};
-  t.columns = {{"with", "Held against", 4, true}, {"added", "Added parameters", 4, true}, {"log_bayes_factor", "Log Bayes factor", -1}, {"low", "Least by the prior\u2019s width", -1}, {"high", "Greatest", -1},
-               {"chi2_with", "Chi-squared with", 4}, {"chi2_without", "Chi-squared without", 4}, {"variance_with", "Emulator\u2019s variance with [of a run\u2019s noise]", 2}, {"variance_without", "Without", 2}};
+  t.columns = {{"with", "Held against", 4, true},
+               {"added", "Added parameters", 4, true},
+               {"log_bayes_factor", "Log Bayes factor", -1},
+               {"low", "Least by the prior\u2019s width", -1},
+               {"high", "Greatest", -1},
+               {"chi2_with", "Chi-squared with", 4},
+               {"chi2_without", "Chi-squared without", 4},
+               {"variance_with", "Emulator\u2019s variance with [of a run\u2019s noise]", 2},
+               {"variance_without", "Without", 2}};
   const auto* map = study.calibration("map");
   if (!map) return t;
   const Json& nested = part_at(map->summary, "nested_model");
@@ -92,16 +101,23 @@ Table hypothesis_table(const Study& study) {
   std::string added;
   for (const auto& name : list_at(nested, "added"))
     if (name.is_string()) added += (added.empty() ? "" : ", ") + name.get<std::string>();
-  t.rows.push_back({text_at(nested, "with"), added, number_at(nested, "log_bayes_factor"), number_at(nested, "low"), number_at(nested, "high"), number_at(nested, "chi2"),
-                    number_at(nested, "nested_chi2"), number_at(nested, "emulator_variance"), number_at(nested, "nested_emulator_variance")});
+  t.rows.push_back({text_at(nested, "with"), added, number_at(nested, "log_bayes_factor"), number_at(nested, "low"), number_at(nested, "high"),
+                    number_at(nested, "chi2"), number_at(nested, "nested_chi2"), number_at(nested, "emulator_variance"),
+                    number_at(nested, "nested_emulator_variance")});
   t.note = text_at(nested, "sentence");
   return t;
 }
 
 Table optimizer_agreement_table(const Study& study) {
   Table t{.id = "optimizer_agreement", .caption = "The optimisers at the end of their rounds on the surrogate, each beside the best of all."};
-  t.columns = {{"optimizer", "Optimiser", 4, true}, {"rounds", "Rounds", 4}, {"mean", "Mean", 5}, {"sd", "Standard deviation", 3}, {"best", "Best", 5},
-               {"shortfall", "Best misses", 3}, {"distance", "Distance [bounds]", 3}, {"share_of_rounds", "Rounds that end there [%]", 3, false, 100}};
+  t.columns = {{"optimizer", "Optimiser", 4, true},
+               {"rounds", "Rounds", 4},
+               {"mean", "Mean", 5},
+               {"sd", "Standard deviation", 3},
+               {"best", "Best", 5},
+               {"shortfall", "Best misses", 3},
+               {"distance", "Distance [bounds]", 3},
+               {"share_of_rounds", "Rounds that end there [%]", 3, false, 100}};
   const auto* enc = study.calibration("enc");
   if (!enc) return t;
   const Json& agreement = part_at(enc->summary, "agreement");
@@ -136,7 +152,11 @@ Table formulation_table(const Study& study, const ReportInput& input) {
 
 Table trial_table(const Study& study) {
   Table t{.id = "optimizer_trials", .caption = "Optimisers on one surrogate each: the best values of all trials after the last evaluation."};
-  t.columns = {{"function", "Surrogate", 4, true}, {"optimizer", "Optimiser", 4, true}, {"best", "Best", 6}, {"mean", "Mean", 6}, {"sd", "Standard deviation", 3},
+  t.columns = {{"function", "Surrogate", 4, true},
+               {"optimizer", "Optimiser", 4, true},
+               {"best", "Best", 6},
+               {"mean", "Mean", 6},
+               {"sd", "Standard deviation", 3},
                {"worst", "Worst", 6}};
   for_each_trial(study, [&](const std::string& name, const Json& method) {
     Cell mean, sd;
@@ -148,7 +168,11 @@ Table trial_table(const Study& study) {
 
 Table decay_table(const Study& study) {
   Table t{.id = "optimizer_decay", .caption = "Best value so far against evaluations, mean and standard deviation over the trials."};
-  t.columns = {{"function", "Surrogate", 4, true}, {"optimizer", "Optimiser", 4, true}, {"evaluations", "Evaluations", 6}, {"mean", "Mean", 6}, {"sd", "Standard deviation", 3}};
+  t.columns = {{"function", "Surrogate", 4, true},
+               {"optimizer", "Optimiser", 4, true},
+               {"evaluations", "Evaluations", 6},
+               {"mean", "Mean", 6},
+               {"sd", "Standard deviation", 3}};
   for_each_trial(study, [&](const std::string& name, const Json& method) {
     for_each_point(method, [&](double x, double mean, double sd) { t.rows.push_back({name, text_at(method, "name"), x, mean, sd}); });
   });
@@ -166,7 +190,13 @@ Json decay_json(const Study& study) {
                          {"span", {std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}}});
     Json& figure = figures.back();
     const auto i = figure["lines"].size();
-    Json line{{"label", text_at(method, "name")}, {"group", i}, {"variant", i}, {"x", Json::array()}, {"y", Json::array()}, {"low", Json::array()}, {"high", Json::array()}};
+    Json line{{"label", text_at(method, "name")},
+              {"group", i},
+              {"variant", i},
+              {"x", Json::array()},
+              {"y", Json::array()},
+              {"low", Json::array()},
+              {"high", Json::array()}};
     for_each_point(method, [&](double x, double mean, double sd) {
       line["x"].push_back(x), line["y"].push_back(mean), line["low"].push_back(mean - 3 * sd), line["high"].push_back(mean + 3 * sd);
     });
@@ -177,7 +207,8 @@ Json decay_json(const Study& study) {
       figure["lines"].push_back(std::move(line));
     }
   });
-  figures.erase(std::remove_if(figures.begin(), figures.end(), [](const Json& f) { return f["lines"].empty() || !(f["span"][0] < f["span"][1]); }), figures.end());
+  figures.erase(std::remove_if(figures.begin(), figures.end(), [](const Json& f) { return f["lines"].empty() || !(f["span"][0] < f["span"][1]); }),
+                figures.end());
   return figures.empty() ? Json() : figures;
 }
 

@@ -49,20 +49,28 @@ std::string told(std::string text, bool bad = false) {
 
 Table nuisance_table(const Study& study) {
   Table t{.id = "nuisances", .caption = "Coordinates of the posterior that are no parameters of the case, with what was known of them before the records."};
-  t.columns = {{"name", "Coordinate", 4, true}, {"value", "Value", 4}, {"sd", "Sd", 2}, {"prior_value", "Prior", 4}, {"prior_sd", "Sd of the prior", 2}, {"pull", "Pull [sd of the prior]", -2}};
+  t.columns = {{"name", "Coordinate", 4, true},       {"value", "Value", 4}, {"sd", "Sd", 2}, {"prior_value", "Prior", 4}, {"prior_sd", "Sd of the prior", 2},
+               {"pull", "Pull [sd of the prior]", -2}};
   for (const auto& n : list_at(map_json_of(study), "nuisances")) {
     const auto pull = number_at(n, "pull");
-    t.rows.push_back({text_at(n, "name"), number_at(n, "value"), number_at(n, "sd"), number_at(n, "prior_value"), number_at(n, "prior_sd"), Cell(pull, pull && std::abs(*pull) > notable_pull)});
+    t.rows.push_back({text_at(n, "name"), number_at(n, "value"), number_at(n, "sd"), number_at(n, "prior_value"), number_at(n, "prior_sd"),
+                      Cell(pull, pull && std::abs(*pull) > notable_pull)});
   }
-  t.note = "\u201cbeyond\u201d is the multiple of the last difference between meshes that lies beyond the finest. A pull of more than one deviation (bold) says that something is missing that the coordinate takes up.";
+  t.note =
+      "\u201cbeyond\u201d is the multiple of the last difference between meshes that lies beyond the finest. A pull of more than one deviation (bold) says "
+      "that something is missing that the coordinate takes up.";
   return t;
 }
 
 Table emulator_table(const Study& study) {
   Table t{.id = "emulator", .caption = "Runs that teach the emulator, by mesh, and how well it knows them [% of a run]."};
-  t.columns = {{"mesh", "Mesh", 4, true}, {"runs", "Runs", 6}, {"left_out", "Error at a run that is left out [%]", -2, false, percent}, {"noise", "Numerical noise of a run [%]", -2, false, percent}};
+  t.columns = {{"mesh", "Mesh", 4, true},
+               {"runs", "Runs", 6},
+               {"left_out", "Error at a run that is left out [%]", -2, false, percent},
+               {"noise", "Numerical noise of a run [%]", -2, false, percent}};
   std::size_t level = 0;
-  for (const auto& l : list_at(emulator_of(study), "levels")) t.rows.push_back({level_name(level++), number_at(l, "runs"), number_at(l, "left_out"), number_at(l, "noise")});
+  for (const auto& l : list_at(emulator_of(study), "levels"))
+    t.rows.push_back({level_name(level++), number_at(l, "runs"), number_at(l, "left_out"), number_at(l, "noise")});
   t.note = "Where the emulator holds, a run that is left out is missed by little more than numerical noise, which nothing predicts.";
   return t;
 }
@@ -89,7 +97,8 @@ Table pull_table(const Study& study) {
 
 std::string emulator_section(const Study& study) {
   const Json &map = map_json_of(study), &emulator = emulator_of(study), &check = check_of(study);
-  std::string s = told(text_at(map, "identified")) + told(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) + told(text_at(part_at(map, "score_tests"), "sentence"));
+  std::string s = told(text_at(map, "identified")) + told(text_at(map, "adequacy"), part_at(map, "adequate") == Json(false)) +
+                  told(text_at(part_at(map, "score_tests"), "sentence"));
   if (const auto message = text_at(emulator, "message"); !message.empty()) s += told("the emulator: " + message, part_at(emulator, "settled") == Json(false));
   s += told(text_at(check, "sentence"), part_at(check, "holds") == Json(false));
   for (const Table& t : {nuisance_table(study), pull_table(study), emulator_table(study), share_table(study)})

@@ -15,7 +15,10 @@ namespace {
 /// The comparisons' columns and rows, in words.
 std::string comparison_title(const Json& comparison) {
   const std::string name = text_at(comparison, "name");
-  return name == "single_runs" ? "Single runs" : name == "finer_mesh" ? "Half the element size" : name == "precision" ? "Single against double precision" : name;
+  return name == "single_runs"  ? "Single runs"
+         : name == "finer_mesh" ? "Half the element size"
+         : name == "precision"  ? "Single against double precision"
+                                : name;
 }
 
 /// Name of a record: of its gauge, with the condition where there are several.
@@ -25,7 +28,8 @@ std::string record_name(const Json& record, const Json& all) {
 }
 
 std::string key_of(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == ',' || c == ' '; }, '_');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ',' || c == ' '; }, '_');
   return text;
 }
 
@@ -40,10 +44,13 @@ constexpr int any_share = 2, alike_shares = -1;
 Table floor_table(const Study& study) {
   Table t{.id = "floor", .caption = "How far the simulated strain moves, in percent of its root mean square over the whole record."};
   if (study.floor.is_null()) return t;
-  t.columns = {{"what", "What is changed", 4, true}, {"mean", "Mean over gauges [%]", any_share, false, percent}, {"worst", "Worst gauge [%]", any_share, false, percent},
+  t.columns = {{"what", "What is changed", 4, true},
+               {"mean", "Mean over gauges [%]", any_share, false, percent},
+               {"worst", "Worst gauge [%]", any_share, false, percent},
                {"compared", "Measured as", 4, true}};
-  t.rows.push_back({Cell("Repeatability floor", true), Cell(number_at(study.floor, "mean"), true), Cell(number_at(study.floor, "worst"), true),
-                    fmt::format("standard deviation of the ensemble mean over {} jitters of mesh, viscosity and energies", list_at(study.floor, "members").size())});
+  t.rows.push_back(
+      {Cell("Repeatability floor", true), Cell(number_at(study.floor, "mean"), true), Cell(number_at(study.floor, "worst"), true),
+       fmt::format("standard deviation of the ensemble mean over {} jitters of mesh, viscosity and energies", list_at(study.floor, "members").size())});
   for (const auto& c : comparisons_of(study)) {
     const std::string message = text_at(c, "message");
     t.rows.push_back({comparison_title(c), number_at(c, "mean"), number_at(c, "worst"), message.empty() ? text_at(c, "what") : message});
@@ -74,7 +81,8 @@ Table floor_window_table(const Study& study, const ReportInput& input) {
   const auto unit = display_unit(input);
   Table t{.id = "floor_by_window", .caption = "Repeatability floor by stretch of the record: standard deviation of the ensemble mean [" + unit.name + "]."};
   const Json &records = list_at(study.floor, "sensors"), &begin = list_at(study.floor, "window_begin_s"), &end = list_at(study.floor, "window_end_s");
-  t.columns = {{"begin_s", "From [" + study.time.name + "]", 4, false, study.time.factor}, {"end_s", "To [" + study.time.name + "]", 4, false, study.time.factor}};
+  t.columns = {{"begin_s", "From [" + study.time.name + "]", 4, false, study.time.factor},
+               {"end_s", "To [" + study.time.name + "]", 4, false, study.time.factor}};
   for (const auto& r : records) t.columns.push_back({key_of(record_name(r, records)), record_name(r, records), -1, false, unit.factor});
   for (std::size_t w = 0; w < std::min(begin.size(), end.size()); ++w) {
     std::vector<Cell> cells{begin[w].get<double>(), end[w].get<double>()};
@@ -90,16 +98,21 @@ Table floor_window_table(const Study& study, const ReportInput& input) {
 std::string floor_section(const Study& study, const ReportInput& input, const std::string& how_to_measure) {
   if (study.floor.is_null()) return missing("No repeatability floor has been measured (campaign.json, floor.json).", how_to_measure);
   const Json& records = list_at(study.floor, "sensors");
-  const auto worst = std::max_element(records.begin(), records.end(), [](const Json& a, const Json& b) { return number_at(a, "relative") < number_at(b, "relative"); });
+  const auto worst =
+      std::max_element(records.begin(), records.end(), [](const Json& a, const Json& b) { return number_at(a, "relative") < number_at(b, "relative"); });
   const double mean = number_at(study.floor, "mean").value_or(0), most = number_at(study.floor, "worst").value_or(0);
   std::string s = fmt::format(
       "<p>Cavitating mercury is chaotic: what physics does not fix \u2013 where the mesh nodes lie, the regularising viscosity, which pulse energies are taken "
-      "\u2013 moves the answer. By how much is the repeatability floor: here <strong>{}\u00a0%</strong> of the signal on average over the gauges, {}\u00a0% at the worst{}. "
-      "A difference between simulation and record that is smaller than this says nothing about the target; no parameter and no mechanism may be chosen by it.</p>\n",
+      "\u2013 moves the answer. By how much is the repeatability floor: here <strong>{}\u00a0%</strong> of the signal on average over the gauges, {}\u00a0% at "
+      "the worst{}. "
+      "A difference between simulation and record that is smaller than this says nothing about the target; no parameter and no mechanism may be chosen by "
+      "it.</p>\n",
       number_html(percent * mean, 2), number_html(percent * most, 2), worst == records.end() ? "" : " (" + escape_html(record_name(*worst, records)) + ")");
   s += floor_table(study).html();
-  s += "<p class=\"note\">Single runs: what chaos alone makes of a change of nothing; the ensemble mean, with which a mean record is compared, evens it out. Half the element "
-       "size: what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision is good enough while its row "
+  s += "<p class=\"note\">Single runs: what chaos alone makes of a change of nothing; the ensemble mean, with which a mean record is compared, evens it out. "
+       "Half the element "
+       "size: what the mesh still costs; where it stands well above the floor, a finer mesh is worth more than more runs. Single precision is good enough "
+       "while its row "
        "stays below the floor.</p>\n";
   s += floor_sensor_table(study).html();
   return s + folded("The floor by stretch of the record", floor_window_table(study, input));

@@ -13,7 +13,8 @@ std::string command(const ReportInput& input, const std::string& verb, const std
 std::string missing(const std::string& what, const std::string& how) { return "<p class=\"missing\">" + what + (how.empty() ? "" : " " + how) + "</p>\n"; }
 
 std::string plot(const std::string& id, const std::string& caption, const std::string& label) {
-  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id, escape_html(label), caption);
+  return fmt::format("<figure><div class=\"plot\" id=\"{}\" role=\"img\" aria-label=\"{}\"></div><figcaption>{}</figcaption></figure>\n", id,
+                     escape_html(label), caption);
 }
 
 std::string folded(const std::string& title, const Table& table) {

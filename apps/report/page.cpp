@@ -55,7 +55,8 @@ std::string outcome(const CalibrationArtefacts& c, const ReportInput& input) {
         "<p class=\"outcome\">With the parameters found by {}, the mean absolute error of the calibrated simulation is <strong>{}\u00a0{}</strong>{}, averaged "
         "over {} "
         "sensors.{} No sample has a band wide enough to say how often the simulation lies inside it.{}</p>\n",
-        escape_html(c.label), fixed_html(*mae, 1), unit, against(nominal_mae, "\u00a0" + unit), list_at(c.summary, "sensors").size(), than_nominal, on_mesh(c, unit));
+        escape_html(c.label), fixed_html(*mae, 1), unit, against(nominal_mae, "\u00a0" + unit), list_at(c.summary, "sensors").size(), than_nominal,
+        on_mesh(c, unit));
   }
   std::string s = fmt::format(
       "<p class=\"outcome\">With the parameters found by {}, the calibrated simulation lies inside the measured band <strong>{}\u00a0%</strong> of the time{}, "
@@ -109,8 +110,10 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
       if (alarm.is_string()) told.emplace_back("sampling", alarm.get<std::string>());
   }
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
-  if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done") list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");
-  if (study.sensitivity && text_at(study.sensitivity->summary, "status", "done") != "done") list.push_back("sensitivity: not to be trusted: " + text_at(study.sensitivity->summary, "message", "see sensitivity.json"));
+  if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done")
+    list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");
+  if (study.sensitivity && text_at(study.sensitivity->summary, "status", "done") != "done")
+    list.push_back("sensitivity: not to be trusted: " + text_at(study.sensitivity->summary, "message", "see sensitivity.json"));
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));
   if (study.campaign) {
     const auto runs = number_at(*study.campaign, "runs"), failed = number_at(*study.campaign, "failed");
@@ -137,7 +140,9 @@ std::string what_was_run(const Study& study) {
     const auto rounds = list_at(c.summary, "rounds").size();
     methods.push_back(c.label + (rounds > 0 ? " (" + std::to_string(rounds) + " optimiser rounds)" : ""));
   }
-  if (study.sample) done.push_back("sampling of the posterior" + (study.posterior ? fmt::format(" ({} chains of {} draws)", study.posterior->chains, study.posterior->draws) : std::string()));
+  if (study.sample)
+    done.push_back("sampling of the posterior" +
+                   (study.posterior ? fmt::format(" ({} chains of {} draws)", study.posterior->chains, study.posterior->draws) : std::string()));
   if (!methods.empty()) done.push_back("calibration by " + enumeration(methods));
   if (study.diagnosis) done.push_back("a diagnosis of omitted physics (" + count(study.diagnosis->summary, "runs") + " runs of the model)");
   if (study.sensitivity) done.push_back("an analysis of sensitivity (" + count(study.sensitivity->summary, "evaluations") + " evaluations)");
@@ -154,8 +159,10 @@ std::string no_calibration(const ReportInput& input, const std::string& lead) {
 
 std::string target_section(const ReportInput& input) {
   std::string s;
-  if (input.outer.empty() && input.sensors.empty()) return missing("Of this model neither a surface nor the places of its sensors are known, so there is nothing to draw.", "");
-  s += "<div class=\"target\"><div id=\"target-view\" class=\"target-view\" role=\"img\" aria-label=\"The target with its sensors; the table below gives the positions\"></div>"
+  if (input.outer.empty() && input.sensors.empty())
+    return missing("Of this model neither a surface nor the places of its sensors are known, so there is nothing to draw.", "");
+  s += "<div class=\"target\"><div id=\"target-view\" class=\"target-view\" role=\"img\" aria-label=\"The target with its sensors; the table below gives the "
+       "positions\"></div>"
        "<p class=\"note\" id=\"target-note\">Drag to turn, scroll to zoom. Arrows show the direction in which each sensor measures strain.</p></div>\n";
   if (input.outer.empty()) s += missing("The model gives no surface (an outside model has none), so only the sensors are drawn.", "");
   return s + sensor_table(input).html();
@@ -191,9 +198,9 @@ std::string optimizer_comparison_section(const Study& study) {
   std::string s;
   for (std::size_t i = 0; i < figures.size(); ++i)
     s += plot("decay-plot-" + std::to_string(i),
-                "Best value so far against evaluations on " + escape_html(figures[i]["title"].get<std::string>()) +
-                    ": mean of the trials, shaded three standard deviations to either side, cut at the frame.",
-                "Decay of the optimisers");
+              "Best value so far against evaluations on " + escape_html(figures[i]["title"].get<std::string>()) +
+                  ": mean of the trials, shaded three standard deviations to either side, cut at the frame.",
+              "Decay of the optimisers");
   if (const Table t = trial_table(study); !t.empty()) s += t.html();
   return s;
 }
@@ -203,7 +210,7 @@ std::string convergence_section(const Study& study, const ReportInput& input) {
   const auto* enc = study.calibration("enc");
   if (!enc)
     return compared + missing("Optimiser rounds belong to the evolutionary neural calibration, which has not been run (enc.json).",
-                   "Run it with " + command(input, "calibrate", "--method enc") + ".");
+                              "Run it with " + command(input, "calibrate", "--method enc") + ".");
   std::string s;
   const Table table = optimizer_table(study);
   if (!convergence_table(study).empty())
@@ -230,11 +237,10 @@ std::string candidate_section(const Study& study, const ReportInput& input) {
     s += missing("The \u03c1\u2013c ridge is drawn from the rounds of enc.json, which is missing.",
                  "Make it with " + command(input, "calibrate", "--method enc") + ".");
   else
-    s += plot(
-        "ridge-plot",
-        "Every round\u2019s best density and sound speed, coloured by the objective on the surrogate. The line is \u03c1c = const through the calibrated "
-        "point: rounds that lie along it are told apart poorly by these records.",
-        "Scatter of density and sound speed with the line of constant impedance");
+    s += plot("ridge-plot",
+              "Every round\u2019s best density and sound speed, coloured by the objective on the surrogate. The line is \u03c1c = const through the calibrated "
+              "point: rounds that lie along it are told apart poorly by these records.",
+              "Scatter of density and sound speed with the line of constant impedance");
   const Table rounds = round_table(study, input);
   return s + folded("All " + std::to_string(rounds.rows.size()) + " rounds", rounds);
 }
@@ -255,10 +261,10 @@ std::string surrogate_section(const Study& study, const ReportInput& input) {
   const Table table = surrogate_table(study, input);
   std::string s = table.empty() ? missing("train.json lists no surrogates.", "") : table.html();
   if (!loss_table(study).empty())
-    s += plot(
-        "loss-plot",
-        "Training and test loss by epoch, logarithmic. Losses of different networks are of different quantities: compare their shapes, not their heights.",
-        "Training loss");
+    s +=
+        plot("loss-plot",
+             "Training and test loss by epoch, logarithmic. Losses of different networks are of different quantities: compare their shapes, not their heights.",
+             "Training loss");
   return s + polynomials;
 }
 
@@ -348,13 +354,13 @@ std::string sections_html(const Study& study, const ReportInput& input) {
     if (!t.empty()) first += t.html();
   const std::string emulator = emulator_section(study);
   const std::string diagnosis = diagnosis_section(study, input);
-  return (diagnosis.empty() ? "" : section("diagnosis", "What the simulation leaves out", diagnosis)) + section("parameters", "Parameters", first) + (emulator.empty() ? "" : section("emulator", "What the answer stands on", emulator)) + section("target", "Target and sensors", target_section(input)) +
+  return (diagnosis.empty() ? "" : section("diagnosis", "What the simulation leaves out", diagnosis)) + section("parameters", "Parameters", first) +
+         (emulator.empty() ? "" : section("emulator", "What the answer stands on", emulator)) + section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", history_section(study, input)) +
          section("scores", "Accuracy and error by sensor", score_section(study, input)) +
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +
          section("candidates", "Candidates and the \u03c1\u2013c ridge", candidate_section(study, input)) +
-         section("posterior", "Posterior", posterior_section(study, input)) +
-         section("sensitivity", "Sensitivity", sensitivity_section(study, input)) +
+         section("posterior", "Posterior", posterior_section(study, input)) + section("sensitivity", "Sensitivity", sensitivity_section(study, input)) +
          section("surrogate", "Surrogate quality", surrogate_section(study, input)) + section("campaign", "Campaign", campaign_section(study, input)) +
          section("floor", "Repeatability floor", floor_section(study, input, "Measure it with " + command(input, "check", "--floor") + ".")) +
          section("provenance", "Provenance", provenance_section(study, input));

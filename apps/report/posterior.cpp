@@ -81,7 +81,8 @@ std::vector<Axis> axes_of(const Study& study, const ReportInput& input) {
   for (const std::size_t k : shown_quantities(draws, input)) {
     Axis a{.name = draws.names[k], .label = parameter_label(input, draws.names[k]), .values = draws.of(k)};
     for (const auto& p : input.parameters)
-      if (p.name == a.name && std::all_of(a.values.begin(), a.values.end(), [&](double v) { return v >= p.min && v <= p.max; })) a.least = p.min, a.greatest = p.max;
+      if (p.name == a.name && std::all_of(a.values.begin(), a.values.end(), [&](double v) { return v >= p.min && v <= p.max; }))
+        a.least = p.min, a.greatest = p.max;
     axes.push_back(std::move(a));
   }
   // The central 99.8 % and a little room; an answer nearby is taken in, one far off is drawn on the frame.

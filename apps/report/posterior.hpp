@@ -9,7 +9,8 @@ namespace calomel {
 /// Means, deviations, quantiles and diagnostics of posterior.json.
 Table posterior_table(const Study& study, const ReportInput& input);
 
-/// The answer in a sentence for the top of the page: medians and what 90 % of the draws lie between, or that they are not to be used. HTML; empty without posterior.json.
+/// The answer in a sentence for the top of the page: medians and what 90 % of the draws lie between, or that they are not to be used. HTML; empty without
+/// posterior.json.
 std::string posterior_headline(const Study& study, const ReportInput& input);
 /// The section. HTML.
 std::string posterior_section(const Study& study, const ReportInput& input);

@@ -31,7 +31,8 @@ std::string adequacy(const Study& study, const ReportInput& input) {
   const std::string told = escape_html(text_at(*study.sample, "adequacy"));
   if (told.empty()) return "";
   if (part_at(*study.sample, "adequate") == Json(false))
-    return "<p class=\"outcome\"><strong>By chi-squared, " + told + ".</strong> The intervals below do not cover what is missing: " + command(input, "diagnose") + " asks what was left out.</p>\n";
+    return "<p class=\"outcome\"><strong>By chi-squared, " + told +
+           ".</strong> The intervals below do not cover what is missing: " + command(input, "diagnose") + " asks what was left out.</p>\n";
   return "<p>By chi-squared, " + told + ".</p>\n";
 }
 
@@ -128,8 +129,9 @@ std::string posterior_headline(const Study& study, const ReportInput& input) {
     s += (s.empty() ? "" : "; ") + escape_html(name) + " <strong>" + number_html(*middle, 4) + unit + "</strong> (" + number_html(*low, 4) + " to " +
          number_html(*high, 4) + ")";
   }
-  return s.empty() ? "" : "<p class=\"outcome\">By the <a href=\"#posterior\">posterior</a>: " + s + ". In brackets: 90\u00a0% of the draws." +
-                           (part_at(*study.sample, "final") == Json(false) ? " <strong>Not final</strong>: the warnings say why." : "") + "</p>\n";
+  return s.empty() ? ""
+                   : "<p class=\"outcome\">By the <a href=\"#posterior\">posterior</a>: " + s + ". In brackets: 90\u00a0% of the draws." +
+                         (part_at(*study.sample, "final") == Json(false) ? " <strong>Not final</strong>: the warnings say why." : "") + "</p>\n";
 }
 
 std::string posterior_section(const Study& study, const ReportInput& input) {

@@ -35,13 +35,13 @@ struct ReportSensor {
 /// What the app knows and the artefacts do not tell.
 struct ReportInput {
   std::string case_name;
-  std::string case_file;                     ///< as the user gave it, for the commands that the page suggests
-  Json options = Json::object();             ///< resolved options of the case, by table
-  std::vector<Parameter> parameters;         ///< in declared order; bounds, key, nominal, unit
-  std::string unit = "strain";               ///< of the data; strain is shown in microstrain, any other as it is
-  double time_end = 0;                       ///< of the simulation [s]: long ones are shown in ms or s
-  ReportSurface outer;                       ///< outer steel surface; empty for an outside model
-  ReportSurface wetted;                      ///< mercury surface; may be empty
+  std::string case_file;              ///< as the user gave it, for the commands that the page suggests
+  Json options = Json::object();      ///< resolved options of the case, by table
+  std::vector<Parameter> parameters;  ///< in declared order; bounds, key, nominal, unit
+  std::string unit = "strain";        ///< of the data; strain is shown in microstrain, any other as it is
+  double time_end = 0;                ///< of the simulation [s]: long ones are shown in ms or s
+  ReportSurface outer;                ///< outer steel surface; empty for an outside model
+  ReportSurface wetted;               ///< mercury surface; may be empty
   std::vector<ReportSensor> sensors;
   std::string load_policy;                 ///< in words, how p0 follows the parameters
   std::optional<double> deposited_energy;  ///< [J]

@@ -116,8 +116,8 @@ std::string bounds_sentence(const Study& study, const ReportInput& input) {
   for (const auto& p : input.parameters) {
     const std::string unit = parameter_unit(input, p.name);
     const Json& then = part_at(own, p.name);
-    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(number_at(then, "min").value_or(p.min), 5) + " to " + number_html(number_at(then, "max").value_or(p.max), 5) +
-              (unit.empty() ? "" : "\u00a0" + escape_html(unit));
+    bounds += (bounds.empty() ? "" : "; ") + escape_html(p.name) + " " + number_html(number_at(then, "min").value_or(p.min), 5) + " to " +
+              number_html(number_at(then, "max").value_or(p.max), 5) + (unit.empty() ? "" : "\u00a0" + escape_html(unit));
   }
   const bool by_prior = text_at(summary_of(study), "measure") == "prior";
   return "<p>The parameters varied " + std::string(by_prior ? "by their priors within their bounds" : "evenly between their bounds") +
@@ -329,7 +329,8 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
   const auto& s = *study.sensitivity;
   const auto unit = display_unit(input);
   const auto names = names_of(list_at(s.summary, "total_order"));
-  Json out{{"parameters", names}, {"rows", Json::array()}, {"unit", unit.name}, {"time_unit", study.time.name}, {"map", nullptr}, {"curves", nullptr}, {"morris", Json::array()}};
+  Json out{{"parameters", names}, {"rows", Json::array()}, {"unit", unit.name},      {"time_unit", study.time.name},
+           {"map", nullptr},      {"curves", nullptr},     {"morris", Json::array()}};
   if (has_curves(study)) {
     const std::size_t n = s.time.size(), records = s.conditions.size() * s.sensors.size();
     const Windows coarse{n, std::min(n, map_windows)}, fine{n, std::min(n, curve_windows)};
@@ -344,7 +345,8 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
     }
     const double half = 0.5 * (s.time.back() - s.time.front()) / double(n - 1);  // a sample stands for the time about it
     for (std::size_t w = 0; w < coarse.count; ++w)
-      begin.push_back(rounded(study.time.factor * (s.time[coarse.begin(w)] - half), 6)), end.push_back(rounded(study.time.factor * (s.time[coarse.begin(w + 1) - 1] + half), 6));
+      begin.push_back(rounded(study.time.factor * (s.time[coarse.begin(w)] - half), 6)),
+          end.push_back(rounded(study.time.factor * (s.time[coarse.begin(w + 1) - 1] + half), 6));
     for (std::size_t w = 0; w < fine.count; ++w) time.push_back(rounded(0.5 * study.time.factor * (s.time[fine.begin(w)] + s.time[fine.begin(w + 1) - 1]), 6));
     const std::size_t d = s.parameters.size();
     out["parameters"] = s.parameters;
@@ -360,7 +362,8 @@ Json sensitivity_drawings(const Study& study, const ReportInput& input) {
       for (const auto& e : list_at(q, "morris"))
         if (const auto mu = number_at(e, "mu_star"), sigma = number_at(e, "sigma"); mu && sigma) {
           const auto k = std::size_t(std::find(names.begin(), names.end(), text_at(e, "parameter")) - names.begin());
-          points.push_back({{"record", record_label(q)}, {"parameter", k}, {"mu_star", rounded(shown.factor * *mu, 4)}, {"sigma", rounded(shown.factor * *sigma, 4)}});
+          points.push_back(
+              {{"record", record_label(q)}, {"parameter", k}, {"mu_star", rounded(shown.factor * *mu, 4)}, {"sigma", rounded(shown.factor * *sigma, 4)}});
         }
     }
     if (!points.empty()) out["morris"].push_back({{"title", plain_quantity(name)}, {"unit", shown.name}, {"points", std::move(points)}});

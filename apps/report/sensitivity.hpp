@@ -10,8 +10,8 @@ namespace calomel {
 
 /// First-order and total indices with their intervals of all records together and of each record, a row a parameter.
 Table sensitivity_table(const Study& study);
-/// Total indices with their intervals as words, a row a record (or another quantity of it, "peak", "time_of_peak", "rms", "dissipated_energy", "time_at_cutoff"), a column a parameter; the greatest
-/// of a row is strong.
+/// Total indices with their intervals as words, a row a record (or another quantity of it, "peak", "time_of_peak", "rms", "dissipated_energy",
+/// "time_at_cutoff"), a column a parameter; the greatest of a row is strong.
 Table total_order_table(const Study& study, const std::string& quantity);
 /// Elementary effects of every number of every record.
 Table morris_table(const Study& study, const ReportInput& input);

@@ -45,7 +45,8 @@ std::string run_totals_part(const Study& study) {
     if (shares) s += total_order_table(study, name).html();
   }
   if (s.empty()) return "";
-  return "<h3>Dissipated energy and time at the cutoff</h3>\n<p>Of whole runs: the energy that viscosity takes by the end, and how long the mercury has been at its cutoff, the mean over its "
+  return "<h3>Dissipated energy and time at the cutoff</h3>\n<p>Of whole runs: the energy that viscosity takes by the end, and how long the mercury has been "
+         "at its cutoff, the mean over its "
          "volume. Each run is a single one at pulse energy 1 at a point of the campaign.</p>\n" +
          s;
 }

@@ -16,7 +16,8 @@ const std::vector<std::string>& run_total_names();
 /// "dissipated energy"
 std::string plain_run_total(const std::string& quantity);
 
-/// For each: how great it is and varies, what its shares are those of, what is said where it has none; then its table of total indices. Empty without any. HTML.
+/// For each: how great it is and varies, what its shares are those of, what is said where it has none; then its table of total indices. Empty without any.
+/// HTML.
 std::string run_totals_part(const Study& study);
 
 }  // namespace calomel

@@ -30,15 +30,17 @@ Table polynomial_table(const Study& study) {
                {"failure", "Left out", 4, true}};
   for (const auto& s : list_at(spe_of(study), "surrogates")) {
     const auto lambda = number_at(s, "lambda"), most = number_at(s, "lambda_max");
-    t.rows.push_back({text_at(s, "name"), number_at(s, "terms"), number_at(s, "nonzero"), lambda, lambda && most && *most > 0 ? std::optional(*lambda / *most) : std::nullopt,
-                      number_at(part_at(s, "train"), "rrmse"), number_at(part_at(s, "validation"), "rrmse"), number_at(part_at(s, "validation"), "r2"),
-                      number_at(s, "optima"), number_at(s, "best"), text_at(s, "failure")});
+    t.rows.push_back({text_at(s, "name"), number_at(s, "terms"), number_at(s, "nonzero"), lambda,
+                      lambda && most && *most > 0 ? std::optional(*lambda / *most) : std::nullopt, number_at(part_at(s, "train"), "rrmse"),
+                      number_at(part_at(s, "validation"), "rrmse"), number_at(part_at(s, "validation"), "r2"), number_at(s, "optima"), number_at(s, "best"),
+                      text_at(s, "failure")});
   }
   return t;
 }
 
 Table lambda_table(const Study& study) {
-  Table t{.id = "spe_lambdas", .caption = "The weight \u03bb of the \u2113\u2081 norm that the held-out runs prefer, and that cross-validation of the training runs prefers."};
+  Table t{.id = "spe_lambdas",
+          .caption = "The weight \u03bb of the \u2113\u2081 norm that the held-out runs prefer, and that cross-validation of the training runs prefers."};
   t.columns = {{"space", "Space", 4, true}, {"terms", "Terms", 6}, {"lambda_max", "\u03bb_max", 4}};
   const std::pair<const char*, const char*> ways[] = {{"validation", "held-out runs"}, {"cross_validation", "cross-validation"}};
   for (const auto& [key, title] : ways) {
@@ -53,7 +55,8 @@ Table lambda_table(const Study& study) {
       for (const char* part : {"lambda", "fraction", "mean_squared_error"}) row.emplace_back(number_at(part_at(c, key), part));
     t.rows.push_back(std::move(row));
   }
-  if (!t.rows.empty()) t.note = "At \u03bb_max and above every coefficient vanishes. Which of the two was taken stands among the options of SPE (lambda_scale).";
+  if (!t.rows.empty())
+    t.note = "At \u03bb_max and above every coefficient vanishes. Which of the two was taken stands among the options of SPE (lambda_scale).";
   return t;
 }
 

@@ -112,7 +112,8 @@ std::optional<DiagnosisArtefacts> diagnosis_artefacts(const std::filesystem::pat
 std::optional<SensitivityArtefacts> sensitivity_artefacts(const std::filesystem::path& dir) {
   auto summary = json_if_there(dir / "sensitivity.json");
   if (!summary) return std::nullopt;
-  SensitivityArtefacts s{.summary = std::move(*summary), .conditions = {}, .sensors = {}, .parameters = {}, .time = {}, .sd = {}, .first_order = {}, .total_order = {}};
+  SensitivityArtefacts s{
+      .summary = std::move(*summary), .conditions = {}, .sensors = {}, .parameters = {}, .time = {}, .sd = {}, .first_order = {}, .total_order = {}};
   const auto path = dir / "sensitivity.nc";
   if (!std::filesystem::exists(path)) return s;
   const NetcdfReader file(path);
@@ -149,7 +150,8 @@ double mixture_quantile(const std::vector<double>& middles, double sd, double p)
 /// What is predicted of the records; nothing where the groups do not have it.
 std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, const PosteriorGroup& observed) {
   const auto *strain = predictive.variable("strain"), *record = observed.variable("strain"), *error = observed.variable("error_sd");
-  const auto *sensor = coordinate(predictive, "sensor"), *time = coordinate(predictive, "time"), *record_time = coordinate(observed, "record_time"), *condition = coordinate(predictive, "condition");
+  const auto *sensor = coordinate(predictive, "sensor"), *time = coordinate(predictive, "time"), *record_time = coordinate(observed, "record_time"),
+             *condition = coordinate(predictive, "condition");
   const std::size_t draws = predictive.chains * predictive.draws;
   if (!strain || !record || !sensor || !time || !record_time || draws == 0) return std::nullopt;
   Histories h;
@@ -172,7 +174,8 @@ std::optional<Histories> predictive_histories(const PosteriorGroup& predictive, 
       if (!with_errors) continue;
       const double sd = error->values[r * m + k];
       const bool there = !at[k].empty() && std::isfinite(sd);
-      h.predicted_low.push_back(there ? mixture_quantile(at[k], sd, 0.05) : std::nan("")), h.predicted_high.push_back(there ? mixture_quantile(at[k], sd, 0.95) : std::nan(""));
+      h.predicted_low.push_back(there ? mixture_quantile(at[k], sd, 0.05) : std::nan("")),
+          h.predicted_high.push_back(there ? mixture_quantile(at[k], sd, 0.95) : std::nan(""));
     }
   }
   return h;

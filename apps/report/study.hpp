@@ -14,12 +14,12 @@ namespace calomel {
 /// Arrays are (condition, sensor, time) or (condition, sensor, record_time), row-major; empty where the file has none.
 struct Histories {
   std::vector<std::string> conditions, sensors;
-  std::vector<double> time, record_time;                 ///< [s]
-  std::vector<double> calibrated, nominal;               ///< over `time`
-  std::vector<double> record_mean, band_low, band_high;  ///< over `record_time`
+  std::vector<double> time, record_time;                                   ///< [s]
+  std::vector<double> calibrated, nominal;                                 ///< over `time`
+  std::vector<double> record_mean, band_low, band_high;                    ///< over `record_time`
   std::vector<double> base, explained, held_out_base, held_out_explained;  ///< over `time`, of diagnosis.nc
-  /// Of posterior.nc, over `record_time`: mean of the histories at its draws; what 90 % of them lie between; and, where the errors between a history and a record are told, what 90 % of the
-  /// records predicted by draws and errors lie between.
+  /// Of posterior.nc, over `record_time`: mean of the histories at its draws; what 90 % of them lie between; and, where the errors between a history and a
+  /// record are told, what 90 % of the records predicted by draws and errors lie between.
   std::vector<double> predicted, draws_low, draws_high, predicted_low, predicted_high;
 };
 
@@ -51,8 +51,8 @@ struct SensitivityArtefacts {
   Json summary;  ///< sensitivity.json
   /// sensitivity.nc, where it is of the same identity; else empty. Arrays are (condition, sensor, time), indices (condition, sensor, time, parameter).
   std::vector<std::string> conditions, sensors, parameters;
-  std::vector<double> time;                     ///< [s]
-  std::vector<double> sd;                       ///< of the values [data's unit]
+  std::vector<double> time;                      ///< [s]
+  std::vector<double> sd;                        ///< of the values [data's unit]
   std::vector<double> first_order, total_order;  ///< [-], NaN where a value does not vary
 };
 
@@ -68,10 +68,10 @@ struct Study {
   DisplayUnit time = time_unit(0);  ///< of all times
   std::vector<CalibrationArtefacts> calibrations;
   std::optional<Json> campaign, train, simulate;
-  Json floor;  ///< repeatability floor of campaign.json, else of floor.json; null where there is none
+  Json floor;                                ///< repeatability floor of campaign.json, else of floor.json; null where there is none
   std::optional<Json> optimizer_comparison;  ///< of bench_optimizers
   std::optional<CampaignRuns> runs;
-  std::optional<Json> sample;       ///< posterior.json
+  std::optional<Json> sample;           ///< posterior.json
   std::optional<Draws> posterior;       ///< posterior.nc, its group of that name
   std::optional<Draws> prior;           ///< posterior.nc, its group of that name
   std::optional<Histories> predictive;  ///< posterior.nc, of its groups posterior_predictive and observed_data
@@ -82,7 +82,8 @@ struct Study {
   [[nodiscard]] const CalibrationArtefacts* calibration(const std::string& method) const;
   /// No artefact of any stage was there.
   [[nodiscard]] bool empty() const {
-    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample && !posterior && !diagnosis && !sensitivity;
+    return calibrations.empty() && !campaign && !train && !simulate && floor.is_null() && !optimizer_comparison && !runs && !simulation && !sample &&
+           !posterior && !diagnosis && !sensitivity;
   }
 };
 

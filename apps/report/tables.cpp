@@ -9,9 +9,7 @@
 
 namespace calomel {
 
-DisplayUnit display_unit(const ReportInput& input) {
-  return input.unit == "strain" ? DisplayUnit{"\u00b5\u03b5", 1e6} : DisplayUnit{input.unit, 1.0};
-}
+DisplayUnit display_unit(const ReportInput& input) { return input.unit == "strain" ? DisplayUnit{"\u00b5\u03b5", 1e6} : DisplayUnit{input.unit, 1.0}; }
 
 std::vector<std::string> parameter_names(const Study& study, const ReportInput& input) {
   std::vector<std::string> names;
@@ -92,7 +90,8 @@ std::vector<std::string> with_mesh(const Study& study) {
 std::vector<std::string> on_other_mesh(const Study& study) {
   std::vector<std::string> labels;
   for (const auto& c : study.calibrations)
-    if (const auto on = text_at(c.summary, "scores_on"); !on.empty() && on != "the case's own mesh" && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
+    if (const auto on = text_at(c.summary, "scores_on");
+        !on.empty() && on != "the case's own mesh" && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
       labels.push_back(c.label + " are runs on " + on);
   return labels;
 }
@@ -134,7 +133,8 @@ Table mesh_table(const Study& study, const ReportInput& input) {
     if (!working.is_object()) continue;
     for (const std::string of : {"", "nominal_"})
       t.rows.push_back({(of.empty() ? "calibrated, " : "nominal, ") + c.label, number_at(c.summary, of + "accuracy"), number_at(c.summary, of + "mae"),
-                        number_at(working, of + "accuracy"), number_at(working, of + "mae"), of.empty() ? number_at(mesh, "relative_difference") : std::nullopt});
+                        number_at(working, of + "accuracy"), number_at(working, of + "mae"),
+                        of.empty() ? number_at(mesh, "relative_difference") : std::nullopt});
   }
   t.note = nominal_note(study);
   return t;
@@ -163,7 +163,8 @@ Table parameter_table(const Study& study, const ReportInput& input) {
     std::vector<Cell> row{name, unit};
     row.emplace_back(nominal);
     for (const auto& x : found) row.emplace_back(x);
-    const auto of = std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
+    const auto of =
+        std::find_if(compared.parameters.begin(), compared.parameters.end(), [&](const auto& r) { return r.name == name || name.starts_with(r.name + ' '); });
     if (map) row.emplace_back(of == compared.parameters.end() ? std::nullopt : of->map_sd);
     for (const auto& x : found) row.emplace_back(x && nominal && *nominal != 0 ? std::optional(100 * (*x / *nominal - 1)) : std::nullopt);
     row.emplace_back(low);
@@ -289,7 +290,10 @@ Table optimizer_table(const Study& study) {
 Table candidate_table(const Study& study, const ReportInput& input) {
   const auto names = parameter_names(study, input);
   const Impedance z = impedance(input);
-  Table t{.id = "candidates", .caption = "Candidates, each run again in the true model. Bold: the answer, the best by the true model; of MAP the emulator\u2019s mode, which the run verifies."};
+  Table t{.id = "candidates",
+          .caption =
+              "Candidates, each run again in the true model. Bold: the answer, the best by the true model; of MAP the emulator\u2019s mode, which the run "
+              "verifies."};
   t.columns = {{"method", "Method", 4, true}, {"candidate", "Candidate", 4}};
   add_parameter_columns(t, names, input);
   const bool impedance_known = !z.density.empty() || !z.sound_speed.empty();
@@ -358,8 +362,8 @@ Table surrogate_table(const Study& study, const ReportInput& input) {
   const auto shown = [&](const std::optional<double>& x) { return x ? std::optional(unit.factor * *x) : std::nullopt; };
   if (study.train)
     for (const auto& s : list_at(*study.train, "surrogates"))
-      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), shown(number_at(s, "mae")), shown(number_at(s, "rmse")),
-                        number_at(s, "r2")});
+      t.rows.push_back({text_at(s, "name"), text_at(s, "kind"), number_at(s, "n_train"), number_at(s, "n_test"), shown(number_at(s, "mae")),
+                        shown(number_at(s, "rmse")), number_at(s, "r2")});
   if (!t.rows.empty()) t.note = "R\u00b2 is pooled over all outputs: 1 \u2212 \u03a3 error\u00b2 / \u03a3 (value \u2212 mean over runs)\u00b2.";
   return t;
 }

@@ -292,7 +292,8 @@ Json misfit_lines(const Json& diagnosis) {
   Json lines = Json::object();
   const auto percent = [](const std::optional<double>& x) { return x ? fmt::format("{:.1f}\u00a0%", 100 * *x) : std::string("\u2013"); };
   for (const auto& g : list_at(diagnosis, "gauges")) {
-    const auto before = number_at(g, "before"), after = number_at(g, "after"), out_before = number_at(g, "heldout_before"), out_after = number_at(g, "heldout_after");
+    const auto before = number_at(g, "before"), after = number_at(g, "after"), out_before = number_at(g, "heldout_before"),
+               out_after = number_at(g, "heldout_after");
     const auto pair = [&](const auto& a, const auto& b) { return !b || a == b ? percent(a) : percent(a) + " \u2192 " + percent(b); };
     lines[text_at(g, "name")] = "misfit " + pair(before, after) + (out_before ? ", left out " + pair(out_before, out_after) : "");
   }

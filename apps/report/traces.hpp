@@ -31,12 +31,12 @@ class Thinning {
 /// `most`: samples a trace at most.
 Json histories_json(const Study& study, const ReportInput& input, std::size_t most);
 
-/// The same of diagnosis.nc; series are "measured", "base", "explained" and each of the latter as it predicts gauges that were left out, "held_out_base" and "held_out_explained";
-/// a series that is `hidden` is switched off at first. `scores`: a line by gauge.
+/// The same of diagnosis.nc; series are "measured", "base", "explained" and each of the latter as it predicts gauges that were left out, "held_out_base" and
+/// "held_out_explained"; a series that is `hidden` is switched off at first. `scores`: a line by gauge.
 Json diagnosis_histories_json(const Study& study, const ReportInput& input, std::size_t most);
 
-/// What the posterior predicts of every record; series are "predicted", with `predicted_low` and `predicted_high` where errors are told, "draws" with `draws_low` and `draws_high`, and "measured".
-/// `scores`: by gauge how much of the record lies within what is predicted.
+/// What the posterior predicts of every record; series are "predicted", with `predicted_low` and `predicted_high` where errors are told, "draws" with
+/// `draws_low` and `draws_high`, and "measured". `scores`: by gauge how much of the record lies within what is predicted.
 Json predictive_histories_json(const Study& study, const ReportInput& input, std::size_t most);
 
 /// Every history at every one of its own times: condition, sensor, time_s, measured_mean, band_low, band_high, nominal,

@@ -56,7 +56,8 @@ std::string bar_record() {
     u_rate[0] = 1e-3 * speed * push(double(step) * dt - 10e-6);  // 1e-3 strain, compressive
     for (std::size_t i = 0; i < n; ++i) {
       const double bend = i > 0 && i + 1 < n ? (w[i + 1] - 2 * w[i] + w[i - 1]) / (dx * dx) : 0;
-      w_rate[i] += dt / bar_density * (kappa2 * mu * bend - 8 * k2 / (radius * radius) * (lambda + mu) * w[i] - 4 * k2 * lambda / radius * (u[i + 1] - u[i]) / dx);
+      w_rate[i] +=
+          dt / bar_density * (kappa2 * mu * bend - 8 * k2 / (radius * radius) * (lambda + mu) * w[i] - 4 * k2 * lambda / radius * (u[i + 1] - u[i]) / dx);
     }
     for (std::size_t i = 0; i < n; ++i) u[i] += dt * u_rate[i], w[i] += dt * w_rate[i];
   }
@@ -64,7 +65,8 @@ std::string bar_record() {
 }
 
 /// A pipe of water, its true numbers.
-constexpr double pipe_length = 40, diameter = 0.022, wave_speed = 1290, water = 998.2, velocity = 0.42, reservoir = 210e3, friction = 0.031, closing = 0.008, vapour = -99e3;
+constexpr double pipe_length = 40, diameter = 0.022, wave_speed = 1290, water = 998.2, velocity = 0.42, reservoir = 210e3, friction = 0.031, closing = 0.008,
+                 vapour = -99e3;
 
 /// p = max(p_v, p_0 + rho a^2 e) in each of many cells, e what has flowed into it over its volume, void and all: rho V_t + p_x + rho f V|V| / 2D = 0 between
 /// the cells, leapfrog, with a viscous pressure of a cell's length where liquid closes in.
@@ -130,8 +132,8 @@ bool told(const std::filesystem::path& path, const char* expected) {
   const Json &before = d.at("fit").at("before"), &ranking = d.at("ranking");
   const std::string unit = before.at("unit");
   std::map<std::string, double> found{{"residual of the base model", before.at("residual_rms")}, {"verdict " + d.at("verdict").get<std::string>(), 1}};
-  fmt::print("verdict: {}: {}\n\n| explanation | log Bayes factor | probability | residual [{}] | by its numbers |\n|---|---|---|---|---|\n", d.at("verdict").get<std::string>(),
-             d.at("reason").get<std::string>(), unit);
+  fmt::print("verdict: {}: {}\n\n| explanation | log Bayes factor | probability | residual [{}] | by its numbers |\n|---|---|---|---|---|\n",
+             d.at("verdict").get<std::string>(), d.at("reason").get<std::string>(), unit);
   std::vector<std::pair<double, std::string>> lead;
   for (const auto& r : ranking) {
     const std::string name = r.at("name");
@@ -140,20 +142,22 @@ bool told(const std::filesystem::path& path, const char* expected) {
     for (const auto& p : r.at("parameters")) {
       const std::string key = p.at("name");
       if (p.at("mean").is_null()) continue;
-      numbers += fmt::format("{}{} {:.4g} ± {:.2g}", numbers.empty() ? "" : ", ", key, p.at("mean").get<double>(), p.at("sd").is_null() ? 0.0 : p.at("sd").get<double>());
+      numbers += fmt::format("{}{} {:.4g} ± {:.2g}", numbers.empty() ? "" : ", ", key, p.at("mean").get<double>(),
+                             p.at("sd").is_null() ? 0.0 : p.at("sd").get<double>());
       found[key] = p.at("mean");
     }
     const Json& told_as = r.at(model ? "log_bayes_factor" : "log_evidence");
     const double factor = told_as.is_null() ? -1e300 : told_as.get<double>();
     if (r.contains("residual_rms")) found["residual of " + name] = r.at("residual_rms");
     if (model) lead.emplace_back(factor, name);
-    fmt::print("| {} | {:.4g} | {:.2g} | {} | {} |\n", name, factor, r.at("probability").get<double>(), r.contains("residual_rms") ? fmt::format("{:.4g}", r.at("residual_rms").get<double>()) : "", numbers);
+    fmt::print("| {} | {:.4g} | {:.2g} | {} | {} |\n", name, factor, r.at("probability").get<double>(),
+               r.contains("residual_rms") ? fmt::format("{:.4g}", r.at("residual_rms").get<double>()) : "", numbers);
   }
   std::sort(lead.rbegin(), lead.rend());
   if (!lead.empty()) found["leader " + lead[0].second] = 1, found["log Bayes factor of the leader"] = lead[0].first;
   if (lead.size() > 1) found["lead over the next"] = lead[0].first - lead[1].first;
-  fmt::print("\nbase model: residual {:.4g} {}, chi-squared {:.4g} for {:.0f} values\n", before.at("residual_rms").get<double>(), unit, d.at("evidence").at("chi2").get<double>(),
-             d.at("evidence").at("values").get<double>());
+  fmt::print("\nbase model: residual {:.4g} {}, chi-squared {:.4g} for {:.0f} values\n", before.at("residual_rms").get<double>(), unit,
+             d.at("evidence").at("chi2").get<double>(), d.at("evidence").at("values").get<double>());
   return expected == nullptr || examples::as_expected(found, expected);
 }
 
@@ -165,7 +169,9 @@ int main(int argc, char** argv) try {
   if (verb == "pipe" && argc == 3) return write_atomically(argv[2], pipe_record()), 0;
   if (verb == "trace" && argc == 4) return write_atomically(argv[3], even_trace(argv[2])), 0;
   if (verb == "table") return told(argv[2], argc > 3 ? argv[3] : nullptr) ? 0 : 1;
-  fmt::print(stderr, "line_records bar OUT.csv\nline_records pipe OUT.csv\nline_records trace TRACE.csv OUT.csv\nline_records table OUT/diagnosis.json [expected.csv]\n");
+  fmt::print(
+      stderr,
+      "line_records bar OUT.csv\nline_records pipe OUT.csv\nline_records trace TRACE.csv OUT.csv\nline_records table OUT/diagnosis.json [expected.csv]\n");
   return 2;
 } catch (const std::exception& e) {
   fmt::print(stderr, "{}\n", e.what());

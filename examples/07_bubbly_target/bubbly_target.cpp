@@ -29,7 +29,8 @@ void print_numbers(const std::filesystem::path& file) {
   for (const auto& mechanism : d.at("mechanisms")) {
     const auto name = mechanism.get<std::string>();
     fmt::print("--set\nmechanism.{}.enabled=true\n", name);
-    for (const auto& p : entry(d, name).at("parameters")) fmt::print("--set\nmechanism.{}={:.4g}\n", p.at("name").get<std::string>(), p.at("mean").get<double>());
+    for (const auto& p : entry(d, name).at("parameters"))
+      fmt::print("--set\nmechanism.{}={:.4g}\n", p.at("name").get<std::string>(), p.at("mean").get<double>());
   }
 }
 
@@ -41,7 +42,8 @@ bool print_table(const std::filesystem::path& out, const std::filesystem::path& 
     fmt::print("{:<28} {:>14.0f} {:>12.0f} {:>12.1f} {:>14}\n", name, value_of("tensile_cutoff"), value_of("density"), value_of("sound_speed"),
                accuracy.is_number() ? fmt::format("{:.1f}", accuracy.get<double>()) : "");
   };
-  row("truth", [](const std::string& p) { return truth.at(p); }, Json());
+  row(
+      "truth", [](const std::string& p) { return truth.at(p); }, Json());
   for (const auto& [label, folder] : {std::pair{"without bubbles", out}, std::pair{"with bubbles", with}})
     for (const std::string method : {"enc", "spe"}) {
       if (!std::filesystem::exists(folder / (method + ".json"))) continue;
@@ -62,7 +64,8 @@ bool print_table(const std::filesystem::path& out, const std::filesystem::path& 
   for (const auto& p : entry(d, "bubbly_liquid").at("parameters")) {
     const auto name = p.at("name").get<std::string>();
     found[name] = p.at("mean").get<double>();
-    fmt::print("{:<34} {:.3g} ± {:.2g}{}\n", name, p.at("mean").get<double>(), p.at("sd").get<double>(), truth.contains(name) ? fmt::format("   true {:.3g}", truth.at(name)) : "");
+    fmt::print("{:<34} {:.3g} ± {:.2g}{}\n", name, p.at("mean").get<double>(), p.at("sd").get<double>(),
+               truth.contains(name) ? fmt::format("   true {:.3g}", truth.at(name)) : "");
   }
   return expected.empty() || examples::as_expected(found, expected);
 }

@@ -44,7 +44,8 @@ class Checks {
   int failed_ = 0;
 };
 
-/// comparison.json repeats what the three calibrations say, each of them beats the nominal parameters by its own objective, and the report shows their differences.
+/// comparison.json repeats what the three calibrations say, each of them beats the nominal parameters by its own objective, and the report shows their
+/// differences.
 void check_comparison(const std::filesystem::path& out, Checks& holds) {
   const Json comparison = read_json(out / "comparison.json");
   holds(comparison.at("methods") == Json({"enc", "spe", "map"}), "comparison.json: enc, spe and map");
@@ -53,7 +54,8 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
     const Json summary = read_json(out / (name + ".json"));
     bool same = true;
     for (const auto& row : comparison.at("parameters"))
-      same = same && row.at(name) == (row.at("name") == "impedance" ? summary.at("impedance").at("value") : summary.at("theta").at(row.at("name").get<std::string>()));
+      same = same &&
+             row.at(name) == (row.at("name") == "impedance" ? summary.at("impedance").at("value") : summary.at("theta").at(row.at("name").get<std::string>()));
     const Json::json_pointer own("/mesh/working_mesh");  // compared on the case's mesh unless all three tell the finer one's
     const Json& scores = comparison.at("scores_on") != summary.at("scores_on") && summary.contains(own) ? summary.at(own) : summary;
     for (const char* table : {"accuracy", "mae"}) same = same && comparison.at(table).back().at(name) == scores.at(table);
@@ -72,8 +74,8 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
 }
 
 /// The chains have converged, the true model lies where the emulator says, and the truth lies within the posterior.
-void check_posterior(const std::filesystem::path& out, const std::function<double(const std::string&)>& true_value, const std::vector<std::string>& names, double most_sds,
-                     Checks& holds) {
+void check_posterior(const std::filesystem::path& out, const std::function<double(const std::string&)>& true_value, const std::vector<std::string>& names,
+                     double most_sds, Checks& holds) {
   const Json posterior = read_json(out / "posterior.json");
   holds(posterior.at("converged").get<bool>(), "posterior.json: " + posterior.at("message").get<std::string>());
   const Json& mode = posterior.at("mode");
@@ -84,7 +86,8 @@ void check_posterior(const std::filesystem::path& out, const std::function<doubl
     const double mean = p.at("mean").get<double>(), sd = p.at("sd").get<double>();
     if (std::find(names.begin(), names.end(), name) == names.end()) continue;
     const double z = (mean - true_value(name)) / sd;
-    holds(std::abs(z) <= most_sds, fmt::format("posterior: {} {:.5g} ± {:.2g}, {:+.1f} sd from the true {:.5g} (within {:.1f})", name, mean, sd, z, true_value(name), most_sds));
+    holds(std::abs(z) <= most_sds,
+          fmt::format("posterior: {} {:.5g} ± {:.2g}, {:+.1f} sd from the true {:.5g} (within {:.1f})", name, mean, sd, z, true_value(name), most_sds));
   }
   holds(std::filesystem::exists(out / "posterior.nc"), "posterior.nc stands");
 }

@@ -104,8 +104,8 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
 }
 
 CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads, const Provenance& provenance,
-                             const std::filesystem::path& directory, const std::function<RunStore&()>& store_of_runs, const CampaignProgress& progress, const std::atomic<bool>* stop,
-                             const FloorSource& floor_source) {
+                             const std::filesystem::path& directory, const std::function<RunStore&()>& store_of_runs, const CampaignProgress& progress,
+                             const std::atomic<bool>* stop, const FloorSource& floor_source) {
   expect(provenance.seed == seed, "the provenance of a campaign names its seed");
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
@@ -150,9 +150,11 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order.
   std::string no_floor;
   const auto floor = ask(floor_source, no_floor);
-  const auto messages = write_archive(directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return store.read(points[i]); }, floor ? &*floor : nullptr, provenance);
+  const auto messages = write_archive(
+      directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return store.read(points[i]); }, floor ? &*floor : nullptr, provenance);
   judge(summary, messages, options.allowed_failures);
-  if (const auto lost = std::count_if(points.begin(), points.end(), [&](const auto& p) { return store.lost(p); }); lost > 0) summary.message += fmt::format("; to {} no answer came: --fresh asks for these again", lost);
+  if (const auto lost = std::count_if(points.begin(), points.end(), [&](const auto& p) { return store.lost(p); }); lost > 0)
+    summary.message += fmt::format("; to {} no answer came: --fresh asks for these again", lost);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);

@@ -31,7 +31,10 @@ struct CampaignOptions {
   void visit(V& v) {
     v("runs", runs, {.range = between(1, 1e6), .doc = "points of the design, each one ensemble mean"});
     v("design", design, {.doc = "where the points lie", .choices = designs().names()});
-    v("pulses", pulses, {.range = between(1, 64), .doc = "pulse energies in each ensemble mean; 1 is a single run. In a slice up to 8 cost about one single run; in three dimensions 4 to 8 cost four to five, fewer one each"});
+    v("pulses", pulses,
+      {.range = between(1, 64),
+       .doc = "pulse energies in each ensemble mean; 1 is a single run. In a slice up to 8 cost about one single run; in three dimensions 4 to 8 cost four to "
+              "five, fewer one each"});
     v("pulse_energy_sd", pulse_energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
     v("keep_pulses", keep_pulses, {.doc = "store the single pulses beside their mean (single precision)"});
     v("allowed_failures", allowed_failures, {.range = between(0, 1), .doc = "share of failed runs above which the campaign is not to be trusted"});

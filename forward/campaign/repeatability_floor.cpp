@@ -11,7 +11,8 @@ namespace calomel {
 namespace {
 
 InputError no_floor(const Json::exception& e) {
-  return InputError({.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it anew: calomel check --floor", .file = "floor.json"});
+  return InputError(
+      {.problem = std::string("is no repeatability floor: ") + e.what(), .suggestion = "measure it anew: calomel check --floor", .file = "floor.json"});
 }
 
 }  // namespace
@@ -68,7 +69,8 @@ RepeatabilityFloor read_floor(const Json& json) try {
       for (const auto& x : row.at(key)) list->push_back(x);
   }
   for (const auto& c : json.value("comparisons", Json::array())) {
-    FloorComparison comparison{.name = c.at("name"), .what = c.at("what"), .message = c.at("message"), .relative = {}, .mean = c.value("mean", 0.0), .worst = c.value("worst", 0.0)};
+    FloorComparison comparison{
+        .name = c.at("name"), .what = c.at("what"), .message = c.at("message"), .relative = {}, .mean = c.value("mean", 0.0), .worst = c.value("worst", 0.0)};
     for (const auto& row : c.value("sensors", Json::array())) comparison.relative.push_back(row.at("relative"));
     floor.comparisons.push_back(std::move(comparison));
   }

@@ -23,7 +23,8 @@ struct FloorOptions {
   bool precisions = true;
   template <class V>
   void visit(V& v) {
-    v("members", members, {.range = between(3, 1000), .doc = "ensemble means on jittered meshes, with the viscosity halved and doubled and other pulse energies"});
+    v("members", members,
+      {.range = between(3, 1000), .doc = "ensemble means on jittered meshes, with the viscosity halved and doubled and other pulse energies"});
     v("mesh_jitter", mesh_jitter, {.range = between(0, 0.3), .doc = "nodes move by up to this share of the shortest edge there"});
     v("window", window, {.unit = "s", .range = above(0), .doc = "stretch of the record over which the scatter is averaged"});
     v("single_runs", single_runs, {.range = between(0, 1000), .doc = "single runs whose parameters differ by single_run_shift, at least 2; 0 leaves them out"});

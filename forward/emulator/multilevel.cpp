@@ -10,9 +10,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double ridge = 1e-12;      ///< of the greatest diagonal: keeps a coefficient regular that no run tells
-constexpr int noise_passes = 30;     ///< of weights and noise in turn; they settle within ten
-constexpr double shared_squares = 0.25;  ///< by how many runs a level's noise leans on that of all, where few runs on the finest mesh leave few squares of their own
+constexpr double ridge = 1e-12;   ///< of the greatest diagonal: keeps a coefficient regular that no run tells
+constexpr int noise_passes = 30;  ///< of weights and noise in turn; they settle within ten
+constexpr double shared_squares =
+    0.25;  ///< by how many runs a level's noise leans on that of all, where few runs on the finest mesh leave few squares of their own
 
 }  // namespace
 

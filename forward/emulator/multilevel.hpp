@@ -34,8 +34,8 @@ class EmulatorBox {
 
 /// Runs to learn from.
 struct EmulatorRuns {
-  Eigen::MatrixXd u;           ///< (n_parameters, runs), coordinates of the box
-  std::vector<int> level;      ///< (runs): 0 the finest mesh, 1 the next coarser one, ...
+  Eigen::MatrixXd u;       ///< (n_parameters, runs), coordinates of the box
+  std::vector<int> level;  ///< (runs): 0 the finest mesh, 1 the next coarser one, ...
   int levels = 1;
 };
 

@@ -47,7 +47,9 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
     file.read(at, one);
     one.parameter.name = name + '.' + p, one.parameter.key = at;
     if (!(one.parameter.min < one.parameter.max))
-      throw file.located(InputError({.problem = "the upper bound must exceed the lower one, min = " + number_text(one.parameter.min), .key = at + ".max", .value = number_text(one.parameter.max)}));
+      throw file.located(InputError({.problem = "the upper bound must exceed the lower one, min = " + number_text(one.parameter.min),
+                                     .key = at + ".max",
+                                     .value = number_text(one.parameter.max)}));
     if (!one.parameter.nominal) one.parameter.nominal = one.off;
     one.parameter.min = std::min(one.parameter.min, one.off), one.parameter.max = std::max(one.parameter.max, one.off);
     try {
@@ -72,7 +74,11 @@ std::string short_name(const ExternalMechanism& m, std::size_t i) { return m.par
 /// `model.config`, which is handed on as it is. Errors: InputError where it is no table.
 Json read_config(const CaseFile& file) {
   Json config = file.json("model.config");
-  if (!config.is_object()) throw file.located(InputError({.problem = "UM-Bridge's config is a table", .key = "model.config", .value = config.dump().substr(0, 40), .suggestion = "e.g. config = { level = 2 }"}));
+  if (!config.is_object())
+    throw file.located(InputError({.problem = "UM-Bridge's config is a table",
+                                   .key = "model.config",
+                                   .value = config.dump().substr(0, 40),
+                                   .suggestion = "e.g. config = { level = 2 }"}));
   return config;
 }
 
@@ -99,7 +105,8 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   ExternalCase c;
   for (const char* other : {"geometry", "material", "load", "time", "solver", "sensor", "sensors", "condition", "fields", "line", "drive", "station", "floor"})
     if (file.has(other))
-      throw file.located(InputError({.problem = "this table belongs to a model of the program, the case has one outside", .key = other, .suggestion = "take it out"}));
+      throw file.located(
+          InputError({.problem = "this table belongs to a model of the program, the case has one outside", .key = other, .suggestion = "take it out"}));
   CaseName title;
   file.read("case", title);
   c.name = title.name.empty() ? file.path().stem().string() : title.name;
@@ -109,28 +116,36 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   file.read("model", server, config);
   c.server = {.url = server.url, .name = server.name, .timeout = server.timeout, .retries = server.retries, .pause = server.pause, .config = read_config(file)};
   if (!file.has("output"))
-    throw file.located(InputError({.problem = "the table [output] is missing: what the model's first output block is",
-                                   .key = "model.kind",
-                                   .suggestion = "add [output] with sensors = [\"A\"] and time = { start = 0.0, step = 1e-3, count = 40 }, or kind = \"log_density\""}));
+    throw file.located(
+        InputError({.problem = "the table [output] is missing: what the model's first output block is",
+                    .key = "model.kind",
+                    .suggestion = "add [output] with sensors = [\"A\"] and time = { start = 0.0, step = 1e-3, count = 40 }, or kind = \"log_density\""}));
   const std::vector<std::string> time{"time"};
   file.read("output", c.output, time);
   if (c.is_log_density()) {
     for (const char* of_records : {"output.sensors", "output.time"})
       if (file.has(of_records)) throw file.located(InputError({.problem = "a log density has no records", .key = of_records, .suggestion = "take it out"}));
-    if (file.has("recordings")) throw file.located(InputError({.problem = "a log density holds its own data", .key = "recordings", .suggestion = "take the table out"}));
+    if (file.has("recordings"))
+      throw file.located(InputError({.problem = "a log density holds its own data", .key = "recordings", .suggestion = "take the table out"}));
     c.output.sensors = {"log_density"}, c.time = {.start = 0, .step = 1, .count = 1};
   } else {
-    if (!file.has("output.time")) throw file.located(InputError({.problem = "the times of the records are missing", .key = "output", .suggestion = "add time = { start = 0.0, step = 1e-3, count = 40 }"}));
+    if (!file.has("output.time"))
+      throw file.located(InputError(
+          {.problem = "the times of the records are missing", .key = "output", .suggestion = "add time = { start = 0.0, step = 1e-3, count = 40 }"}));
     file.read("output.time", c.time);
-    if (c.output.sensors.empty()) throw file.located(InputError({.problem = "the model needs the names of what it records", .key = "output", .suggestion = "add sensors = [\"A\"]"}));
+    if (c.output.sensors.empty())
+      throw file.located(InputError({.problem = "the model needs the names of what it records", .key = "output", .suggestion = "add sensors = [\"A\"]"}));
     std::set<std::string> names;
     for (const auto& s : c.output.sensors)
-      if (!names.insert(s).second) throw file.located(InputError({.problem = "two sensors have the same name", .key = "output.sensors", .value = '"' + s + '"', .suggestion = "give each its own"}));
+      if (!names.insert(s).second)
+        throw file.located(
+            InputError({.problem = "two sensors have the same name", .key = "output.sensors", .value = '"' + s + '"', .suggestion = "give each its own"}));
   }
   c.parameters = read_parameters(file, "parameter");
   for (const auto& p : c.parameters)
     if (file.has("parameter." + p.name + ".key"))
-      throw file.located(InputError({.problem = "the inputs of a model outside have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
+      throw file.located(InputError(
+          {.problem = "the inputs of a model outside have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
   bind_parameters(file, c.parameters, [](const Parameter& p) -> double {
     if (p.nominal) return *p.nominal;
     if (p.prior == "normal" || p.prior == "truncated_normal") return p.mean ? *p.mean : 0.5 * (p.min + p.max);
@@ -139,7 +154,9 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   });
   c.own = c.parameters.size();
   if (c.parameters.empty())
-    throw file.located(InputError({.problem = "the case has no parameter", .key = "model.kind", .suggestion = "add [parameter.NAME] tables with min and max, in the order of the model's inputs"}));
+    throw file.located(InputError({.problem = "the case has no parameter",
+                                   .key = "model.kind",
+                                   .suggestion = "add [parameter.NAME] tables with min and max, in the order of the model's inputs"}));
   for (const auto& name : file.names("mechanism")) {
     c.mechanisms.push_back(read_mechanism(file, name));
     const auto& m = c.mechanisms.back();
@@ -210,7 +227,12 @@ std::vector<ParameterGroup> offered_groups(const ExternalCase& external) {
     gain.parameter.nominal = 1, gain.strengths = {1.1}, gain.doc = "reading per true value";
     drift.parameter = {.name = reading_drift, .key = reading_drift + '.' + sensor, .min = -widest_gain, .max = widest_gain};
     drift.parameter.nominal = 0, drift.strengths = {0.1}, drift.doc = "by which the gain rises over the record";
-    groups.push_back({.name = "sensor_response", .place = sensor, .added = {gain, drift}, .sensor = sensor, .plain = "the response of the gauges", .check = "check the calibration of the gauges"});
+    groups.push_back({.name = "sensor_response",
+                      .place = sensor,
+                      .added = {gain, drift},
+                      .sensor = sensor,
+                      .plain = "the response of the gauges",
+                      .check = "check the calibration of the gauges"});
   }
   return groups;
 }

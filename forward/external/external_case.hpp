@@ -75,15 +75,17 @@ struct ExternalCase {
   [[nodiscard]] std::size_t inputs() const;
   /// Resolved options by table.
   [[nodiscard]] Json echo() const;
-  /// Of these what a run depends on, for provenance: not where the server is, nor priors, nor which mechanisms are enabled. Of parameters the bounds, which designs depend on.
+  /// Of these what a run depends on, for provenance: not where the server is, nor priors, nor which mechanisms are enabled. Of parameters the bounds, which
+  /// designs depend on.
   [[nodiscard]] Json model_options() const;
 };
 
-/// Keys of a gauge that does not read true, which are no inputs of the model: each followed by ".SENSOR". A reading is taken times gain + drift (t - t_first) / (t_last - t_first).
+/// Keys of a gauge that does not read true, which are no inputs of the model: each followed by ".SENSOR". A reading is taken times gain + drift (t - t_first) /
+/// (t_last - t_first).
 inline const std::string reading_gain = "sensor_response.gain", reading_drift = "sensor_response.drift";
 
-/// The mechanisms that are not enabled, as groups of numbers that may be added; and, where there are several sensors, the response of each, unless the case has a mechanism of the name
-/// "sensor_response" itself.
+/// The mechanisms that are not enabled, as groups of numbers that may be added; and, where there are several sensors, the response of each, unless the case has
+/// a mechanism of the name "sensor_response" itself.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const ExternalCase& external);
 
 }  // namespace calomel

@@ -25,7 +25,10 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
   if (std::find(models.begin(), models.end(), server.name) == models.end()) {
     std::string known;
     for (std::size_t i = 0; i < std::min<std::size_t>(models.size(), 20); ++i) known += (i ? ", " : "") + models[i];
-    throw InputError({.problem = "the server has no such model", .key = "model.name", .value = '"' + server.name + '"', .range = models.empty() ? "it lists none" : known,
+    throw InputError({.problem = "the server has no such model",
+                      .key = "model.name",
+                      .value = '"' + server.name + '"',
+                      .range = models.empty() ? "it lists none" : known,
                       .suggestion = name_suggestion(server.name, models)});
   }
   support_ = client_.support();
@@ -33,17 +36,19 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
   input_sizes_ = client_.input_sizes(), output_sizes_ = client_.output_sizes();
   const std::size_t taken = std::accumulate(input_sizes_.begin(), input_sizes_.end(), std::size_t(0));
   if (taken != case_.inputs())
-    throw InputError({.problem = fmt::format("the model takes {} numbers in blocks of {}, the case has {} parameters and {} parameters of mechanisms", taken, text_of(input_sizes_), case_.own,
-                                             case_.inputs() - case_.own),
+    throw InputError({.problem = fmt::format("the model takes {} numbers in blocks of {}, the case has {} parameters and {} parameters of mechanisms", taken,
+                                             text_of(input_sizes_), case_.own, case_.inputs() - case_.own),
                       .key = "parameter",
                       .suggestion = "give one [parameter.NAME] for each number, in the model's order, those of mechanisms last"});
   const std::size_t given = case_.output.sensors.size() * std::size_t(case_.time.count);
   if (output_sizes_.empty() || output_sizes_[0] != given)
-    throw InputError({.problem = case_.is_log_density() ? fmt::format("a log density is one number, the model's first output block has {}", output_sizes_.empty() ? 0 : output_sizes_[0])
-                                                        : fmt::format("the model's first output block has {} numbers, {} sensors of {} times are {}", output_sizes_.empty() ? 0 : output_sizes_[0],
-                                                                      case_.output.sensors.size(), case_.time.count, given),
-                      .key = "output",
-                      .suggestion = "correct output.sensors or output.time.count"});
+    throw InputError(
+        {.problem = case_.is_log_density()
+                        ? fmt::format("a log density is one number, the model's first output block has {}", output_sizes_.empty() ? 0 : output_sizes_[0])
+                        : fmt::format("the model's first output block has {} numbers, {} sensors of {} times are {}",
+                                      output_sizes_.empty() ? 0 : output_sizes_[0], case_.output.sensors.size(), case_.time.count, given),
+         .key = "output",
+         .suggestion = "correct output.sensors or output.time.count"});
   shape_.parameters = case_.parameters, shape_.conditions = {"default"}, shape_.sensors = case_.output.sensors, shape_.unit = case_.unit;
   for (int k = 0; k < case_.time.count; ++k) shape_.times.push_back(case_.time.start + k * case_.time.step);
   for (std::size_t i = 0; i < case_.own; ++i) place_.push_back(i);
@@ -83,7 +88,9 @@ Prediction ExternalModel::evaluate(std::span<const double> theta, const std::map
     auto& y = (*answer.value)[0];
     const std::size_t n = shape_.times.size();
     for (std::size_t s = 0; s < shape_.sensors.size() && !numbers.empty(); ++s) {
-      const auto number = [&](const std::string& key, double off) { return numbers.contains(key + '.' + shape_.sensors[s]) ? numbers.at(key + '.' + shape_.sensors[s]) : off; };
+      const auto number = [&](const std::string& key, double off) {
+        return numbers.contains(key + '.' + shape_.sensors[s]) ? numbers.at(key + '.' + shape_.sensors[s]) : off;
+      };
       const double gain = number(reading_gain, 1), drift = number(reading_drift, 0);
       if (gain == 1 && drift == 0) continue;
       for (std::size_t i = 0; i < n; ++i) y[s * n + i] *= gain + (n > 1 ? drift * double(i) / double(n - 1) : 0);
@@ -92,7 +99,8 @@ Prediction ExternalModel::evaluate(std::span<const double> theta, const std::map
   }
   std::string at;
   for (std::size_t k = 0; k < theta.size(); ++k) at += fmt::format("{}{} = {:.6g}", k ? ", " : "", case_.parameters[k].name, theta[k]);
-  return {.ok = false, .lost = answer.lost, .message = fmt::format("the model \"{}\" at {} {} (at {})", case_.server.name, case_.server.url, answer.message, at)};
+  return {
+      .ok = false, .lost = answer.lost, .message = fmt::format("the model \"{}\" at {} {} (at {})", case_.server.name, case_.server.url, answer.message, at)};
 }
 
 Eigen::VectorXd ExternalModel::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {

@@ -22,7 +22,7 @@ constexpr std::size_t largest_answer = std::size_t(1) << 29;  ///< [bytes]
 constexpr double behind = 5;                                  ///< the deadline come the library's own limits of each wait [s], should it ever fail
 constexpr std::size_t shown = 160;                            ///< characters of a server's own words
 
-constexpr double longest_pause = 30;                          ///< between two tries [s]
+constexpr double longest_pause = 30;  ///< between two tries [s]
 
 /// A server's own words on one line: no more than `shown` bytes of them, cut between letters; what is no UTF-8 is replaced.
 std::string shortened(const std::string& text) {
@@ -35,7 +35,9 @@ std::string shortened(const std::string& text) {
 }
 
 /// A value that should have been a number, in the server's words. What is nested is not written out.
-std::string told(const Json& value) { return value.is_structured() ? "a list or an object" : shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+std::string told(const Json& value) {
+  return value.is_structured() ? "a list or an object" : shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
 
 /// The numbers of a JSON array, or why they are none.
 Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
@@ -65,7 +67,7 @@ Answered<Json> json_of(const std::string& body) {
 struct UmbridgeClient::Reply {
   int status = 0;  ///< 0: none
   std::string body;
-  std::string problem;  ///< where there is no answer
+  std::string problem;    ///< where there is no answer
   bool too_slow = false;  ///< the whole timeout has passed: no retry
 };
 
@@ -206,7 +208,11 @@ UmbridgeClient::UmbridgeClient(UmbridgeOptions options) : options_(std::move(opt
   while (options_.url.ends_with('/')) options_.url.pop_back();
   static const std::regex form("http://[A-Za-z0-9._\\-\\[\\]:]+");
   if (!std::regex_match(options_.url, form))
-    throw InputError({.problem = "names no server", .key = "model.url", .value = '"' + options_.url + '"', .range = "http://HOST:PORT", .suggestion = "e.g. \"http://localhost:4242\""});
+    throw InputError({.problem = "names no server",
+                      .key = "model.url",
+                      .value = '"' + options_.url + '"',
+                      .range = "http://HOST:PORT",
+                      .suggestion = "e.g. \"http://localhost:4242\""});
   connections_ = std::make_unique<Connections>(options_);
 }
 
@@ -226,14 +232,19 @@ Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<
     }
     if (busy) reply.problem = fmt::format("status {}", reply.status);
     // A server that answers other questions has lost this one: then the model fails there, and the run with it.
-    if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200) return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem), true};
-    throw Unreachable(fmt::format("the server {} does not answer {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
+    if (path != "/Info" && connections_->send("/Info", std::nullopt).status == 200)
+      return {std::nullopt, fmt::format("gives no answer to {} times {}: {}", attempt + 1, path, reply.problem), true};
+    throw Unreachable(
+        fmt::format("the server {} does not answer {} ({}, {} times); start it, or correct model.url", options_.url, path, reply.problem, attempt + 1));
   }
   auto json = json_of(reply.body);
   if (json.value && json.value->is_object() && json.value->contains("error")) {
     const Json& error = (*json.value)["error"];
-    const auto word = [&](const char* key) { return error.is_object() && error.contains(key) && error[key].is_string() ? error[key].get<std::string>() : std::string(); };
-    return {std::nullopt, fmt::format("refuses {} with status {}, {}: {}", path, reply.status, word("type").empty() ? "an error without a type" : shortened(word("type")), shortened(word("message")))};
+    const auto word = [&](const char* key) {
+      return error.is_object() && error.contains(key) && error[key].is_string() ? error[key].get<std::string>() : std::string();
+    };
+    return {std::nullopt, fmt::format("refuses {} with status {}, {}: {}", path, reply.status,
+                                      word("type").empty() ? "an error without a type" : shortened(word("type")), shortened(word("message")))};
   }
   if (reply.status != 200) return {std::nullopt, fmt::format("refuses {} with status {}: {}", path, reply.status, shortened(reply.body))};
   if (json.value && !json.value->is_object()) return {std::nullopt, "answers " + path + " with what is no JSON object: " + shortened(reply.body)};
@@ -260,7 +271,8 @@ std::vector<std::string> UmbridgeClient::models() const {
   const Json info = about("/Info");
   const auto version = info.find("protocolVersion");
   if (version == info.end() || !version->is_number() || version->get<double>() != 1.0)
-    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url, shortened(info.dump(-1, ' ', false, Json::error_handler_t::replace))));
+    throw NumericsError(fmt::format("the server {} does not say that it speaks UM-Bridge 1.0 (its /Info: {})", options_.url,
+                                    shortened(info.dump(-1, ' ', false, Json::error_handler_t::replace))));
   std::vector<std::string> names;
   if (const auto list = info.find("models"); list != info.end() && list->is_array())
     for (const auto& m : *list)
@@ -271,7 +283,9 @@ std::vector<std::string> UmbridgeClient::models() const {
 UmbridgeSupport UmbridgeClient::support() const {
   const Json answer = about("/ModelInfo");
   const auto support = answer.find("support");
-  const auto has = [&](const char* key) { return support != answer.end() && support->is_object() && support->contains(key) && (*support)[key].is_boolean() && (*support)[key].get<bool>(); };
+  const auto has = [&](const char* key) {
+    return support != answer.end() && support->is_object() && support->contains(key) && (*support)[key].is_boolean() && (*support)[key].get<bool>();
+  };
   return {has("Evaluate"), has("Gradient"), has("ApplyJacobian"), has("ApplyHessian")};
 }
 
@@ -284,7 +298,8 @@ std::vector<std::size_t> UmbridgeClient::sizes(const std::string& path, const ch
     for (const auto& x : *list)
       if (x.is_number_integer() && x.get<std::int64_t>() > 0) out.push_back(x.get<std::size_t>());
   if (!is_list || out.empty() || out.size() != list->size())
-    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path, shortened(answer.dump(-1, ' ', false, Json::error_handler_t::replace))));
+    throw NumericsError(fmt::format("the model \"{}\" at {} answers {} with no list of sizes: {}", options_.name, options_.url, path,
+                                    shortened(answer.dump(-1, ' ', false, Json::error_handler_t::replace))));
   return out;
 }
 
@@ -308,7 +323,8 @@ Answered<Blocks> UmbridgeClient::evaluate(const Blocks& input, std::span<const s
   return {std::move(blocks), ""};
 }
 
-Answered<std::vector<double>> UmbridgeClient::action(const std::string& path, Json body, const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::size_t size) const {
+Answered<std::vector<double>> UmbridgeClient::action(const std::string& path, Json body, const Blocks& input, std::size_t out_wrt, std::size_t in_wrt,
+                                                     std::size_t size) const {
   body.update({{"name", options_.name}, {"input", input}, {"outWrt", out_wrt}, {"inWrt", in_wrt}});
   if (!options_.config.empty()) body["config"] = options_.config;
   auto answer = ask(path, body);
@@ -321,7 +337,8 @@ Answered<std::vector<double>> UmbridgeClient::gradient(const Blocks& input, std:
   return action("/Gradient", {{"sens", sens}}, input, out_wrt, in_wrt, input.at(in_wrt).size());
 }
 
-Answered<std::vector<double>> UmbridgeClient::apply_jacobian(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> vec, std::size_t size) const {
+Answered<std::vector<double>> UmbridgeClient::apply_jacobian(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> vec,
+                                                             std::size_t size) const {
   return action("/ApplyJacobian", {{"vec", vec}}, input, out_wrt, in_wrt, size);
 }
 

@@ -15,14 +15,14 @@ namespace calomel {
 using Blocks = std::vector<std::vector<double>>;
 
 struct UmbridgeOptions {
-  std::string url;          ///< "http://HOST:PORT"
-  std::string name;         ///< of the model, among those that the server lists
-  double timeout = 300;     ///< of one answer, first to last byte [s]
-  double connect_timeout = 5;  ///< [s]
-  int retries = 4;          ///< of a request that was not answered
-  double pause = 0.1;       ///< before the first of them [s]; each further one is twice as long, up to half a minute
+  std::string url;                          ///< "http://HOST:PORT"
+  std::string name;                         ///< of the model, among those that the server lists
+  double timeout = 300;                     ///< of one answer, first to last byte [s]
+  double connect_timeout = 5;               ///< [s]
+  int retries = 4;                          ///< of a request that was not answered
+  double pause = 0.1;                       ///< before the first of them [s]; each further one is twice as long, up to half a minute
   const std::atomic<bool>* stop = nullptr;  ///< true: no more is asked (Interrupted)
-  Json config = Json::object();  ///< handed to the model with every request; left out where empty
+  Json config = Json::object();             ///< handed to the model with every request; left out where empty
 };
 
 /// What a model can be asked.
@@ -56,12 +56,14 @@ class UmbridgeClient {
   [[nodiscard]] std::vector<std::size_t> output_sizes() const;
 
   /// The model at `input`; `sizes`: what the blocks of the answer must be. Safe from several threads at once, each with a connection of its own.
-  /// A model that fails there, or answers what cannot be (other sizes, a NaN, no JSON), is an answer with a message. Errors: Unreachable where the server is gone; Interrupted.
+  /// A model that fails there, or answers what cannot be (other sizes, a NaN, no JSON), is an answer with a message. Errors: Unreachable where the server is
+  /// gone; Interrupted.
   [[nodiscard]] Answered<Blocks> evaluate(const Blocks& input, std::span<const std::size_t> sizes) const;
   /// sens' J: (size of input block in_wrt), of output block out_wrt.
   [[nodiscard]] Answered<std::vector<double>> gradient(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> sens) const;
   /// J vec: `size` numbers, the size of output block out_wrt.
-  [[nodiscard]] Answered<std::vector<double>> apply_jacobian(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> vec, std::size_t size) const;
+  [[nodiscard]] Answered<std::vector<double>> apply_jacobian(const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::span<const double> vec,
+                                                             std::size_t size) const;
 
  private:
   class Connections;
@@ -71,7 +73,8 @@ class UmbridgeClient {
   void wait(double seconds) const;
   [[nodiscard]] Json about(const std::string& path) const;
   [[nodiscard]] std::vector<std::size_t> sizes(const std::string& path, const char* key) const;
-  [[nodiscard]] Answered<std::vector<double>> action(const std::string& path, Json body, const Blocks& input, std::size_t out_wrt, std::size_t in_wrt, std::size_t size) const;
+  [[nodiscard]] Answered<std::vector<double>> action(const std::string& path, Json body, const Blocks& input, std::size_t out_wrt, std::size_t in_wrt,
+                                                     std::size_t size) const;
   UmbridgeOptions options_;
   std::unique_ptr<Connections> connections_;
 };

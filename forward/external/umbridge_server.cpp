@@ -18,7 +18,7 @@ namespace calomel {
 
 namespace {
 
-constexpr time_t idle = 2;              ///< that a connection without a request is kept [s]; the server's end waits for it
+constexpr time_t idle = 2;               ///< that a connection without a request is kept [s]; the server's end waits for it
 constexpr int connections_a_thread = 8;  ///< that are kept open for each evaluation under way
 
 /// Counts evaluations under way and those that wait.
@@ -107,7 +107,8 @@ Json config_of(const Json& body) {
 
 std::size_t index_of(const Json& body, const char* key, std::size_t size) {
   const auto at = body.find(key);
-  if (at == body.end() || !at->is_number_integer() || at->get<std::int64_t>() < 0 || std::size_t(at->get<std::int64_t>()) >= size) refuse(fmt::format("{} must be a whole number from 0 to {}", key, size - 1));
+  if (at == body.end() || !at->is_number_integer() || at->get<std::int64_t>() < 0 || std::size_t(at->get<std::int64_t>()) >= size)
+    refuse(fmt::format("{} must be a whole number from 0 to {}", key, size - 1));
   return at->get<std::size_t>();
 }
 
@@ -131,9 +132,10 @@ const ServedModel& UmbridgeServer::model_of(const Json& body) const {
 
 namespace {
 
-/// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces tell their length, come without one or are compressed, and the
-/// time. What is beyond the bounds is refused, with what is wrong and the status; one that tells so beforehand is not read at all.
-std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest, double seconds) {
+/// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces tell their length, come without one or
+/// are compressed, and the time. What is beyond the bounds is refused, with what is wrong and the status; one that tells so beforehand is not read at all.
+std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest,
+                      double seconds) {
   const auto too_large = [&] { return Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest), true}; };
   if (const std::string length = request.get_header_value("Content-Length"); !length.empty()) {
     const bool whole = std::all_of(length.begin(), length.end(), [](unsigned char c) { return std::isdigit(c); });
@@ -175,7 +177,8 @@ Json directional(const ServedModel& m, const Json& body, const ServedModel::Dire
   const auto input = input_of(body, m.input_sizes);
   const auto direction = body.find(key);
   if (direction == body.end()) refuse(fmt::format("the request has no {}", key));
-  return {{"output", given(of(input, out_wrt, in_wrt, numbers_of(*direction, on_output ? m.output_sizes[out_wrt] : m.input_sizes[in_wrt], key), config_of(body)))}};
+  return {
+      {"output", given(of(input, out_wrt, in_wrt, numbers_of(*direction, on_output ? m.output_sizes[out_wrt] : m.input_sizes[in_wrt], key), config_of(body)))}};
 }
 
 }  // namespace
@@ -187,7 +190,9 @@ void UmbridgeServer::route() {
     response.status = status;
     response.set_content(body.dump(-1, ' ', false, Json::error_handler_t::replace), "application/json");
   };
-  const auto unknown_path = [](const httplib::Request& request) { return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))}; };
+  const auto unknown_path = [](const httplib::Request& request) {
+    return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))};
+  };
   // The library closes a connection when an answer cannot be written whole, and of its own accord never: what is said last says that it cannot go on.
   const auto refused = [send](httplib::Response& response, const Refusal& r) {
     send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}});
@@ -209,22 +214,23 @@ void UmbridgeServer::route() {
   });
   // What is no JSON, NaN and Infinity included, is refused.
   const auto answer = [this, send, refused](const std::string& path, bool heavy, std::function<Json(const Json&)> make) {
-    http_->server.Post(path, [this, send, refused, heavy, make](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
-      try {
-        const Json body = shallow_json(read_body(request, read, response, options_.largest_body, options_.timeout));
-        if (!body.is_object()) refuse(fmt::format("the body is not a JSON object of at most {} levels", deepest_json));
-        if (!heavy) return send(response, 200, make(body));
-        if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already, or the server ends"};
-        const std::shared_ptr<void> leaving(nullptr, [this](void*) { http_->turnstile.leave(); });
-        send(response, 200, make(body));
-      } catch (const Refusal& r) {
-        refused(response, r);
-      } catch (const InputError& e) {
-        refused(response, {400, "InvalidInput", e.what()});
-      } catch (const std::exception& e) {
-        refused(response, {500, "InvalidOutput", e.what()});
-      }
-    });
+    http_->server.Post(path,
+                       [this, send, refused, heavy, make](const httplib::Request& request, httplib::Response& response, const httplib::ContentReader& read) {
+                         try {
+                           const Json body = shallow_json(read_body(request, read, response, options_.largest_body, options_.timeout));
+                           if (!body.is_object()) refuse(fmt::format("the body is not a JSON object of at most {} levels", deepest_json));
+                           if (!heavy) return send(response, 200, make(body));
+                           if (!http_->turnstile.enter()) throw Refusal{503, "ServerBusy", "too many requests wait already, or the server ends"};
+                           const std::shared_ptr<void> leaving(nullptr, [this](void*) { http_->turnstile.leave(); });
+                           send(response, 200, make(body));
+                         } catch (const Refusal& r) {
+                           refused(response, r);
+                         } catch (const InputError& e) {
+                           refused(response, {400, "InvalidInput", e.what()});
+                         } catch (const std::exception& e) {
+                           refused(response, {500, "InvalidOutput", e.what()});
+                         }
+                       });
   };
   server.Get("/Info", [this, send](const httplib::Request&, httplib::Response& response) {
     Json names = Json::array();
@@ -268,7 +274,8 @@ void UmbridgeServer::route() {
   });
 }
 
-UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions options) : models_(std::move(models)), options_(std::move(options)), http_(std::make_unique<Http>(options_.threads, options_.waiting)) {
+UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions options)
+    : models_(std::move(models)), options_(std::move(options)), http_(std::make_unique<Http>(options_.threads, options_.waiting)) {
   auto& server = http_->server;
   const int workers = options_.threads * connections_a_thread + options_.waiting;
   server.new_task_queue = [workers] { return new httplib::ThreadPool(std::size_t(workers)); };
@@ -284,7 +291,9 @@ UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions opt
   route();
   port_ = options_.port == 0 ? server.bind_to_any_port(options_.host) : server.bind_to_port(options_.host, options_.port) ? options_.port : -1;
   if (port_ < 0)
-    throw InputError({.problem = fmt::format("nothing can be served at {}", options_.host), .key = "--port", .value = std::to_string(options_.port),
+    throw InputError({.problem = fmt::format("nothing can be served at {}", options_.host),
+                      .key = "--port",
+                      .value = std::to_string(options_.port),
                       .suggestion = "another program has the port, or the host is not of this machine; take another, or --port 0 for any that is free"});
 }
 

@@ -91,9 +91,8 @@ void read_bound_parameters(CaseFile& file, LineCase& c) {
   bind_parameters(file, c.parameters, [&](const Parameter& p) {
     for (const auto& m : c.mechanisms)
       if (p.key.starts_with("mechanism." + m.name + '.') && !m.enabled)
-        throw InputError({.problem = "this mechanism is not part of the model",
-                          .value = '"' + p.key + '"',
-                          .suggestion = "set mechanism." + m.name + ".enabled = true"});
+        throw InputError(
+            {.problem = "this mechanism is not part of the model", .value = '"' + p.key + '"', .suggestion = "set mechanism." + m.name + ".enabled = true"});
     return c.number(p.key);
   });
   for (auto& p : c.parameters) take_over(file, p, find_number(c, p.key).info);

@@ -12,7 +12,9 @@ struct ModelOptions {
   std::string kind = "built_in";
   template <class V>
   void visit(V& v) {
-    v("kind", kind, {.doc = "built_in: the explicit solver on a mesh; line: waves along a bar or a pipe, [line]; umbridge: a model outside", .choices = {"built_in", "line", "umbridge"}});
+    v("kind", kind,
+      {.doc = "built_in: the explicit solver on a mesh; line: waves along a bar or a pipe, [line]; umbridge: a model outside",
+       .choices = {"built_in", "line", "umbridge"}});
   }
 };
 

@@ -7,7 +7,8 @@
 
 namespace calomel {
 
-/// The mechanisms that the line offers (LineModel::offered). The response of one station alone is a group like any other; of several, one acts on each of them alone.
+/// The mechanisms that the line offers (LineModel::offered). The response of one station alone is a group like any other; of several, one acts on each of them
+/// alone.
 [[nodiscard]] std::vector<ParameterGroup> offered_groups(const LineModel& model);
 
 }  // namespace calomel

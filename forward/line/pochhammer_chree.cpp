@@ -45,7 +45,8 @@ std::optional<double> root_near(double Omega, double middle, double poisson) {
       if (std::signbit(at) == std::signbit(at_middle)) continue;
       const double low = side < 0 ? middle - d : middle + d - away, high = low + away;
       std::uintmax_t most = 60;
-      const auto bracket = boost::math::tools::toms748_solve(f, low, high, side < 0 ? at : f(low), side < 0 ? f(high) : at, boost::math::tools::eps_tolerance<double>(46), most);
+      const auto bracket =
+          boost::math::tools::toms748_solve(f, low, high, side < 0 ? at : f(low), side < 0 ? f(high) : at, boost::math::tools::eps_tolerance<double>(46), most);
       return 0.5 * (bracket.first + bracket.second);
     }
   return std::nullopt;
@@ -56,8 +57,8 @@ std::optional<double> root_near(double Omega, double middle, double poisson) {
 PochhammerChreeMode::PochhammerChreeMode(double poisson, double greatest) {
   expect(poisson >= 0 && poisson < 0.5 && greatest >= 0, "Poisson's ratio is 0 to below 0.5");
   Omega_ = {0}, speed_ = {1};
-  // From the line through the last two roots outwards in small steps to the next change of sign; the second mode is at least a twelfth of the speed away. Of a small ratio the speed falls within a
-  // short stretch: where no root is near, the step is halved.
+  // From the line through the last two roots outwards in small steps to the next change of sign; the second mode is at least a twelfth of the speed away. Of a
+  // small ratio the speed falls within a short stretch: where no root is near, the step is halved.
   constexpr double slow = 0.02, fast = 0.1, bend = 4, shortest = 1e-5;
   double step = slow;
   while (poisson > 0 && Omega_.back() < greatest) {
@@ -66,7 +67,8 @@ PochhammerChreeMode::PochhammerChreeMode(double poisson, double greatest) {
     const double rise = n > 1 ? (speed_[n - 1] - speed_[n - 2]) / (Omega_[n - 1] - Omega_[n - 2]) : 0;
     std::optional<double> root;
     while (!(root = root_near(Omega_.back() + step, speed_.back() + rise * step, poisson)))
-      if ((step /= 2) < shortest) throw NumericsError(fmt::format("the first Pochhammer-Chree mode is lost at Omega = {:.3g} (Poisson's ratio {:.4g})", Omega_.back(), poisson));
+      if ((step /= 2) < shortest)
+        throw NumericsError(fmt::format("the first Pochhammer-Chree mode is lost at Omega = {:.3g} (Poisson's ratio {:.4g})", Omega_.back(), poisson));
     Omega_.push_back(Omega_.back() + step), speed_.push_back(*root);
   }
   // Slopes of the cubics from three neighbours, exact for parabolas; even in Omega at 0.

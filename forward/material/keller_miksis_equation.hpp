@@ -1,6 +1,6 @@
 #pragma once
-/// The equation of keller_miksis.hpp for numbers and for vectors of them. Without includes, and inlined wherever it is used, so that kernels of every instruction set may take
-/// it in.
+/// The equation of keller_miksis.hpp for numbers and for vectors of them. Without includes, and inlined wherever it is used, so that kernels of every
+/// instruction set may take it in.
 
 namespace calomel {
 
@@ -10,7 +10,8 @@ template <class Bubble, class V>
 [[gnu::always_inline]] inline V bubble_acceleration(const Bubble& b, V r, V v, V p, V gas) {
   // One division serves 1/r and the inertia; those by numbers of the liquid are done once for many bubbles.
   const double per_sound_speed = 1 / b.sound_speed, per_density = 1 / b.density;
-  const V mach = v * per_sound_speed, inertia = (1 - mach) * r + 4 * b.viscosity * per_density * per_sound_speed, inverse = 1 / (r * inertia), per_r = inverse * inertia;
+  const V mach = v * per_sound_speed, inertia = (1 - mach) * r + 4 * b.viscosity * per_density * per_sound_speed, inverse = 1 / (r * inertia),
+          per_r = inverse * inertia;
   const V tension = 2 * b.surface_tension * per_r, drag = 4 * b.viscosity * per_r;
   const V surface = gas - tension - drag * v;
   // dp_B/dt = (-3 kappa gas + tension + drag v) v/R - drag R''; its last part joins the inertia.

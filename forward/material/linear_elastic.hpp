@@ -9,9 +9,7 @@ struct LinearElastic {
   double lambda;  ///< first Lame constant [Pa]
   double mu;      ///< shear modulus [Pa]
 
-  static LinearElastic from_young(double young, double poisson) {
-    return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
-  }
+  static LinearElastic from_young(double young, double poisson) { return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))}; }
   [[nodiscard]] double young() const { return mu * (3 * lambda + 2 * mu) / (lambda + mu); }
   /// Modulus of plane longitudinal waves, lambda + 2 mu = rho c_L^2 [Pa].
   [[nodiscard]] double longitudinal_modulus() const { return lambda + 2 * mu; }
@@ -19,8 +17,8 @@ struct LinearElastic {
 
 /// `[material.steel]`; the defaults are 316L (physics.md section 2).
 struct SteelOptions {
-  double density = 7960;   // kg/m^3
-  double young = 193e9;    // Pa
+  double density = 7960;  // kg/m^3
+  double young = 193e9;   // Pa
   double poisson = 0.29;
   template <class V>
   void visit(V& v) {

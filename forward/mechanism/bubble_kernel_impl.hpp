@@ -77,7 +77,8 @@ CALOMEL_INLINE V pressure(const BubblyNumbers& b, V strain, V heating, V rate, V
 
 CALOMEL_INLINE V gas_pressure(const BubblyNumbers& b, V radius) { return b.gas_at_rest * exp_of(-3 * b.polytropic * log_of(radius * (1 / b.radius))); }
 
-/// Gas pressure about a radius at which it is known: gas (1 + d)^(-3 kappa) by its series to d^7, d = r/r0 - 1, which leaves less than 1e-11 of it for |d| < 0.02.
+/// Gas pressure about a radius at which it is known: gas (1 + d)^(-3 kappa) by its series to d^7, d = r/r0 - 1, which leaves less than 1e-11 of it for |d| <
+/// 0.02.
 struct GasNearby {
   static constexpr int terms = 8;
   double coefficient[terms];
@@ -171,7 +172,8 @@ CALOMEL_INLINE BubbleFailure advance_points(const BubblyNumbers& b, const GasNea
   };
   const auto store = [&](int k, double* to, V x) __attribute__((always_inline)) {
     const std::size_t at = first + std::size_t(k * width);
-    if (at + width <= points.count) *reinterpret_cast<Unaligned*>(to + at) = x;
+    if (at + width <= points.count)
+      *reinterpret_cast<Unaligned*>(to + at) = x;
     else
       for (std::size_t l = 0; at + l < points.count; ++l) to[at + l] = x[l];
   };

@@ -9,7 +9,8 @@
 namespace calomel {
 
 /// Bubbly mercury at points. State of a point: R [m], dR/dt [m/s], and p0 one step earlier [Pa]. Within a step e_v and p0 run linearly in
-/// time while p and R advance together, several points at a time (bubble_kernel.hpp). Errors: LiquidPointError where alpha > 0.1 or a collapse cannot be followed.
+/// time while p and R advance together, several points at a time (bubble_kernel.hpp). Errors: LiquidPointError where alpha > 0.1 or a collapse cannot be
+/// followed.
 class BubblyLiquid : public LiquidLaw {
  public:
   /// `liquid`: of the mercury without bubbles, its viscosity the regularising one; `bubble`: of density and sound speed of that mercury.

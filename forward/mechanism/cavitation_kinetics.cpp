@@ -14,7 +14,8 @@ void advance_voids(const Riemer& liquid, const LiquidPoints& points, const Grown
   const double k = liquid.bulk_modulus, dt = points.dt, lag = dt > 0 ? liquid.viscosity / (k * dt) : 0;
   const double cutoff = std::min(liquid.tensile_cutoff, 1e30);  // finite, so that mercury which never gives way needs no case of its own
   for (std::size_t i = 0; i < points.count; ++i) {
-    const double stretch = points.strain[i] + lag * (points.strain[i] - points.strain_before[i]) - points.heating[i] / k, x = stretch - cutoff / k, alpha = grown(points.state[i], x);
+    const double stretch = points.strain[i] + lag * (points.strain[i] - points.strain_before[i]) - points.heating[i] / k, x = stretch - cutoff / k,
+                 alpha = grown(points.state[i], x);
     points.pressure[i] = alpha > 0 ? -cutoff - k * (x - alpha) : -k * stretch;  // the cutoff itself, to the bit, where the void is as large as it would be
   }
 }
@@ -63,12 +64,24 @@ MechanismKey time_constant(const char* name, const char* doc) {
 }  // namespace
 
 MechanismEntry cavitation_kinetics() {
-  return {.law = "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant, or as nuclei grow against the mercury's inertia",
+  return {.law =
+              "p = p0 - K (e_v - alpha) - eta de_v/dt, the void alpha following the stretch beyond the cutoff with a time constant, or as nuclei grow against "
+              "the mercury's inertia",
           .plain = "voids in the mercury that open and close slowly",
           .check = "see whether other records of the same mercury ask for the same times, or the same nuclei",
-          .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"), time_constant("collapse_time", "of a void that closes"),
-                   {.name = "nuclei_spacing", .unit = "m", .off = 0, .low = 1e-4, .high = 1e-2, .log_uniform = true, .least = 0, .greatest = 1,
-                    .doc = "mean distance of the nuclei from which voids grow, n^(-1/3) of n in a volume: the mercury's inertia about each holds it up; in place of the two times", .law = "inertia"}},
+          .keys = {time_constant("growth_time", "of a void that grows: so long the mercury holds more than its cutoff"),
+                   time_constant("collapse_time", "of a void that closes"),
+                   {.name = "nuclei_spacing",
+                    .unit = "m",
+                    .off = 0,
+                    .low = 1e-4,
+                    .high = 1e-2,
+                    .log_uniform = true,
+                    .least = 0,
+                    .greatest = 1,
+                    .doc = "mean distance of the nuclei from which voids grow, n^(-1/3) of n in a volume: the mercury's inertia about each holds it up; in "
+                           "place of the two times",
+                    .law = "inertia"}},
           .like_the_mesh = true,
           .cost = 1.2,
           .setup = slow_walls,

@@ -37,10 +37,12 @@ void CorrectedLiquid::advance(const LiquidPoints& points) const {
       stays = std::max(stays, stay[k]);
     }
     double &late = points.state[i], &alpha = points.state[points.stride + i];
-    const double k = liquid_.bulk_modulus * (1 + sum.stiffness), sigma = cutoff * (1 + sum.cutoff), rate = dt > 0 ? (points.strain[i] - points.strain_before[i]) / dt : 0;
+    const double k = liquid_.bulk_modulus * (1 + sum.stiffness), sigma = cutoff * (1 + sum.cutoff),
+                 rate = dt > 0 ? (points.strain[i] - points.strain_before[i]) / dt : 0;
     const double elastic = points.heating[i] - k * points.strain[i];
     late += follows * (elastic - late);
-    const double p = elastic + sum.lag * (late - elastic) - (liquid_.viscosity + sum.viscosity + sum.quadratic_viscosity * std::abs(rate)) * rate, x = (-p - sigma) / k;  // x: the stretch beyond the cutoff
+    const double p = elastic + sum.lag * (late - elastic) - (liquid_.viscosity + sum.viscosity + sum.quadratic_viscosity * std::abs(rate)) * rate,
+                 x = (-p - sigma) / k;  // x: the stretch beyond the cutoff
     alpha = std::max(0.0, x < alpha ? x + stays * (alpha - x) : x);
     points.pressure[i] = alpha > std::max(0.0, x) ? -sigma + k * (alpha - x) : std::max(p, -sigma);
   }
@@ -85,7 +87,9 @@ MechanismKey term(const char* name, const char* unit, double range, double least
   return {.name = name, .unit = unit, .off = 0, .low = -range, .high = range, .least = least, .doc = doc};
 }
 
-MechanismKey edge(const char* name, double off) { return {.name = name, .unit = "m", .off = off, .low = -anywhere, .high = anywhere, .decides = false, .doc = "edge of the part of the mercury"}; }
+MechanismKey edge(const char* name, double off) {
+  return {.name = name, .unit = "m", .off = off, .low = -anywhere, .high = anywhere, .decides = false, .doc = "edge of the part of the mercury"};
+}
 
 }  // namespace
 
@@ -100,9 +104,16 @@ const MechanismEntry& correction() {
                                    term("mass", "kg/m^2", 40, -infinity, "mass on a wall"),
                                    term("damping", "Pa s/m", 2e6, -infinity, "a force on a wall against its velocity"),
                                    term("slip", "Pa s/m", 2e6, -infinity, "a drag between a wall and the mercury along it"),
-                                   edge("x_begin", -anywhere), edge("x_end", anywhere), edge("z_begin", -anywhere), edge("z_end", anywhere)};
+                                   edge("x_begin", -anywhere),
+                                   edge("x_end", anywhere),
+                                   edge("z_begin", -anywhere),
+                                   edge("z_end", anywhere)};
     for (auto& k : stretch_keys(wall_names())) keys.push_back(std::move(k));
-    return MechanismEntry{.law = "terms of a part of the mercury or of a stretch of a wall", .plain = "physics without a name", .keys = std::move(keys), .fields = act_on_wall, .liquid = corrected_liquid};
+    return MechanismEntry{.law = "terms of a part of the mercury or of a stretch of a wall",
+                          .plain = "physics without a name",
+                          .keys = std::move(keys),
+                          .fields = act_on_wall,
+                          .liquid = corrected_liquid};
   }();
   return entry;
 }

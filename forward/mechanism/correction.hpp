@@ -1,6 +1,6 @@
 #pragma once
-/// Terms that stand for physics without a name: what a part of the mercury or a stretch of a wall would have to do beside the base model. A diagnosis that ends at "unknown" asks of
-/// each what it would be worth, and so describes what is missing. No mechanism of a case file: mechanisms() does not list it.
+/// Terms that stand for physics without a name: what a part of the mercury or a stretch of a wall would have to do beside the base model. A diagnosis that ends
+/// at "unknown" asks of each what it would be worth, and so describes what is missing. No mechanism of a case file: mechanisms() does not list it.
 #include "forward/material/riemer.hpp"
 #include "forward/mechanism/mechanism.hpp"
 
@@ -48,7 +48,8 @@ class CorrectedLiquid : public LiquidLaw {
   std::vector<CorrectedPart> parts_;
 };
 
-/// Several may act in one run, by the names correction_1, correction_2 and so on. Keys: the terms of the mercury, those of a wall (mass, damping, slip), and where they act (`wall`, `begin`, `end`; `x_begin` to `z_end`).
+/// Several may act in one run, by the names correction_1, correction_2 and so on. Keys: the terms of the mercury, those of a wall (mass, damping, slip), and
+/// where they act (`wall`, `begin`, `end`; `x_begin` to `z_end`).
 const MechanismEntry& correction();
 
 inline constexpr double anywhere = 1e3;  ///< an edge of a part that has none [m]

@@ -39,13 +39,20 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
 }  // namespace
 
 MechanismEntry interface() {
-  std::vector<MechanismKey> keys{{.name = "strength", .unit = "Pa", .off = infinity, .low = 0, .high = 1.5e5, .least = 0,
-                                  .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds", .shows_below = "material.mercury.tensile_cutoff"}};
+  std::vector<MechanismKey> keys{{.name = "strength",
+                                  .unit = "Pa",
+                                  .off = infinity,
+                                  .low = 0,
+                                  .high = 1.5e5,
+                                  .least = 0,
+                                  .doc = "tension at which the face opens; shows below the mercury's cutoff alone; inf = holds",
+                                  .shows_below = "material.mercury.tensile_cutoff"}};
   for (auto& k : stretch_keys(faces())) keys.push_back(std::move(k));
   return {.law = "a wetted face opens at the normal traction -strength, carries none while open, and closes without rebound",
           .plain = "a wetted wall that the mercury leaves early",
           .check = "look at how well the mercury wets that wall: its surface, oxide, gas at it",
-          .keys = std::move(keys), .fields = weaken};
+          .keys = std::move(keys),
+          .fields = weaken};
 }
 
 }  // namespace calomel

@@ -12,8 +12,8 @@ constexpr double picture_interval = 4e-6;  ///< about [s]
 constexpr double least_span = 2e-3;        ///< [s]
 constexpr double records_spanned = 3;
 
-/// Symmetric taps, sum 1, of a low pass that leaves all below `highest` and nothing above 3 `highest` [Hz]: a sinc of 2 `highest` under Blackman's window, whose
-/// transition is 5.5 / length wide.
+/// Symmetric taps, sum 1, of a low pass that leaves all below `highest` and nothing above 3 `highest` [Hz]: a sinc of 2 `highest` under Blackman's window,
+/// whose transition is 5.5 / length wide.
 std::vector<double> low_pass_taps(double highest, double interval) {
   const auto half = std::ptrdiff_t(std::ceil(0.5 * 5.5 / (2 * highest * interval)));
   std::vector<double> taps;
@@ -37,7 +37,10 @@ void add(std::vector<Vec3>& to, double weight, const std::vector<Vec3>& field) {
 }  // namespace
 
 LeftStates::LeftStates(double record, double output_interval, double highest)
-    : interval_(output_interval > picture_interval ? output_interval / std::ceil(output_interval / picture_interval) : output_interval * std::round(picture_interval / output_interval)), taps_(low_pass_taps(highest, interval_)), sums_(count) {
+    : interval_(output_interval > picture_interval ? output_interval / std::ceil(output_interval / picture_interval)
+                                                   : output_interval * std::round(picture_interval / output_interval)),
+      taps_(low_pass_taps(highest, interval_)),
+      sums_(count) {
   const double half = double(taps_.size() / 2) * interval_, first = record + half, span = std::max(least_span, records_spanned * record);
   for (std::size_t k = 1; k <= count; ++k) {
     const double turns = double(k) * std::numbers::phi;

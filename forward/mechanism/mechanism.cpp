@@ -28,7 +28,8 @@ bool EnabledMechanism::off(const std::function<double(const MechanismKey&)>& off
     if (!k.decides) return true;
     const double off = off_value(k);
     if (values[k.name] != off) return false;
-    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(), [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == off; });
+    return std::all_of(values.by_sensor().begin(), values.by_sensor().end(),
+                       [&](const auto& own) { return !own.first.ends_with('.' + k.name) || own.second == off; });
   });
 }
 
@@ -82,13 +83,14 @@ std::vector<std::string> gauge_tables(const CaseFile& file, const std::string& p
 
 }  // namespace
 
-MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor, std::span<const std::string> sensors,
-                                    std::vector<std::string> extra) {
+MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor,
+                                    std::span<const std::string> sensors, std::vector<std::string> extra) {
   const std::string path = "mechanism." + name;
   if (file.has(path + ".parameter"))
-    throw file.located(InputError({.problem = "only a model outside has its mechanisms' numbers here",
-                                   .key = path + ".parameter",
-                                   .suggestion = fmt::format("to fit a number write [parameter.NAME] with key = \"{}.{}\", min and max", path, keys.empty() ? "KEY" : keys[0].name)}));
+    throw file.located(InputError(
+        {.problem = "only a model outside has its mechanisms' numbers here",
+         .key = path + ".parameter",
+         .suggestion = fmt::format("to fit a number write [parameter.NAME] with key = \"{}.{}\", min and max", path, keys.empty() ? "KEY" : keys[0].name)}));
   MechanismTable table{.values = MechanismValues(keys)};
   const std::vector<std::string> gauges = per_sensor ? gauge_tables(file, path, sensors) : std::vector<std::string>{};
   extra.insert(extra.end(), gauges.begin(), gauges.end());
@@ -117,8 +119,10 @@ MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sen
                                      .key = path + ".enabled",
                                      .value = "true",
                                      .suggestion = "remove the line; a listed mechanism without it is accepted"}));
-    if (!entry.built()) tables.notes.push_back("mechanism." + name + ": not built yet, not offered");
-    else if (enabled) tables.enabled.push_back(std::move(mechanism));
+    if (!entry.built())
+      tables.notes.push_back("mechanism." + name + ": not built yet, not offered");
+    else if (enabled)
+      tables.enabled.push_back(std::move(mechanism));
   }
   return tables;
 }

@@ -25,18 +25,21 @@ namespace calomel {
 struct MechanismKey {
   std::string name;
   std::string unit;
-  double off;               ///< infinite where the law says "none"; the default of a key that does not decide
-  double low, high;         ///< default prior range
+  double off;        ///< infinite where the law says "none"; the default of a key that does not decide
+  double low, high;  ///< default prior range
   bool log_uniform = false;
-  bool decides = true;      ///< the mechanism is off when every deciding key has its off value
-  bool asked = true;        ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
-  std::optional<int> off_centre = std::nullopt;  ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of
-  bool shapes = false;      ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
+  bool decides = true;  ///< the mechanism is off when every deciding key has its off value
+  bool asked = true;    ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
+  std::optional<int> off_centre =
+      std::nullopt;     ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of
+  bool shapes = false;  ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();  ///< what the law allows
   std::string doc;
-  std::string shows_below;  ///< number of the case below which alone its value shows ("material.mercury.tensile_cutoff"), and from which on it is off; empty: none
-  std::string off_at;       ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
-  std::string law;          ///< of several laws of one mechanism, each with keys of its own, the word for the one that this key is of; empty: of all. A diagnosis asks for each law apart
+  std::string
+      shows_below;     ///< number of the case below which alone its value shows ("material.mercury.tensile_cutoff"), and from which on it is off; empty: none
+  std::string off_at;  ///< number of the case ("load.pulse_length") that is the off value, and the value until one is set; `off` is then what it is by default
+  std::string law;  ///< of several laws of one mechanism, each with keys of its own, the word for the one that this key is of; empty: of all. A diagnosis asks
+                    ///< for each law apart
   std::vector<std::string> choices;  ///< a word in the case file, one of these; its value is that one's index. Such a key does not decide and is no parameter
 };
 
@@ -75,7 +78,7 @@ struct MechanismEntry {
   std::string plain;  ///< what is left out without it, for a reader who knows no law: "the proton beam's profile"
   std::string check;  ///< what to do where it is named: "compare ..."
   std::vector<MechanismKey> keys;
-  bool per_sensor = false;  ///< `[mechanism.NAME.SENSOR]` tables are allowed
+  bool per_sensor = false;     ///< `[mechanism.NAME.SENSOR]` tables are allowed
   bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot tell the two apart
   bool needs_rear = false;     ///< it acts on a non-reflecting rear face alone, and is offered where there is one
   double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
@@ -88,7 +91,8 @@ struct MechanismEntry {
   /// Numbers of the run: viscosity, damping, boundary.
   void (*setup)(const MechanismValues&, RunSetup&) = nullptr;
   /// Fields of the run, by element, node or slip pair, once its numbers and its heat are known: thermal_strain, initial_displacement, initial_velocity,
-  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run; its factor counts in how strong the run's condition is beside [load].
+  /// initial_stress, slip_strength. What is there already it adds to. The load is that of the run; its factor counts in how strong the run's condition is
+  /// beside [load].
   void (*fields)(const MechanismValues&, const Mesh&, const LoadOptions&, RunSetup&) = nullptr;
   /// A liquid law of its own, after all of these.
   std::shared_ptr<const LiquidLaw> (*liquid)(const MechanismValues&, const RunSetup&) = nullptr;
@@ -118,7 +122,7 @@ struct EnabledMechanism {
 struct MechanismTables {
   std::vector<EnabledMechanism> enabled;
   std::vector<std::string> listed;  ///< all that have a table
-  std::vector<std::string> notes;  ///< e.g. that a listed one is not built
+  std::vector<std::string> notes;   ///< e.g. that a listed one is not built
 };
 
 /// What one `[mechanism.NAME]` says.
@@ -128,8 +132,8 @@ struct MechanismTable {
 };
 
 /// Reads it: the keys, with `per_sensor` tables of single sensors; `extra` keys are left to others. Errors: InputError with the place.
-MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor, std::span<const std::string> sensors,
-                                    std::vector<std::string> extra = {});
+MechanismTable read_mechanism_table(CaseFile& file, const std::string& name, const std::vector<MechanismKey>& keys, bool per_sensor,
+                                    std::span<const std::string> sensors, std::vector<std::string> extra = {});
 
 /// Reads `[mechanism.*]`: unknown names, keys and gauges are errors, so is enabling one that is not built.
 MechanismTables read_mechanisms(CaseFile& file, std::span<const std::string> sensors);

@@ -6,11 +6,12 @@
 
 namespace calomel {
 
-/// Mercury of this law at points, without state. Its stiffness K (1 - e)^(m - 1) has no bound of its own: that at `greatest_pressure` [Pa] is told to the solver.
-/// Errors: LiquidPointError where that pressure is passed.
+/// Mercury of this law at points, without state. Its stiffness K (1 - e)^(m - 1) has no bound of its own: that at `greatest_pressure` [Pa] is told to the
+/// solver. Errors: LiquidPointError where that pressure is passed.
 class StiffeningLiquid : public LiquidLaw {
  public:
-  StiffeningLiquid(const Riemer& liquid, double exponent, double greatest_pressure) : liquid_(liquid), exponent_(exponent), greatest_pressure_(greatest_pressure) {}
+  StiffeningLiquid(const Riemer& liquid, double exponent, double greatest_pressure)
+      : liquid_(liquid), exponent_(exponent), greatest_pressure_(greatest_pressure) {}
 
   [[nodiscard]] double greatest_stiffness() const override;
   void advance(const LiquidPoints& points) const override;

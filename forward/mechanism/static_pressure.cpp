@@ -12,7 +12,13 @@ MechanismEntry static_pressure() {
   return {.law = "the effective cutoff is sigma_c + p_s",
           .plain = "a static pressure on the mercury",
           .check = "read the pressure of the cover gas and the height of the mercury above the target during these pulses",
-          .keys = {{.name = "pressure", .unit = "Pa", .off = 0, .low = 0, .high = 4e5, .least = 0, .doc = "p_s, added to the tensile cutoff: no strain tells the two apart, only their sum"}},
+          .keys = {{.name = "pressure",
+                    .unit = "Pa",
+                    .off = 0,
+                    .low = 0,
+                    .high = 4e5,
+                    .least = 0,
+                    .doc = "p_s, added to the tensile cutoff: no strain tells the two apart, only their sum"}},
           .setup = shift_cutoff};
 }
 

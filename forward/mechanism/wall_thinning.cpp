@@ -16,12 +16,15 @@ void thin(const MechanismValues& v, Mesh& mesh) {
 }  // namespace
 
 MechanismEntry wall_thinning() {
-  std::vector<MechanismKey> keys{{.name = "fraction", .unit = "", .off = 0, .low = 0, .high = 0.5, .least = 0, .greatest = 0.9, .doc = "of the thickness that is gone"}};
+  std::vector<MechanismKey> keys{
+      {.name = "fraction", .unit = "", .off = 0, .low = 0, .high = 0.5, .least = 0, .greatest = 0.9, .doc = "of the thickness that is gone"}};
   for (auto& k : stretch_keys(wall_names())) keys.push_back(std::move(k));
   return {.law = "h -> h (1 - fraction) from inside, over a stretch of a wall",
           .plain = "a wall that is thinner than drawn",
           .check = "measure the thickness of that wall",
-          .keys = std::move(keys), .cost = 1.4, .mesh = thin};
+          .keys = std::move(keys),
+          .cost = 1.4,
+          .mesh = thin};
 }
 
 }  // namespace calomel

@@ -96,7 +96,8 @@ class AbaqusReader {
   }
 
  private:
-  [[noreturn]] void fail(int line, const std::string& problem, const std::string& suggestion, const std::string& value = "", const std::string& range = "") const {
+  [[noreturn]] void fail(int line, const std::string& problem, const std::string& suggestion, const std::string& value = "",
+                         const std::string& range = "") const {
     throw InputError({.problem = problem, .value = value, .range = range, .suggestion = suggestion, .file = mesh_.path.string(), .line = line});
   }
 
@@ -122,8 +123,8 @@ class AbaqusReader {
     static const std::set<std::string> generated{"ngen", "nfill", "ncopy", "nmap", "elgen", "elcopy", "system"};
     static const std::set<std::string> ties{"tie", "equation", "mpc", "contact pair", "rigid body", "kinematic coupling", "coupling", "boundary"};
     if (parts.contains(k.name))
-      fail(k.line, "parts and instances are not read", "write a flat file: in Abaqus/CAE set the model's attribute noPartsInputFile, or export the mesh as orphan mesh",
-           "*" + k.name);
+      fail(k.line, "parts and instances are not read",
+           "write a flat file: in Abaqus/CAE set the model's attribute noPartsInputFile, or export the mesh as orphan mesh", "*" + k.name);
     if (k.name == "include") fail(k.line, "files within files are not read", "paste the included lines in place of this one", "*include");
     if (generated.contains(k.name)) fail(k.line, "nodes and elements that are generated are not read", "write every node and element out", "*" + k.name);
     if (ties.contains(k.name) && told_.insert(k.name).second)
@@ -179,7 +180,8 @@ class AbaqusReader {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto value = decimal(words[1 + k]);
       if (!value) fail(number, fmt::format("coordinate {} of node {} is no number", "xyz"[k], *label), "", words[1 + k]);
-      if (!std::isfinite(*value)) fail(number, fmt::format("coordinate {} of node {} is not finite", "xyz"[k], *label), "a finite number is expected", words[1 + k]);
+      if (!std::isfinite(*value))
+        fail(number, fmt::format("coordinate {} of node {} is not finite", "xyz"[k], *label), "a finite number is expected", words[1 + k]);
       x[k] = *value;
     }
     if (!node_of_.try_emplace(*label, NodeId(mesh_.nodes.size())).second) fail(number, fmt::format("node {} is given twice", *label), "number the nodes anew");
@@ -210,8 +212,8 @@ class AbaqusReader {
   }
   void finish_element() const {
     if (!pending_.empty())
-      fail(pending_line_, fmt::format("element {} has only {} nodes", pending_[0], pending_.size() - 1), "the file is cut short, or the element is no hexahedron", "",
-           "8 nodes");
+      fail(pending_line_, fmt::format("element {} has only {} nodes", pending_[0], pending_.size() - 1),
+           "the file is cut short, or the element is no hexahedron", "", "8 nodes");
   }
 
   void entries(Sets& sets, const std::vector<std::string>& words, int number) {
@@ -287,7 +289,8 @@ class AbaqusReader {
         auto& set = mesh_.side_sets[name];
         if (const auto label = whole_number(entry.word)) {
           const auto found = element_of_.find(*label);
-          if (found == element_of_.end()) fail(entry.line, fmt::format("surface \"{}\" names element {}, which is not in the file", name, *label), "", entry.word);
+          if (found == element_of_.end())
+            fail(entry.line, fmt::format("surface \"{}\" names element {}, which is not in the file", name, *label), "", entry.word);
           set.push_back(6 * found->second + entry.face);
         } else {
           if (!mesh_.element_sets.contains(entry.word)) unknown_set(elsets_, entry, "element");

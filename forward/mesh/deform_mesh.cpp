@@ -120,13 +120,14 @@ std::vector<double> lengths_along(const Mesh& mesh, const std::vector<NodeId>& c
   return s;
 }
 
-/// Calls f(face, behind, wall) for every face of a steel element with mercury behind it that belongs to a wall of this name, its columns being those through the wall;
-/// without a name: of any, those of plates with mercury on both sides as well.
+/// Calls f(face, behind, wall) for every face of a steel element with mercury behind it that belongs to a wall of this name, its columns being those through
+/// the wall; without a name: of any, those of plates with mercury on both sides as well.
 template <class F>
 void for_wetted(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match, const std::string* name, F&& f) {
   for (FaceId face = 0; face < FaceId(match.size()); ++face) {
     const FaceId behind = match[std::size_t(face)];
-    if (behind == no_face || mesh.region[std::size_t(element_of(face))] != Region::steel || mesh.region[std::size_t(element_of(behind))] != Region::mercury) continue;
+    if (behind == no_face || mesh.region[std::size_t(element_of(face))] != Region::steel || mesh.region[std::size_t(element_of(behind))] != Region::mercury)
+      continue;
     const Columns wall = walk(mesh, tied, match, face);
     if (name) {
       if (!wall.at_boundary || is_end_of_plate(mesh, tied, match, face)) continue;  // a plate with mercury behind it, or one that is seen from its end
@@ -137,9 +138,10 @@ void for_wetted(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied
   }
 }
 
-/// Shares of the wall about each node of its wetted side, from the middle of one face beside it to that of the next, that lie within the stretch; 0 of all other nodes. An edge across
-/// the stretch's direction has no extent along it: in or out.
-std::vector<double> shares_within(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match, const WallThinning& stretch) {
+/// Shares of the wall about each node of its wetted side, from the middle of one face beside it to that of the next, that lie within the stretch; 0 of all
+/// other nodes. An edge across the stretch's direction has no extent along it: in or out.
+std::vector<double> shares_within(const Mesh& mesh, const std::vector<std::array<NodeId, 8>>& tied, const std::vector<FaceId>& match,
+                                  const WallThinning& stretch) {
   const Eigen::Index axis = stretch.wall == "front" || stretch.wall == "rear" ? 2 : 0;
   const auto along = [&](NodeId n) { return hexahedron::point(mesh.nodes[std::size_t(n)])[axis]; };
   struct Extent {

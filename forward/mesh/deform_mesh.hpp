@@ -31,9 +31,9 @@ struct WallThinning {
 };
 
 /// Moves the wetted side of a wall outwards by `fraction` of the thickness; the outer side, and gauges on it, stay. The
-/// mercury follows, less and less towards the middle of what faces the wall. A node stands for the wall half way to its neighbours along it, and moves by the share of
-/// that which lies between begin and end: what is thinned depends on both without steps.
-/// Errors: InputError on "wall" when the mesh has no such wall between steel and mercury, on "fraction" out of range.
+/// mercury follows, less and less towards the middle of what faces the wall. A node stands for the wall half way to its neighbours along it, and moves by the
+/// share of that which lies between begin and end: what is thinned depends on both without steps. Errors: InputError on "wall" when the mesh has no such wall
+/// between steel and mercury, on "fraction" out of range.
 void thin_wall(Mesh& mesh, const WallThinning& thinning);
 
 struct PairAtWall {

@@ -109,8 +109,7 @@ class ExodusReader {
     for (std::size_t n = 0; n < count; ++n)
       for (std::size_t k = 0; k < 3; ++k) {
         mesh_.nodes[n][k] = x[k][n];
-        if (!std::isfinite(x[k][n]))
-          fail(fmt::format("coordinate {} of node {} is {}", "xyz"[k], mesh_.node_label[n], x[k][n]), "a finite number is expected");
+        if (!std::isfinite(x[k][n])) fail(fmt::format("coordinate {} of node {} is {}", "xyz"[k], mesh_.node_label[n], x[k][n]), "a finite number is expected");
       }
   }
 

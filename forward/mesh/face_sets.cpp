@@ -52,11 +52,12 @@ void refuse_material(const MeshFile& mesh, const std::vector<std::uint8_t>& mate
   const auto first = std::find(material.begin(), material.end(), wrong);
   if (first == material.end()) return;
   const auto e = std::size_t(first - material.begin());
-  throw InputError({.problem = fmt::format("{} of {} elements are {}, the first is {} ({})", std::count(material.begin(), material.end(), wrong), material.size(),
-                                           problem, mesh.element_text(e), sets_of(mesh, e)),
-                    .suggestion = fmt::format("name the sets with geometry.sets.steel and geometry.sets.mercury; those there are {}", join(names_in(mesh.element_sets))),
-                    .file = mesh.path.string(),
-                    .line = mesh.line_of(e)});
+  throw InputError(
+      {.problem = fmt::format("{} of {} elements are {}, the first is {} ({})", std::count(material.begin(), material.end(), wrong), material.size(), problem,
+                              mesh.element_text(e), sets_of(mesh, e)),
+       .suggestion = fmt::format("name the sets with geometry.sets.steel and geometry.sets.mercury; those there are {}", join(names_in(mesh.element_sets))),
+       .file = mesh.path.string(),
+       .line = mesh.line_of(e)});
 }
 
 /// Sets the kinds of free faces, one key after another.
@@ -105,7 +106,8 @@ class Marker {
       const auto i = std::size_t(place_[std::size_t(f)]);
       if (key_[i] && weak) continue;
       if (key_[i])
-        throw InputError({.problem = fmt::format("a side of {} is in sets.{} as well", mesh_.element_text(std::size_t(element_of(f))), key_[i]), .key = std::string("sets.") + key});
+        throw InputError({.problem = fmt::format("a side of {} is in sets.{} as well", mesh_.element_text(std::size_t(element_of(f))), key_[i]),
+                          .key = std::string("sets.") + key});
       key_[i] = key, out_.kind[i] = kind;
     }
   }
@@ -121,7 +123,8 @@ class Marker {
     for (const FaceId f : all) {
       out_.symmetric[std::size_t(f)] = true;
       (normal(f)[axis] > 0 ? above : below) = true;
-      for (const NodeId n : face_nodes(mesh_.elements, f)) low = std::min(low, mesh_.nodes[std::size_t(n)][std::size_t(axis)]), high = std::max(high, mesh_.nodes[std::size_t(n)][std::size_t(axis)]);
+      for (const NodeId n : face_nodes(mesh_.elements, f))
+        low = std::min(low, mesh_.nodes[std::size_t(n)][std::size_t(axis)]), high = std::max(high, mesh_.nodes[std::size_t(n)][std::size_t(axis)]);
     }
     if (axis == 1 && above && below) out_.plane_strain = is_one_layer(all);
     if (above && below) return;
@@ -147,7 +150,9 @@ class Marker {
   FaceId checked_side(const char* key, const std::string& name, FaceId f, int axis) const {
     const std::string where = mesh_.element_text(std::size_t(element_of(f)));
     if (place_[std::size_t(f)] < 0)
-      throw InputError({.problem = fmt::format("it holds a side of {} that is not free, another element lies behind it", where), .key = std::string("sets.") + key, .value = '"' + name + '"'});
+      throw InputError({.problem = fmt::format("it holds a side of {} that is not free, another element lies behind it", where),
+                        .key = std::string("sets.") + key,
+                        .value = '"' + name + '"'});
     if (axis >= 0 && !along(f, axis)) {
       const Point n = normal(f);
       throw InputError({.problem = fmt::format("it holds a side of {} whose normal is ({:.3g}, {:.3g}, {:.3g})", where, n.x(), n.y(), n.z()),
@@ -171,8 +176,8 @@ class Marker {
     if (axis < 0) return;
     const auto loose = std::find(in.begin(), in.end(), 1);
     if (loose != in.end() && std::find(in.begin(), in.end(), 2) != in.end())
-      throw InputError({.problem = fmt::format("{} of its nodes lie on no free face normal to {}, the first is node {}", std::count(in.begin(), in.end(), 1), "xyz"[axis],
-                                               mesh_.node_label[std::size_t(loose - in.begin())]),
+      throw InputError({.problem = fmt::format("{} of its nodes lie on no free face normal to {}, the first is node {}", std::count(in.begin(), in.end(), 1),
+                                               "xyz"[axis], mesh_.node_label[std::size_t(loose - in.begin())]),
                         .key = std::string("sets.") + key,
                         .value = '"' + name + '"',
                         .suggestion = "a node set of a symmetry plane holds the nodes of whole faces"});
@@ -242,7 +247,8 @@ FreeFaces free_faces(const MeshFile& mesh, const SetOptions& sets, std::span<con
   if (bare > 0) {
     const auto e = std::size_t(element_of(out.face[first]));
     const Point c = centre(mesh, out.face[first]);
-    throw InputError({.problem = fmt::format("mercury lies bare on {} free faces, the first of {} at ({:.6g}, {:.6g}, {:.6g}) m", bare, mesh.element_text(e), c.x(), c.y(), c.z()),
+    throw InputError({.problem = fmt::format("mercury lies bare on {} free faces, the first of {} at ({:.6g}, {:.6g}, {:.6g}) m", bare, mesh.element_text(e),
+                                             c.x(), c.y(), c.z()),
                       .range = "mercury ends at steel whose nodes it shares, in sets.rear, or in a symmetry plane",
                       .suggestion = "join it to the steel there, or name its faces with geometry.sets",
                       .file = mesh.path.string(),

@@ -151,7 +151,8 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   plan.angles.erase(std::unique(plan.angles.begin(), plan.angles.end()), plan.angles.end());
   plan.corner = std::size_t(std::find(plan.angles.begin(), plan.angles.end(), corner) - plan.angles.begin());
   // The radial lines converge by a factor of two or three from the outer face to the core: the size asked for is met half way down the layers.
-  const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window}), layers = wall + (plates ? g.jet.channel + g.jet.thickness : 0);
+  const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window}),
+               layers = wall + (plates ? g.jet.channel + g.jet.thickness : 0);
   for (std::size_t i = 0; i + 1 < plan.angles.size(); ++i)
     plan.arc_counts.push_back(g.layer_count((plan.angles[i + 1] - plan.angles[i]) * std::numbers::pi / 180 * (R - layers / 2), false));
   const double flat = *g.height - 2 * R;
@@ -165,7 +166,8 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
 
 void GeometryOptions::validate_mesh_file() const {
   if (file.empty())
-    throw InputError({.problem = "the key is missing and has no default for kind = \"mesh\"", .key = "file", .suggestion = "add file = \"target.exo\" or \"target.inp\""});
+    throw InputError(
+        {.problem = "the key is missing and has no default for kind = \"mesh\"", .key = "file", .suggestion = "add file = \"target.exo\" or \"target.inp\""});
   const std::string does = "mesh";
   refuse(length.has_value(), "length", does), refuse(width.has_value(), "width", does), refuse(height.has_value(), "height", does);
   refuse(wall.has_value(), "wall", does), refuse(radius.has_value(), "radius", does), refuse(nose_radius.has_value(), "nose_radius", does);
@@ -182,7 +184,8 @@ void GeometryOptions::validate_mesh_file() const {
 void GeometryOptions::validate() const {
   if (kind == "mesh") return validate_mesh_file();
   const bool bar = kind == "bar", box = kind == "box", jet_flow = kind == "jet_flow";
-  if (!bar && !box && !jet_flow) throw InputError({.problem = "not a known shape", .key = "kind", .value = '"' + kind + '"', .range = "box, jet_flow, bar, mesh"});
+  if (!bar && !box && !jet_flow)
+    throw InputError({.problem = "not a known shape", .key = "kind", .value = '"' + kind + '"', .range = "box, jet_flow, bar, mesh"});
   refuse(!file.empty(), "file", kind), refuse(scale != 1, "scale", kind), refuse(merge_distance != 0, "merge_distance", kind);
   for (const auto& [key, names] : sets.by_key()) refuse(!names->empty(), "sets." + key, kind);
   if (!bar) refuse(radius.has_value(), "radius", kind);

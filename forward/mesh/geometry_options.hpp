@@ -44,7 +44,8 @@ struct SetOptions {
   void visit(V& v) {
     v("steel", steel, {.doc = "mesh: element sets, blocks or materials of steel (default: those whose name contains \"steel\")"});
     v("mercury", mercury, {.doc = "mesh: those of mercury (default: those whose name contains \"mercury\")"});
-    v("symmetry_x", symmetry_x, {.doc = "mesh: node or side sets of a symmetry plane normal to x (default: a set of this name, if any; so for the keys below)"});
+    v("symmetry_x", symmetry_x,
+      {.doc = "mesh: node or side sets of a symmetry plane normal to x (default: a set of this name, if any; so for the keys below)"});
     v("symmetry_y", symmetry_y, {.doc = "mesh: normal to y; sets on both sides of one layer of elements make plane strain"});
     v("symmetry_z", symmetry_z, {.doc = "mesh: normal to z"});
     v("rear", rear, {.doc = "mesh: node or side sets of the non-reflecting mercury faces"});
@@ -53,8 +54,8 @@ struct SetOptions {
   }
   /// The lists by their keys.
   [[nodiscard]] std::vector<std::pair<std::string, const std::vector<std::string>*>> by_key() const {
-    return {{"steel", &steel}, {"mercury", &mercury}, {"symmetry_x", &symmetry_x}, {"symmetry_y", &symmetry_y},
-            {"symmetry_z", &symmetry_z}, {"rear", &rear}, {"loaded", &loaded}, {"outer", &outer}};
+    return {{"steel", &steel},           {"mercury", &mercury}, {"symmetry_x", &symmetry_x}, {"symmetry_y", &symmetry_y},
+            {"symmetry_z", &symmetry_z}, {"rear", &rear},       {"loaded", &loaded},         {"outer", &outer}};
   }
 };
 
@@ -105,9 +106,13 @@ struct GeometryOptions {
     v("window", window, {.unit = "m", .range = above(0), .doc = "jet_flow: wall thickness at the tip of the nose (default 0.002)"});
     v.table("jet", jet, "jet_flow: the plates that lead a jet along the window");
     v("element_size", element_size,
-      {.unit = "m", .range = above(0), .doc = "longest element edge wanted; layers are divided evenly, the nose of jet_flow half way down its layers (jet_flow: 0.003, bar: radius/4)"});
+      {.unit = "m",
+       .range = above(0),
+       .doc = "longest element edge wanted; layers are divided evenly, the nose of jet_flow half way down its layers (jet_flow: 0.003, bar: radius/4)"});
     v("wall_elements", wall_elements, {.range = at_least(0), .doc = "elements through every wall; 0 = by element_size, but at least 2"});
-    v("wetted", wetted, {.doc = "steel and mercury slip along each other and part where the mercury gives way, slip and never part, or share nodes", .choices = {"slip", "no_separation", "tied"}});
+    v("wetted", wetted,
+      {.doc = "steel and mercury slip along each other and part where the mercury gives way, slip and never part, or share nodes",
+       .choices = {"slip", "no_separation", "tied"}});
     v("file", file, {.doc = "mesh: Exodus II file (.exo, .e, .g), or Abaqus input (.inp)"});
     v("scale", scale, {.range = above(0), .doc = "mesh: factor on the coordinates, 0.001 for a file in millimetres"});
     v("merge_distance", merge_distance, {.unit = "m", .range = at_least(0), .doc = "mesh: nodes nearer than this become one; 0 = none do"});
@@ -124,7 +129,8 @@ struct GeometryOptions {
 
   /// Thickness [m] of "front", "rear", "side", "top" or "bottom". Errors: InputError when neither `walls` nor `wall` gives it.
   [[nodiscard]] double wall_thickness(const std::string& name) const;
-  /// Whether mercury may touch that wall, "front", "rear", "side", "top", "bottom" or "all": there is none behind a non-reflecting rear end, nor at the side in plane strain.
+  /// Whether mercury may touch that wall, "front", "rear", "side", "top", "bottom" or "all": there is none behind a non-reflecting rear end, nor at the side in
+  /// plane strain.
   [[nodiscard]] bool has_wall(const std::string& name) const;
   /// Key that gave that thickness: "walls.top" or "wall".
   [[nodiscard]] std::string wall_key(const std::string& name) const;

@@ -43,7 +43,8 @@ std::vector<std::pair<NodeId, NodeId>> near_pairs(const std::vector<Vec3>& nodes
   };
   const double size = 16 * distance;
   const auto cell = [&](const Vec3& x, double shift_x, double shift_y, double shift_z) {
-    return Cell{std::int64_t(std::floor((x[0] + shift_x) / size)), std::int64_t(std::floor((x[1] + shift_y) / size)), std::int64_t(std::floor((x[2] + shift_z) / size))};
+    return Cell{std::int64_t(std::floor((x[0] + shift_x) / size)), std::int64_t(std::floor((x[1] + shift_y) / size)),
+                std::int64_t(std::floor((x[2] + shift_z) / size))};
   };
   std::unordered_multimap<std::uint64_t, NodeId> at;
   at.reserve(nodes.size());
@@ -101,13 +102,14 @@ void expect_shared(const MeshFile& mesh, std::span<const Region> region) {
     for (const NodeId n : mesh.elements[e]) touches[std::size_t(n)] |= region[e] == Region::steel ? 1 : 2;
   const auto material = [&](NodeId n) { return std::array{"", "steel", "mercury", "steel and mercury"}[std::size_t(touches[std::size_t(n)])]; };
   const auto [a, b] = pairs.front();
-  throw InputError({.problem = fmt::format("parts touch without sharing nodes: {} pairs of nodes lie at the same place, the first of them nodes {} ({}) and {} ({}) at {}",
-                                           pairs.size(), mesh.node_label[std::size_t(a)], material(a), mesh.node_label[std::size_t(b)], material(b),
-                                           place(mesh.nodes[std::size_t(a)])),
-                    .suggestion = fmt::format("merge them in the mesh generator, or with geometry.merge_distance = {:.1g}; steel and mercury share nodes in the "
-                                              "file, wetted = \"slip\" parts them",
-                                              2 * distance),
-                    .file = mesh.path.string()});
+  throw InputError(
+      {.problem = fmt::format("parts touch without sharing nodes: {} pairs of nodes lie at the same place, the first of them nodes {} ({}) and {} ({}) at {}",
+                              pairs.size(), mesh.node_label[std::size_t(a)], material(a), mesh.node_label[std::size_t(b)], material(b),
+                              place(mesh.nodes[std::size_t(a)])),
+       .suggestion = fmt::format("merge them in the mesh generator, or with geometry.merge_distance = {:.1g}; steel and mercury share nodes in the "
+                                 "file, wetted = \"slip\" parts them",
+                                 2 * distance),
+       .file = mesh.path.string()});
 }
 
 }  // namespace
@@ -166,14 +168,17 @@ void expect_sound_elements(const MeshFile& mesh) {
   }
   if (bad == 0) return;
   const bool wedge = names_a_node_twice(mesh.elements[first]);
-  throw InputError({.problem = wedge ? fmt::format("{} names a node twice, as a wedge or a pyramid does ({} of {} elements do)", mesh.element_text(first), twice, mesh.elements.size())
-                                     : fmt::format("{} at {} is turned inside out or has no volume, its least scaled Jacobian is {:.3g} ({} of {} elements)",
-                                                   mesh.element_text(first), place(mesh.nodes[std::size_t(mesh.elements[first][0])]), worst, bad, mesh.elements.size()),
-                    .range = "a scaled Jacobian above 0",
-                    .suggestion = left_handed == mesh.elements.size() ? "every element has its nodes in left-handed order: write the lower face counter-clockwise, seen from above, and then the upper"
-                                                                      : "repair it in the mesh generator",
-                    .file = mesh.path.string(),
-                    .line = mesh.line_of(first)});
+  throw InputError(
+      {.problem = wedge ? fmt::format("{} names a node twice, as a wedge or a pyramid does ({} of {} elements do)", mesh.element_text(first), twice,
+                                      mesh.elements.size())
+                        : fmt::format("{} at {} is turned inside out or has no volume, its least scaled Jacobian is {:.3g} ({} of {} elements)",
+                                      mesh.element_text(first), place(mesh.nodes[std::size_t(mesh.elements[first][0])]), worst, bad, mesh.elements.size()),
+       .range = "a scaled Jacobian above 0",
+       .suggestion = left_handed == mesh.elements.size()
+                         ? "every element has its nodes in left-handed order: write the lower face counter-clockwise, seen from above, and then the upper"
+                         : "repair it in the mesh generator",
+       .file = mesh.path.string(),
+       .line = mesh.line_of(first)});
 }
 
 void expect_joined(const MeshFile& mesh, std::span<const Region> region) {
@@ -184,11 +189,12 @@ void expect_joined(const MeshFile& mesh, std::span<const Region> region) {
   std::unordered_map<NodeId, std::size_t> elements;
   for (const auto& e : mesh.elements) ++elements[joined.root(e[0])];
   if (elements.size() == 1) return;
-  const auto smallest = std::min_element(elements.begin(), elements.end(), [](const auto& a, const auto& b) { return a.second != b.second ? a.second < b.second : a.first < b.first; });
+  const auto smallest = std::min_element(elements.begin(), elements.end(),
+                                         [](const auto& a, const auto& b) { return a.second != b.second ? a.second < b.second : a.first < b.first; });
   std::size_t e = 0;
   while (joined.root(mesh.elements[e][0]) != smallest->first) ++e;
-  throw InputError({.problem = fmt::format("the elements make {} pieces that share no node; the smallest has {} elements, among them {} at {}", elements.size(), smallest->second,
-                                           mesh.element_text(e), place(mesh.nodes[std::size_t(mesh.elements[e][0])])),
+  throw InputError({.problem = fmt::format("the elements make {} pieces that share no node; the smallest has {} elements, among them {} at {}", elements.size(),
+                                           smallest->second, mesh.element_text(e), place(mesh.nodes[std::size_t(mesh.elements[e][0])])),
                     .suggestion = "join the parts by shared nodes (geometry.merge_distance does it where their nodes lie together), or leave the piece out",
                     .file = mesh.path.string(),
                     .line = mesh.line_of(e)});

@@ -15,10 +15,10 @@ constexpr double roundness = 0.3;
 
 /// A place on the outer contour: rear end of the bottom -> nose -> rear end of the top.
 struct ContourPoint {
-  PlanePoint outer;       ///< [m]
-  PlanePoint inward;      ///< unit normal
-  double wall = 0;   ///< thickness of the wall [m]
-  double angle = 0;  ///< about the nose, from where it begins; 0 on the legs, 90 at the front [deg]
+  PlanePoint outer;   ///< [m]
+  PlanePoint inward;  ///< unit normal
+  double wall = 0;    ///< thickness of the wall [m]
+  double angle = 0;   ///< about the nose, from where it begins; 0 on the legs, 90 at the front [deg]
   bool upper = false;
   bool behind = false;  ///< on the legs, within the rear wall
 };
@@ -130,8 +130,8 @@ class SectionBuilder {
     return a.upper == b.upper && std::max(a.angle, b.angle) <= turn * (1 + 1e-12);
   }
 
-  /// The edges of the core, with points evenly along them. Its corners lie on the normals through the corner angle, `core_depth` of the remaining radius inside the last layer;
-  /// between them an edge keeps `roundness` of the way from the straight line to the curve at that depth.
+  /// The edges of the core, with points evenly along them. Its corners lie on the normals through the corner angle, `core_depth` of the remaining radius inside
+  /// the last layer; between them an edge keeps `roundness` of the way from the straight line to the curve at that depth.
   void place_core_boundary() {
     core_boundary_.resize(contour_.size());
     const double R = *g_.nose_radius;

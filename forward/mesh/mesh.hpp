@@ -59,7 +59,7 @@ struct Mesh {
   std::vector<MirrorPlane> mirrors;             ///< at most one an axis; gauges beyond are mirrored into the meshed part
   double liquid_element_size = 0;               ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
   MeshQuality quality;
-  std::vector<std::string> notes;               ///< what the reader of a mesh file has to tell
+  std::vector<std::string> notes;  ///< what the reader of a mesh file has to tell
 };
 
 /// Whether only the part on one side of a plane across this axis is modelled.

@@ -11,15 +11,15 @@ namespace calomel {
 /// Nodes, hexahedra and named sets of a file. Names of sets are in lower case.
 struct MeshFile {
   std::filesystem::path path;
-  std::vector<Vec3> nodes;                     ///< in the file's unit of length
-  std::vector<std::int64_t> node_label;        ///< number of a node in the file
-  std::vector<std::array<NodeId, 8>> elements; ///< corner i + 2j + 4k as in Mesh
-  std::vector<std::int64_t> element_label;     ///< number of an element in the file
-  std::vector<std::int32_t> element_line;      ///< its line; empty for a binary file
+  std::vector<Vec3> nodes;                      ///< in the file's unit of length
+  std::vector<std::int64_t> node_label;         ///< number of a node in the file
+  std::vector<std::array<NodeId, 8>> elements;  ///< corner i + 2j + 4k as in Mesh
+  std::vector<std::int64_t> element_label;      ///< number of an element in the file
+  std::vector<std::int32_t> element_line;       ///< its line; empty for a binary file
   std::map<std::string, std::vector<std::int32_t>> element_sets;
   std::map<std::string, std::vector<NodeId>> node_sets;
   std::map<std::string, std::vector<FaceId>> side_sets;
-  std::vector<std::string> notes;              ///< what was left aside
+  std::vector<std::string> notes;  ///< what was left aside
 
   /// "element 12 (line 40)"
   [[nodiscard]] std::string element_text(std::size_t element) const;

@@ -24,10 +24,11 @@ void expect_wetted_faces(const MeshFile& mesh, std::span<const Region> region, s
   const auto lone = std::find(touches.begin(), touches.end(), 3);
   if (lone == touches.end()) return;
   const auto& x = mesh.nodes[std::size_t(lone - touches.begin())];
-  throw InputError({.problem = fmt::format("steel and mercury share {} nodes but no face there, the first is node {} at ({:.6g}, {:.6g}, {:.6g}) m", std::count(touches.begin(), touches.end(), 3),
-                                           mesh.node_label[std::size_t(lone - touches.begin())], x[0], x[1], x[2]),
-                    .suggestion = "let them meet in whole faces of elements, or not at all",
-                    .file = mesh.path.string()});
+  throw InputError(
+      {.problem = fmt::format("steel and mercury share {} nodes but no face there, the first is node {} at ({:.6g}, {:.6g}, {:.6g}) m",
+                              std::count(touches.begin(), touches.end(), 3), mesh.node_label[std::size_t(lone - touches.begin())], x[0], x[1], x[2]),
+       .suggestion = "let them meet in whole faces of elements, or not at all",
+       .file = mesh.path.string()});
 }
 
 /// Moves a slice of one layer so that y = 0 runs through it, as gauges expect.
@@ -42,21 +43,25 @@ void centre_slice(MeshFile& mesh) {
 void check_walls(const MeshFile& mesh, const WallLayers& walls) {
   if (walls.elements != 1) return;
   const auto e = std::size_t(walls.first);
-  throw InputError({.problem = fmt::format("one element through a wall carries none of its bending: {} at x = {:.4g}, y = {:.4g}, z = {:.4g} m stands alone between two faces of the steel",
-                                           mesh.element_text(e), mesh.nodes[std::size_t(mesh.elements[e][0])][0], mesh.nodes[std::size_t(mesh.elements[e][0])][1],
-                                           mesh.nodes[std::size_t(mesh.elements[e][0])][2]),
-                    .range = "at least 2; 3 or more show the bending strain within 4 %",
-                    .suggestion = "mesh the walls more finely",
-                    .file = mesh.path.string(),
-                    .line = mesh.line_of(e)});
+  throw InputError(
+      {.problem = fmt::format(
+           "one element through a wall carries none of its bending: {} at x = {:.4g}, y = {:.4g}, z = {:.4g} m stands alone between two faces of the steel",
+           mesh.element_text(e), mesh.nodes[std::size_t(mesh.elements[e][0])][0], mesh.nodes[std::size_t(mesh.elements[e][0])][1],
+           mesh.nodes[std::size_t(mesh.elements[e][0])][2]),
+       .range = "at least 2; 3 or more show the bending strain within 4 %",
+       .suggestion = "mesh the walls more finely",
+       .file = mesh.path.string(),
+       .line = mesh.line_of(e)});
 }
 
 void repair(MeshFile& mesh, const GeometryOptions& g) {
   for (auto& x : mesh.nodes)
     for (double& c : x) c *= g.scale;
-  if (const auto loose = drop_loose_nodes(mesh)) mesh.notes.push_back(fmt::format("{} nodes of {} belong to no element and are left out", loose, mesh.path.filename().string()));
+  if (const auto loose = drop_loose_nodes(mesh))
+    mesh.notes.push_back(fmt::format("{} nodes of {} belong to no element and are left out", loose, mesh.path.filename().string()));
   expect_sound_elements(mesh);
-  if (g.merge_distance > 0) mesh.notes.push_back(fmt::format("{} nodes nearer than {:.3g} m to another were merged", merge_nodes(mesh, g.merge_distance), g.merge_distance));
+  if (g.merge_distance > 0)
+    mesh.notes.push_back(fmt::format("{} nodes nearer than {:.3g} m to another were merged", merge_nodes(mesh, g.merge_distance), g.merge_distance));
   if (const double size = extent(mesh); size > 20)
     mesh.notes.push_back(fmt::format("the mesh is {:.4g} m across; geometry.scale = 0.001 reads a file in millimetres", size));
 }
@@ -67,7 +72,8 @@ Mesh make_outside_mesh(const GeometryOptions& g) {
   g.validate();
   MeshFile file = read_mesh_file(g.mesh_file());
   if (double(file.elements.size()) > g.max_elements)
-    throw InputError({.problem = fmt::format("the mesh has {} elements", file.elements.size()), .key = "max_elements", .value = fmt::format("{:.3g}", g.max_elements)});
+    throw InputError(
+        {.problem = fmt::format("the mesh has {} elements", file.elements.size()), .key = "max_elements", .value = fmt::format("{:.3g}", g.max_elements)});
   repair(file, g);
   const auto match = matching_faces(file);
   const auto region = materials_of(file, g.sets);

@@ -25,8 +25,7 @@ FaceId face_id(std::span<const std::array<NodeId, 8>> elements, const Face& face
 /// For every face (6 per element) the face of the other element that has the same four nodes, or no_face.
 /// Time and memory are linear in the number of elements. Where three elements share a face, `crowded` is called with two
 /// of their faces. Errors: contract failure where it is not given.
-std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes,
-                                   const std::function<void(FaceId, FaceId)>& crowded = {});
+std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elements, std::size_t nodes, const std::function<void(FaceId, FaceId)>& crowded = {});
 
 /// The elements of `mesh` with every mercury node of a slip pair replaced by its steel partner, so that steel and
 /// mercury are connected.

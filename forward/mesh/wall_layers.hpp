@@ -8,8 +8,8 @@ namespace calomel {
 
 /// A wall, counted from one of its faces.
 struct WallLayers {
-  int elements = 0;        ///< fewest elements of steel between two faces that are free or wetted; 0 = none was found
-  std::int32_t first = -1; ///< element at one end of that wall
+  int elements = 0;         ///< fewest elements of steel between two faces that are free or wetted; 0 = none was found
+  std::int32_t first = -1;  ///< element at one end of that wall
 };
 
 /// Marches from every free or wetted steel face through the element to its opposite side, and on while there is steel. Faces

@@ -97,7 +97,8 @@ void write_abaqus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   const SharedMesh shared(mesh);
   std::string text = "*HEADING\nnodes in metres; steel and mercury share the nodes of wetted faces\n*NODE\n";
   const auto add = [&]<class... A>(fmt::format_string<A...> form, A&&... values) { text += fmt::format(form, std::forward<A>(values)...); };
-  for (std::size_t n = 0; n < shared.nodes.size(); ++n) add("{}, {}, {}, {}\n", n + 1, short_number(shared.nodes[n][0]), short_number(shared.nodes[n][1]), short_number(shared.nodes[n][2]));
+  for (std::size_t n = 0; n < shared.nodes.size(); ++n)
+    add("{}, {}, {}, {}\n", n + 1, short_number(shared.nodes[n][0]), short_number(shared.nodes[n][1]), short_number(shared.nodes[n][2]));
   for (std::size_t b = 0; b < 2; ++b) {
     if (shared.block[b].empty()) continue;
     add("*ELEMENT, TYPE=C3D8, ELSET={}\n", block_names[b]);
@@ -110,7 +111,8 @@ void write_abaqus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (shared.symmetry[k].empty()) continue;
     add("*NSET, NSET={}\n", symmetry_names[k]);
-    for (std::size_t i = 0; i < shared.symmetry[k].size(); ++i) add("{}{}", shared.symmetry[k][i] + 1, i % 12 == 11 || i + 1 == shared.symmetry[k].size() ? "\n" : ", ");
+    for (std::size_t i = 0; i < shared.symmetry[k].size(); ++i)
+      add("{}{}", shared.symmetry[k][i] + 1, i % 12 == 11 || i + 1 == shared.symmetry[k].size() ? "\n" : ", ");
   }
   for (const auto& [name, faces] : shared.sides) {
     add("*SURFACE, NAME={}, TYPE=ELEMENT\n", name);
@@ -127,7 +129,8 @@ void write_exodus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   int blocks = 0, node_sets = 0;
   for (const auto& b : shared.block) blocks += !b.empty();
   for (const auto& s : shared.symmetry) node_sets += !s.empty();
-  file.check(ex_put_init(id, "calomel", 3, std::int64_t(shared.nodes.size()), std::int64_t(shared.elements.size()), blocks, node_sets, std::int64_t(shared.sides.size())));
+  file.check(ex_put_init(id, "calomel", 3, std::int64_t(shared.nodes.size()), std::int64_t(shared.elements.size()), blocks, node_sets,
+                         std::int64_t(shared.sides.size())));
   std::array<std::vector<double>, 3> x;
   for (const auto& node : shared.nodes)
     for (std::size_t k = 0; k < 3; ++k) x[k].push_back(node[k]);
@@ -168,8 +171,10 @@ void write_exodus_mesh(const Mesh& mesh, const std::filesystem::path& path) {
 
 void write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   switch (mesh_format(path)) {
-    case MeshFormat::abaqus: return write_abaqus_mesh(mesh, path);
-    case MeshFormat::exodus: return write_exodus_mesh(mesh, path);
+    case MeshFormat::abaqus:
+      return write_abaqus_mesh(mesh, path);
+    case MeshFormat::exodus:
+      return write_exodus_mesh(mesh, path);
   }
 }
 

@@ -43,9 +43,9 @@ class RunStore {
   /// Errors: InputError when it was begun with other settings, is in use, or cannot be written.
   RunStore(const Provenance& provenance, const std::filesystem::path& path);
 
-  /// Makes those of `points` that the journal does not hold, on `threads` threads, each kept as it ends: in the journal, or, where no answer came, as long as the object lives, so that
-  /// another call asks again. Safe from several threads for points that differ.
-  /// Errors: those of `evaluate`; Interrupted when `stop` became true, after the runs in progress.
+  /// Makes those of `points` that the journal does not hold, on `threads` threads, each kept as it ends: in the journal, or, where no answer came, as long as
+  /// the object lives, so that another call asks again. Safe from several threads for points that differ. Errors: those of `evaluate`; Interrupted when `stop`
+  /// became true, after the runs in progress.
   void make(std::span<const RunPoint> points, const Evaluate& evaluate, int threads, const Cost& cost = {}, const Progress& progress = {},
             const std::atomic<bool>* stop = nullptr);
   /// The same, and gives the runs at `points` in their order.

@@ -46,13 +46,16 @@ std::array<std::uint8_t, 8> fixed_of(const Mesh& mesh, std::size_t e) {
 ElementKind kind_of(const SolveOptions& o) {
   if (o.kinematics != "finite") return o.steel_element == "b_bar" ? ElementKind::b_bar : ElementKind::fast;
   if (o.steel_element == "b_bar")
-    throw InputError({.problem = "the B-bar element is one of small strain", .key = "solver.steel_element", .value = "\"b_bar\"", .suggestion = "set solver.kinematics = \"small\""});
+    throw InputError({.problem = "the B-bar element is one of small strain",
+                      .key = "solver.steel_element",
+                      .value = "\"b_bar\"",
+                      .suggestion = "set solver.kinematics = \"small\""});
   return ElementKind::finite;
 }
 
 StepKey step_key(const RunSetup& s, const SolveOptions& o) {
-  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity, s.collapse_resistance(), s.hourglass,
-                      s.steel_stiffness_damping, s.steel_mass_damping, s.wall_film, s.steel_stiffening()},
+  return {.numbers = {s.steel_density, s.liquid_density, s.steel.lambda, s.steel.mu, s.liquid.bulk_modulus, s.liquid_stiffness(), s.liquid.viscosity,
+                      s.collapse_resistance(), s.hourglass, s.steel_stiffness_damping, s.steel_mass_damping, s.wall_film, s.steel_stiffening()},
           .single = o.precision == "single",
           .group = s.energies.size() > 1,
           .parts = faces_may_part(s),
@@ -67,7 +70,7 @@ struct ExplicitSolver::Parts {
   LinearElastic steel;
   ElementFacts facts;
   std::vector<std::pair<double, double>> stiffest;  ///< eigenvalue / c^2 and size [m] of those liquid elements that none exceeds in both, by falling eigenvalue
-  double steel_eigenvalue = 0;   ///< x density
+  double steel_eigenvalue = 0;                      ///< x density
   NodalVolumes volumes;
 
   // Made when first needed; the lock only guards the making.
@@ -82,9 +85,12 @@ struct ExplicitSolver::Parts {
   const PackedMesh<R>& packed(bool runs, ElementKind kind, int buffer) const {
     const std::lock_guard guard(lock);
     auto& slot = [&]() -> auto& {
-      if constexpr (std::is_same_v<R, float>) return single[{runs, kind, buffer}];
-      else return twice[{runs, kind, buffer}];
-    }();
+      if constexpr (std::is_same_v<R, float>)
+        return single[{runs, kind, buffer}];
+      else
+        return twice[{runs, kind, buffer}];
+    }
+    ();
     if (!slot) {
       const auto slow = buffer == no_subcycles ? std::vector<std::uint8_t>{} : slow_elements(*mesh, buffer);
       slot = std::make_unique<PackedMesh<R>>(*mesh, steel, facts, kind, runs, threads, slow);
@@ -121,14 +127,17 @@ ExplicitSolver::ExplicitSolver(const Mesh& mesh, const LinearElastic& steel, int
       p.facts.parallelepiped[e] = g.parallelepiped;
       volume[e] = g.volume;
       if (mesh.region[e] == Region::mercury) p.facts.size[e] = float(shortest_edge(mesh, e));
-      eigenvalue[e] = mesh.region[e] == Region::mercury ? liquid_eigenvalue(g, fixed_of(mesh, e)) : steel_eigenvalue(g, steel, hourglass_stiffness(g, steel), fixed_of(mesh, e));
+      eigenvalue[e] = mesh.region[e] == Region::mercury ? liquid_eigenvalue(g, fixed_of(mesh, e))
+                                                        : steel_eigenvalue(g, steel, hourglass_stiffness(g, steel), fixed_of(mesh, e));
     }
   });
   std::vector<std::pair<double, double>> liquids;
   for (std::size_t e = 0; e < n; ++e) {
     const bool liquid = mesh.region[e] == Region::mercury;
-    if (liquid) liquids.emplace_back(eigenvalue[e], double(p.facts.size[e]));
-    else p.steel_eigenvalue = std::max(p.steel_eigenvalue, eigenvalue[e]);
+    if (liquid)
+      liquids.emplace_back(eigenvalue[e], double(p.facts.size[e]));
+    else
+      p.steel_eigenvalue = std::max(p.steel_eigenvalue, eigenvalue[e]);
     for (const NodeId node : mesh.elements[e]) (liquid ? p.volumes.liquid : p.volumes.steel)[std::size_t(node)] += volume[e] / 8;
   }
   std::sort(liquids.begin(), liquids.end(), std::greater<>());
@@ -141,13 +150,16 @@ const Mesh& ExplicitSolver::mesh() const { return *parts_->mesh; }
 
 double ExplicitSolver::element_step(const RunSetup& s, bool liquid_alone) const {
   double step = 1e300;
-  if (parts_->steel_eigenvalue > 0 && !liquid_alone) step = std::min(step, stable_time_step(parts_->steel_eigenvalue * s.steel_stiffening() / s.steel_density, s.steel_stiffness_damping));
+  if (parts_->steel_eigenvalue > 0 && !liquid_alone)
+    step = std::min(step, stable_time_step(parts_->steel_eigenvalue * s.steel_stiffening() / s.steel_density, s.steel_stiffness_damping));
   if (!parts_->stiffest.empty()) {
     const double k = s.liquid.bulk_modulus, stiffness = s.liquid_stiffness();
     if (!(k > 0) || !std::isfinite(k)) throw NumericsError(fmt::format("the liquid's bulk modulus vanishes (K = {:.3g} Pa): nothing resists compression", k));
-    if (!std::isfinite(stiffness)) throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
+    if (!std::isfinite(stiffness))
+      throw NumericsError(fmt::format("the law of the liquid sets no bound to its stiffness ({:.3g} Pa), so no step is stable", stiffness));
     for (const auto& [eigenvalue, size] : parts_->stiffest)
-      step = std::min(step, stable_time_step(eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density, (s.liquid.viscosity + s.collapse_resistance() * size) / k));
+      step = std::min(step, stable_time_step(eigenvalue * std::max(stiffness, s.hourglass * k) / s.liquid_density,
+                                             (s.liquid.viscosity + s.collapse_resistance() * size) / k));
   }
   if (s.wall_film != 0 && faces_may_part(s)) step *= std::sqrt(1 - greatest_film);  // a node may lose so much of its mass
   if (!liquid_alone) step = mass_damped_time_step(step, s.steel_mass_damping);
@@ -193,9 +205,8 @@ Stepping ExplicitSolver::stepping(const RunSetup& s, const SolveOptions& options
   const StableSteps stable = stable_steps(s, options);
   const int least = least_steps(stable.whole);
   if (!(stable.liquid > 0)) return {.per_output = least};
-  const Layout* layout = Parts::in_precision(options, [&](auto zero) {
-    return &parts_->packed<decltype(zero)>(s.energies.size() > 1, kind_of(options), options.subcycle_buffer).layout;
-  });
+  const Layout* layout = Parts::in_precision(
+      options, [&](auto zero) { return &parts_->packed<decltype(zero)>(s.energies.size() > 1, kind_of(options), options.subcycle_buffer).layout; });
   return cheapest_stepping(*layout, s.liquid_law != nullptr, least, least_steps(stable.liquid), options.subcycles);
 }
 
@@ -213,12 +224,15 @@ SolveSummary ExplicitSolver::solve(const RunSetup& setup, std::span<const Observ
   expect(!setup.energies.empty() && setup.energies.size() <= std::size_t(run_lanes), "one to eight runs in a group");
   expect(!options.energy_balance || setup.energies.size() == 1, "an energy balance is of single runs");
   if (kind_of(options) == ElementKind::b_bar && (!setup.thermal_strain.empty() || !setup.initial_stress.empty()))
-    throw InputError({.problem = "the B-bar element takes no heat in the steel and no stress before the run", .key = "solver.steel_element", .value = "\"b_bar\"",
+    throw InputError({.problem = "the B-bar element takes no heat in the steel and no stress before the run",
+                      .key = "solver.steel_element",
+                      .value = "\"b_bar\"",
                       .suggestion = "set solver.steel_element = \"assumed_strain\""});
   const Stepping stepping = this->stepping(setup, options);
   return Parts::in_precision(options, [&](auto zero) {
     using R = decltype(zero);
-    const PackedMesh<R>& packed = parts_->packed<R>(setup.energies.size() > 1, kind_of(options), stepping.subcycles > 1 ? options.subcycle_buffer : no_subcycles);
+    const PackedMesh<R>& packed =
+        parts_->packed<R>(setup.energies.size() > 1, kind_of(options), stepping.subcycles > 1 ? options.subcycle_buffer : no_subcycles);
     Run<R> run(packed, *parts_->mesh, parts_->volumes, setup, options, setup.output_interval / stepping.per_output, stepping.subcycles);
     SolveSummary out = run_to_end(run, setup, packed.layout, rows, options, stepping.per_output);
     const auto [stress, element] = run.greatest_stress();

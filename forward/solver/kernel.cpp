@@ -4,10 +4,10 @@
 
 namespace calomel {
 
-#define CALOMEL_DECLARE(isa)                   \
-  namespace isa {                              \
-  template <class R>                           \
-  const KernelTable<R>& table();               \
+#define CALOMEL_DECLARE(isa)                                  \
+  namespace isa {                                             \
+  template <class R>                                          \
+  const KernelTable<R>& table();                              \
   extern template const KernelTable<float>& table<float>();   \
   extern template const KernelTable<double>& table<double>(); \
   }

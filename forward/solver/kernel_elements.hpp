@@ -36,7 +36,7 @@ template <class V>
 struct LiquidStep {
   V bulk_modulus, minus_cutoff, hourglass, p0, p0_before;
   V ratio, rate_factor, quadratic, collapse, cutoff, dt;  // beta/dt, 1/dt
-  V pressure;                                   // of a law of its own
+  V pressure;                                             // of a law of its own
 };
 
 /// F - 1 from displacement gradients: the volume ratio less one, and the cofactor of F = 1 + grad.
@@ -51,7 +51,8 @@ CALOMEL_INLINE V volume_change(const V (&grad)[3][3], V (&cofactor)[3][3]) {
       cofactor[c][i] = f[c1][i1] * f[c2][i2] - f[c1][i2] * f[c2][i1];
     }
   // det(1 + g) - 1 = tr g + second invariant of g + det g: no cancellation against 1 in single precision.
-  const V second = grad[0][0] * grad[1][1] - grad[0][1] * grad[1][0] + grad[1][1] * grad[2][2] - grad[1][2] * grad[2][1] + grad[2][2] * grad[0][0] - grad[2][0] * grad[0][2];
+  const V second =
+      grad[0][0] * grad[1][1] - grad[0][1] * grad[1][0] + grad[1][1] * grad[2][2] - grad[1][2] * grad[2][1] + grad[2][2] * grad[0][0] - grad[2][0] * grad[0][2];
   const V third = grad[0][0] * (grad[1][1] * grad[2][2] - grad[1][2] * grad[2][1]) - grad[0][1] * (grad[1][0] * grad[2][2] - grad[1][2] * grad[2][0]) +
                   grad[0][2] * (grad[1][0] * grad[2][1] - grad[1][1] * grad[2][0]);
   return grad[0][0] + grad[1][1] + grad[2][2] + second + third;
@@ -94,8 +95,8 @@ CALOMEL_INLINE void book_hourglass(V w, V h, const LiquidStep<V>& s, V* before, 
 /// What an element's rate of volume does, found from its strain w = e_v + beta de_v/dt and `state` (kernel.hpp).
 template <class V>
 struct Motion {
-  V strain, change;      ///< e_v, and by how much it grew in the step
-  V quadratic, collapse; ///< pressures against compression: quadratic viscosity, and that of liquid that has been at the cutoff
+  V strain, change;       ///< e_v, and by how much it grew in the step
+  V quadratic, collapse;  ///< pressures against compression: quadratic viscosity, and that of liquid that has been at the cutoff
 };
 
 template <Keep K, class V>
@@ -249,7 +250,8 @@ struct FreeStrain {
 /// Minus volume times the first Piola-Kirchhoff stress, sigma (or F S of St. Venant and Kirchhoff with Green's strain).
 /// What is stored is 1/2 sigma : s of the elastic strain s, and heat puts in -tr(sigma) d(alpha dT).
 template <Form F, bool Balance, bool Stressed = false, class V>
-CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums, const FreeStrain<V>* free = nullptr) {
+CALOMEL_INLINE void steel_stress(const V (&grad)[3][3], V minus_volume, V lambda, V mu, V (&t)[3][3], V* state, Sums<V>& sums,
+                                 const FreeStrain<V>* free = nullptr) {
   V strain[3][3], stress[3][3];  // strain: twice the tensor
   for (int c = 0; c < 3; ++c)
     for (int i = c; i < 3; ++i) {

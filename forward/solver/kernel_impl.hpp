@@ -60,9 +60,11 @@ struct Lanes {
   using V = std::conditional_t<Runs, LaneVec<R, width>, Vec<R, width>>;
 
   static CALOMEL_INLINE auto coefficients(const R* geometry) {
-    return [geometry](int k) __attribute__((always_inline)) -> V {
-      if constexpr (Runs) return geometry[k] + V{};
-      else return load<V>(geometry + k * width);
+    return [geometry](int k) __attribute__((always_inline))->V {
+      if constexpr (Runs)
+        return geometry[k] + V{};
+      else
+        return load<V>(geometry + k * width);
     };
   }
   static CALOMEL_INLINE void modes(const R* w, const std::uint16_t* at, V (&um)[3][8]) {
@@ -113,12 +115,16 @@ struct Lanes {
   }
   /// One number of each element of a group.
   static CALOMEL_INLINE V numbers(const R* of_elements, std::int32_t group) {
-    if constexpr (Runs) return of_elements[group] + V{};
-    else return load<V>(of_elements + std::size_t(group) * width);
+    if constexpr (Runs)
+      return of_elements[group] + V{};
+    else
+      return load<V>(of_elements + std::size_t(group) * width);
   }
   static CALOMEL_INLINE V heating(const R* p0, std::int32_t group, const R* share) {
-    if constexpr (Runs) return p0[group] * load<V>(share);
-    else return load<V>(p0 + std::size_t(group) * width) * share[0];
+    if constexpr (Runs)
+      return p0[group] * load<V>(share);
+    else
+      return load<V>(p0 + std::size_t(group) * width) * share[0];
   }
 };
 
@@ -242,16 +248,23 @@ template <class R, bool Runs, Keep K>
 void stressed_forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, EnergyTerms* energy) {
   if constexpr (Runs)
     if (b.form == Form::plane)
-      return b.liquid ? elements<R, Runs, true, Form::plane, K, true>(b, s, w, force, energy) : elements<R, Runs, false, Form::plane, K, true>(b, s, w, force, energy);
+      return b.liquid ? elements<R, Runs, true, Form::plane, K, true>(b, s, w, force, energy)
+                      : elements<R, Runs, false, Form::plane, K, true>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
-      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K, true>(b, s, w, force, energy);
-      case Form::finite: return elements<R, Runs, true, Form::finite, K, true>(b, s, w, force, energy);
-      default: return elements<R, Runs, true, Form::general, K, true>(b, s, w, force, energy);
+      case Form::parallelepiped:
+        return elements<R, Runs, true, Form::parallelepiped, K, true>(b, s, w, force, energy);
+      case Form::finite:
+        return elements<R, Runs, true, Form::finite, K, true>(b, s, w, force, energy);
+      default:
+        return elements<R, Runs, true, Form::general, K, true>(b, s, w, force, energy);
     }
   switch (b.form) {
-    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, K, true>(b, s, w, force, energy);
-    case Form::finite: return elements<R, Runs, false, Form::finite, K, true>(b, s, w, force, energy);
-    default: return elements<R, Runs, false, Form::general, K, true>(b, s, w, force, energy);
+    case Form::parallelepiped:
+      return elements<R, Runs, false, Form::parallelepiped, K, true>(b, s, w, force, energy);
+    case Form::finite:
+      return elements<R, Runs, false, Form::finite, K, true>(b, s, w, force, energy);
+    default:
+      return elements<R, Runs, false, Form::general, K, true>(b, s, w, force, energy);
   }
 }
 
@@ -260,30 +273,41 @@ void forces(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force, E
   if constexpr (Runs)
     if (b.form == Form::plane && b.law.advance) return law_elements<R, Runs, Form::plane, K>(b, s, w, force, energy);
   if (b.liquid && b.law.advance) switch (b.form) {
-      case Form::parallelepiped: return law_elements<R, Runs, Form::parallelepiped, K>(b, s, w, force, energy);
-      case Form::finite: return law_elements<R, Runs, Form::finite, K>(b, s, w, force, energy);
-      default: return law_elements<R, Runs, Form::general, K>(b, s, w, force, energy);
+      case Form::parallelepiped:
+        return law_elements<R, Runs, Form::parallelepiped, K>(b, s, w, force, energy);
+      case Form::finite:
+        return law_elements<R, Runs, Form::finite, K>(b, s, w, force, energy);
+      default:
+        return law_elements<R, Runs, Form::general, K>(b, s, w, force, energy);
     }
   if constexpr (K != Keep::nothing)  // of stressed runs something is always kept
     if (b.initial) return stressed_forces<R, Runs, K>(b, s, w, force, energy);
   if constexpr (Runs)
-    if (b.form == Form::plane) return b.liquid ? elements<R, Runs, true, Form::plane, K>(b, s, w, force, energy) : elements<R, Runs, false, Form::plane, K>(b, s, w, force, energy);
+    if (b.form == Form::plane)
+      return b.liquid ? elements<R, Runs, true, Form::plane, K>(b, s, w, force, energy) : elements<R, Runs, false, Form::plane, K>(b, s, w, force, energy);
   if (b.liquid) switch (b.form) {
-      case Form::parallelepiped: return elements<R, Runs, true, Form::parallelepiped, K>(b, s, w, force, energy);
-      case Form::finite: return elements<R, Runs, true, Form::finite, K>(b, s, w, force, energy);
-      default: return elements<R, Runs, true, Form::general, K>(b, s, w, force, energy);
+      case Form::parallelepiped:
+        return elements<R, Runs, true, Form::parallelepiped, K>(b, s, w, force, energy);
+      case Form::finite:
+        return elements<R, Runs, true, Form::finite, K>(b, s, w, force, energy);
+      default:
+        return elements<R, Runs, true, Form::general, K>(b, s, w, force, energy);
     }
   switch (b.form) {
-    case Form::parallelepiped: return elements<R, Runs, false, Form::parallelepiped, K>(b, s, w, force, energy);
-    case Form::finite: return elements<R, Runs, false, Form::finite, K>(b, s, w, force, energy);
-    case Form::dense: return elements<R, Runs, false, Form::dense, K>(b, s, w, force, energy);
-    default: return elements<R, Runs, false, Form::general, K>(b, s, w, force, energy);
+    case Form::parallelepiped:
+      return elements<R, Runs, false, Form::parallelepiped, K>(b, s, w, force, energy);
+    case Form::finite:
+      return elements<R, Runs, false, Form::finite, K>(b, s, w, force, energy);
+    case Form::dense:
+      return elements<R, Runs, false, Form::dense, K>(b, s, w, force, energy);
+    default:
+      return elements<R, Runs, false, Form::general, K>(b, s, w, force, energy);
   }
 }
 
 /// Damped steel: u.K u / 2 is stored, beta v.K v a second dissipated; in a branch share x.K x / 2 and share x.K x / time. All from passes of their own, for the
-/// energy balance only. Force and way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done; of a branch, whose x is
-/// one of the step's end, half a step's.
+/// energy balance only. Force and way of a step are half a step apart: of what is dissipated so far, beta dt v.K v / 4 is still to be done; of a branch, whose
+/// x is one of the step's end, half a step's.
 template <class R>
 void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* force, EnergyTerms* energy) {
   EnergyTerms of_u, of_v;
@@ -346,9 +370,12 @@ const KernelTable<R>& table() {
       element_lanes<R>,
       [](const BlockData<R>& b, const StepData<R>& s, Keep keep, EnergyTerms* e) {
         switch (keep) {
-          case Keep::energies: return block<R, false, Keep::energies>(b, s, e);
-          case Keep::rate: return block<R, false, Keep::rate>(b, s, e);
-          default: return block<R, false, Keep::nothing>(b, s, e);
+          case Keep::energies:
+            return block<R, false, Keep::energies>(b, s, e);
+          case Keep::rate:
+            return block<R, false, Keep::rate>(b, s, e);
+          default:
+            return block<R, false, Keep::nothing>(b, s, e);
         }
       },
       [](const BlockData<R>& b, const StepData<R>& s, Keep keep) {
@@ -359,7 +386,8 @@ const KernelTable<R>& table() {
       },
       [](const Layout& l, std::size_t begin, std::size_t end, const StepData<R>& s) { plain<R, true, false>(l, begin, end, s, nullptr); },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s, bool energy_balance, EnergyTerms* e) {
-        if (s.extras.strength) return energy_balance ? special_extended<R, false, true>(l, r, begin, end, s, e) : special_extended<R, false, false>(l, r, begin, end, s, e);
+        if (s.extras.strength)
+          return energy_balance ? special_extended<R, false, true>(l, r, begin, end, s, e) : special_extended<R, false, false>(l, r, begin, end, s, e);
         energy_balance ? special<R, false, true>(l, r, begin, end, s, e) : special<R, false, false>(l, r, begin, end, s, e);
       },
       [](const Layout& l, const SpecialData<R>* r, std::size_t begin, std::size_t end, const StepData<R>& s) {

@@ -65,9 +65,10 @@ void plain(const Layout& layout, std::size_t begin, std::size_t end, const StepD
 
 /// A slip pair that may come apart along its one normal n, out of the mercury. Velocities `v` of the mercury and `steel` of the steel after free motion
 /// become those after the step. Together they share their normal velocity while the pull that this takes, tension positive, stays below the strength;
-/// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for that step: momentum is
-/// kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate after the step.
-/// Filmed: a film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and apart.
+/// apart they pull on each other with `hold` until the gap g = (u_s - u_m).n is gone at the end of a step, which leaves them with (v_s - v_m).n = -g / dt for
+/// that step: momentum is kept, the energy of the impact is not, and counts as dissipated. Resisting: apart they pull with hold + resistance dg/dt, at the rate
+/// after the step. Filmed: a film of the mercury stays on the steel: along the normal its mass is the steel's, together, where that makes no difference, and
+/// apart.
 template <class R, bool Runs, bool Balance, bool Resisting, bool Filmed>
 CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t rule, const StepData<R>& s, const typename Row<R, Runs>::Lane (&before)[3],
                                          const typename Row<R, Runs>::Lane (&steel_before)[3], typename Row<R, Runs>::Lane (&v)[3],
@@ -116,7 +117,8 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   if constexpr (Balance && !Runs) {
     const double half_way = 0.5 * double(s.dt) * double(mass_node) / double(s.kick) * double(change);
     double rel_before = 0, rel_after = 0;
-    for (int c = 0; c < 3; ++c) rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    for (int c = 0; c < 3; ++c)
+      rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
     if constexpr (Filmed) {
       double vn_before = 0, vn_after = 0, sn_before = 0, sn_after = 0;
       for (int c = 0; c < 3; ++c) {
@@ -125,12 +127,13 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
       }
       energy->kinetic += 0.5 * double(film) * (sn_before * sn_after - vn_before * vn_after);
     }
-    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after, energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
+    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after,
+        energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
   }
 }
 
-/// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run. Resisting: their gaps take time to grow and to close.
-/// Filmed: some of the mercury stays on the steel.
+/// Extended: pairs may come apart, and the mercury behind the rear face may be under pressure before the run. Resisting: their gaps take time to grow and to
+/// close. Filmed: some of the mercury stays on the steel.
 template <class R, bool Runs, bool Balance, bool Extended = false, bool Resisting = false, bool Filmed = false>
 void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
   using L = typename Row<R, Runs>::Lane;
@@ -208,7 +211,8 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
 
 /// Apart, so that what the compiler makes of the others, to the last bit, does not depend on it.
 template <class R, bool Runs, bool Balance, bool Resisting, bool Filmed>
-[[gnu::noinline]] void special_apart(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s, EnergyTerms* energy) {
+[[gnu::noinline]] void special_apart(const Layout& layout, const SpecialData<R>* rules, std::size_t begin, std::size_t end, const StepData<R>& s,
+                                     EnergyTerms* energy) {
   special<R, Runs, Balance, true, Resisting, Filmed>(layout, rules, begin, end, s, energy);
 }
 

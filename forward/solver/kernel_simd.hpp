@@ -45,9 +45,9 @@ struct Halves {
   CALOMEL_INLINE R& operator[](int l) { return reinterpret_cast<R*>(this)[l]; }
   CALOMEL_INLINE R operator[](int l) const { return reinterpret_cast<const R*>(this)[l]; }
   CALOMEL_INLINE Halves operator-() const { return {-lo, -hi}; }
-#define CALOMEL_HALVES_OPERATOR(op)                                                                                          \
+#define CALOMEL_HALVES_OPERATOR(op)                                                                                   \
   friend CALOMEL_INLINE Halves operator op(const Halves& a, const Halves& b) { return {a.lo op b.lo, a.hi op b.hi}; } \
-  friend CALOMEL_INLINE Halves operator op(const Halves& a, R b) { return {a.lo op b, a.hi op b}; }                    \
+  friend CALOMEL_INLINE Halves operator op(const Halves& a, R b) { return {a.lo op b, a.hi op b}; }                   \
   friend CALOMEL_INLINE Halves operator op(R a, const Halves& b) { return {a op b.lo, a op b.hi}; }
   CALOMEL_HALVES_OPERATOR(+)
   CALOMEL_HALVES_OPERATOR(-)

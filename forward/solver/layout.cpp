@@ -86,7 +86,8 @@ double node_cost(const Layout& layout, bool slow) {
   return shared * double(plain) + (slow ? 0 : ruled * double(layout.special.size()));
 }
 
-Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow, PlanePairs pairs) {
+Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelepiped, std::size_t block_size, const std::vector<std::uint8_t>& slow,
+                   PlanePairs pairs) {
   expect(block_size >= 8 && block_size <= 8192, "a block holds 8 to 8192 elements");
   Layout layout;
   layout.pairs = std::move(pairs);

@@ -29,15 +29,20 @@ void LoadOptions::validate() const {
     return;
   }
   if (peak_pressure && energy)
-    throw InputError({.problem = "peak_pressure and energy are two ways to say the same", .key = "energy", .value = number_text(*energy), .suggestion = "keep one of them"});
+    throw InputError(
+        {.problem = "peak_pressure and energy are two ways to say the same", .key = "energy", .value = number_text(*energy), .suggestion = "keep one of them"});
   if (!peak_pressure && !energy)
-    throw InputError({.problem = "the strength of the pulse is missing", .key = "kind", .value = '"' + kind + '"', .suggestion = "add peak_pressure = ... [Pa] or energy = ... [J]"});
+    throw InputError({.problem = "the strength of the pulse is missing",
+                      .key = "kind",
+                      .value = '"' + kind + '"',
+                      .suggestion = "add peak_pressure = ... [Pa] or energy = ... [J]"});
 }
 
 const Registry<std::string>& loads() {
-  static const Registry<std::string> all = Registry<std::string>("load")
-      .add("initial_pressure", "the pulse heats the mercury: p0(x) grows linearly over the pulse length", "initial_pressure")
-      .add("end_stress", "a measured stress history on the end face x = 0 of a bar", "end_stress");
+  static const Registry<std::string> all =
+      Registry<std::string>("load")
+          .add("initial_pressure", "the pulse heats the mercury: p0(x) grows linearly over the pulse length", "initial_pressure")
+          .add("end_stress", "a measured stress history on the end face x = 0 of a bar", "end_stress");
   return all;
 }
 
@@ -68,7 +73,8 @@ HeatingShape heating_shape(const Mesh& mesh, const ProfileOptions& profile) {
           j[c][0] += 0.125 * s[0] * f[1] * f[2] * p[c], j[c][1] += 0.125 * s[1] * f[0] * f[2] * p[c], j[c][2] += 0.125 * s[2] * f[0] * f[1] * p[c];
         }
       }
-      const double det = j[0][0] * (j[1][1] * j[2][2] - j[1][2] * j[2][1]) - j[0][1] * (j[1][0] * j[2][2] - j[1][2] * j[2][0]) + j[0][2] * (j[1][0] * j[2][1] - j[1][1] * j[2][0]);
+      const double det = j[0][0] * (j[1][1] * j[2][2] - j[1][2] * j[2][1]) - j[0][1] * (j[1][0] * j[2][2] - j[1][2] * j[2][0]) +
+                         j[0][2] * (j[1][0] * j[2][1] - j[1][1] * j[2][0]);
       sum += det * profile.shape(x, mesh.plane_strain);
       volume += det;
     }

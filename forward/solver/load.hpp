@@ -15,8 +15,8 @@ namespace calomel {
 /// g = (1 + b (1 - exp(-x / x1))) exp(-x / decay), S = exp(-1/2 |(y - y0) / w_y|^n - 1/2 |(z - z0) / w_z|^n)
 /// (physics.md section 2). In plane strain the y factor is 1.
 struct ProfileOptions {
-  std::array<double, 2> center{0.0, 0.0};       // (y0, z0)
-  std::array<double, 2> widths{0.058, 0.020};   // (w_y, w_z)
+  std::array<double, 2> center{0.0, 0.0};      // (y0, z0)
+  std::array<double, 2> widths{0.058, 0.020};  // (w_y, w_z)
   double decay = 0.13;
   double buildup = 1.5;
   double buildup_length = 0.02;
@@ -45,9 +45,9 @@ struct LoadOptions {
   std::optional<double> peak_pressure;
   std::optional<double> energy;
   ProfileOptions profile;
-  std::string file;          // end_stress
-  double stress_scale = 1;   // end_stress
-  double factor = 1;         ///< on the heating pressure; no key, mechanisms set it
+  std::string file;         // end_stress
+  double stress_scale = 1;  // end_stress
+  double factor = 1;        ///< on the heating pressure; no key, mechanisms set it
   template <class V>
   void visit(V& v) {
     v("kind", kind, {.doc = "what sets the target in motion", .choices = {"initial_pressure", "end_stress"}});

@@ -14,7 +14,9 @@ Corners corners_of(const Mesh& mesh, std::size_t e) {
 namespace {
 
 /// Whether pairs of nodes move as one: where lanes are runs of fast elements in plane strain.
-PlanePairs pairs_of(const Mesh& mesh, ElementKind kind, bool lanes_are_runs) { return lanes_are_runs && kind == ElementKind::fast ? plane_pairs(mesh) : PlanePairs{}; }
+PlanePairs pairs_of(const Mesh& mesh, ElementKind kind, bool lanes_are_runs) {
+  return lanes_are_runs && kind == ElementKind::fast ? plane_pairs(mesh) : PlanePairs{};
+}
 
 Form form_of(const Layout& layout, const Block& block, ElementKind kind) {
   if (layout.pairs) return Form::plane;
@@ -77,7 +79,8 @@ void write_terms(const Corners& corners, const LinearElastic& steel, Form form, 
 }  // namespace
 
 template <class R>
-PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow)
+PackedMesh<R>::PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads,
+                          const std::vector<std::uint8_t>& slow)
     : runs(lanes_are_runs), layout(make_layout(mesh, facts.parallelepiped, lanes_are_runs ? 256 : 2048, slow, pairs_of(mesh, kind, lanes_are_runs))) {
   const std::size_t group_size = lanes(), blocks = layout.blocks.size();
   form.resize(blocks), geometry.resize(blocks), connectivity.resize(blocks), size.resize(blocks), elements.resize(blocks);

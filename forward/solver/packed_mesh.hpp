@@ -12,9 +12,9 @@ namespace calomel {
 
 /// What the elements of a run are.
 enum class ElementKind : std::uint8_t {
-  fast,    ///< assumed-strain steel, one-point liquid, small strain
-  b_bar,   ///< the steel selectively reduced, the check on the fast one
-  finite   ///< fast elements at finite strain
+  fast,   ///< assumed-strain steel, one-point liquid, small strain
+  b_bar,  ///< the steel selectively reduced, the check on the fast one
+  finite  ///< fast elements at finite strain
 };
 
 /// What every packing of a mesh needs: found once.
@@ -35,7 +35,8 @@ struct PackedMesh {
   std::vector<std::vector<std::int32_t>> elements;       ///< per block, mesh element of every lane slot, -1 = padding
 
   /// `slow`: elements that take long steps; empty: none.
-  PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads, const std::vector<std::uint8_t>& slow = {});
+  PackedMesh(const Mesh& mesh, const LinearElastic& steel, const ElementFacts& facts, ElementKind kind, bool lanes_are_runs, int threads,
+             const std::vector<std::uint8_t>& slow = {});
 
   /// Elements of a group of lanes.
   [[nodiscard]] std::size_t lanes() const { return runs ? 1 : std::size_t(kernels<R>().lanes); }

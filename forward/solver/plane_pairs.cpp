@@ -17,7 +17,8 @@ bool across(const Mesh& mesh, NodeId a, NodeId b) {
   const Vec3& y = mesh.nodes[std::size_t(b)];
   const auto fixed = mesh.fixed[std::size_t(a)];
   const double distance = std::abs(x[1] - y[1]);
-  return fixed == mesh.fixed[std::size_t(b)] && (fixed & fixed_y) && distance > 0 && std::abs(x[0] - y[0]) <= straight * distance && std::abs(x[2] - y[2]) <= straight * distance;
+  return fixed == mesh.fixed[std::size_t(b)] && (fixed & fixed_y) && distance > 0 && std::abs(x[0] - y[0]) <= straight * distance &&
+         std::abs(x[2] - y[2]) <= straight * distance;
 }
 
 /// The axis of an element that runs across, if one does.

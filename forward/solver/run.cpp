@@ -105,7 +105,8 @@ void Run<R>::drag_slip() {
   for (std::size_t i = 0; i < mesh_.slip.size(); ++i) {
     const SlipPair& pair = mesh_.slip[i];
     if (setup_.slip_drag[i] == 0) continue;
-    const auto steel = std::size_t(packed_.layout.to_solver[std::size_t(pair.steel)]), mercury = std::size_t(packed_.layout.to_solver[std::size_t(pair.mercury)]);
+    const auto steel = std::size_t(packed_.layout.to_solver[std::size_t(pair.steel)]),
+               mercury = std::size_t(packed_.layout.to_solver[std::size_t(pair.mercury)]);
     const double together = mass_[steel] * mass_[mercury] / (mass_[steel] + mass_[mercury]), taken = -std::expm1(-dt_ * setup_.slip_drag[i] / together);
     for (std::size_t l = 0; l < stride; ++l) {
       R *of_steel = v_.data() + steel * width + l, *of_mercury = v_.data() + mercury * width + l;
@@ -196,8 +197,10 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   std::vector<SpecialData<R>> rules = rules_;
   if (faces_may_part(setup_))
     for (auto& r : rules)
-      if (r.normals == 1) r.normals = 0, r.mass_node = R(parted_mass_[std::size_t(r.node)]), r.mass_partner = r.partner >= 0 ? R(parted_mass_[std::size_t(r.partner)]) : R(0);
-  packed_.runs ? kernel_.run_special(layout, rules.data(), 0, rules.size(), s) : kernel_.element_special(layout, rules.data(), 0, rules.size(), s, false, &unused);
+      if (r.normals == 1)
+        r.normals = 0, r.mass_node = R(parted_mass_[std::size_t(r.node)]), r.mass_partner = r.partner >= 0 ? R(parted_mass_[std::size_t(r.partner)]) : R(0);
+  packed_.runs ? kernel_.run_special(layout, rules.data(), 0, rules.size(), s)
+               : kernel_.element_special(layout, rules.data(), 0, rules.size(), s, false, &unused);
   for (std::size_t i = 0; i < x.size(); ++i) result[i] = (rate * x[i] - result[i]) / scale;
 }
 

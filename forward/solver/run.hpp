@@ -17,7 +17,7 @@ inline constexpr double unlimited_cutoff = 1e30;  ///< [Pa] never reached, finit
 
 /// Whether wetted faces may come apart in the run: no strain below 1 reaches a cutoff above the bulk modulus.
 inline bool faces_may_part(const RunSetup& s) { return !s.slip_strength.empty() || s.wetted_cutoff < s.liquid.bulk_modulus; }
-inline constexpr std::size_t node_chunk = 512;    ///< nodes that a thread advances at a time
+inline constexpr std::size_t node_chunk = 512;  ///< nodes that a thread advances at a time
 inline std::size_t node_chunks(std::size_t nodes) { return (nodes + node_chunk - 1) / node_chunk; }
 
 /// Volume of steel and of liquid that each mesh node carries, an eighth of each element [m^3].
@@ -29,7 +29,7 @@ struct NodalVolumes {
 template <class R>
 struct StepPair {
   StepData<R> fast, slow;
-  bool outer;  ///< the slow ones are at work
+  bool outer;          ///< the slow ones are at work
   std::size_t parity;  ///< of the step's number: energies are kept until the step after the next, so that they may be summed while that begins
 };
 
@@ -37,7 +37,8 @@ template <class R>
 class Run {
  public:
   /// All arguments but `options` outlive the run.
-  Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles = 1);
+  Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step,
+      int subcycles = 1);
 
   [[nodiscard]] std::size_t block_count() const { return blocks_.size(); }
   /// Chunks of nodes of the second phase; those of slow blocks alone come last and only matter at outer steps.
@@ -125,23 +126,24 @@ class Run {
   int subcycles_;  ///< steps in one of the slow blocks
   Keep keep_;      ///< what the blocks remember
   StepData<R> base_{};
-  std::vector<double> mass_;         ///< by solver node [kg]
-  std::vector<double> parted_mass_;  ///< the same, the least that acts in any direction where faces are apart: without the film that has gone to the other side [kg]
+  std::vector<double> mass_;  ///< by solver node [kg]
+  std::vector<double>
+      parted_mass_;  ///< the same, the least that acts in any direction where faces are apart: without the film that has gone to the other side [kg]
   std::vector<double> motion_factor_;  ///< by solver node; empty: no damping of the motion
   AlignedArray<R> inverse_mass_, u_, v_, outbox_;
   std::vector<AlignedArray<R>> p0_, state_;
-  std::vector<AlignedArray<R>> initial_, thermal_, trace_;  ///< by block, of stressed runs
-  AlignedArray<R> strength_, hold_, open_, rear_initial_, resistance_;   ///< by rule, of runs that have them
-  std::vector<AlignedArray<double>> memory_;  ///< of a liquid law of its own
-  std::vector<LawOfBlock> laws_;              ///< by block, where there is such a law
+  std::vector<AlignedArray<R>> initial_, thermal_, trace_;              ///< by block, of stressed runs
+  AlignedArray<R> strength_, hold_, open_, rear_initial_, resistance_;  ///< by rule, of runs that have them
+  std::vector<AlignedArray<double>> memory_;                            ///< of a liquid law of its own
+  std::vector<LawOfBlock> laws_;                                        ///< by block, where there is such a law
   std::vector<BlockData<R>> blocks_;
   std::vector<SpecialData<R>> rules_;
   std::size_t scratch_rows_ = 0, plain_chunks_ = 0, rule_chunks_ = 0, slow_chunks_ = 0;
   std::array<std::vector<EnergyTerms>, 2> energies_;  ///< by parity of the step: of blocks, then of chunks
-  std::vector<double> damped_;  ///< energy taken by damp_motion, by stretch of the nodes [J]
-  double dragged_ = 0;          ///< by drag_slip [J]
-  std::vector<AlignedArray<R>> branch_;  ///< x of each relaxing branch of the steel
-  AlignedArray<R> relaxing_;             ///< sum of share times x
+  std::vector<double> damped_;                        ///< energy taken by damp_motion, by stretch of the nodes [J]
+  double dragged_ = 0;                                ///< by drag_slip [J]
+  std::vector<AlignedArray<R>> branch_;               ///< x of each relaxing branch of the steel
+  AlignedArray<R> relaxing_;                          ///< sum of share times x
   std::vector<Branch<R>> branches_;
 };
 

@@ -26,17 +26,25 @@ Vec3 centre_of(const Mesh& mesh, std::size_t e) {
 }  // namespace
 
 template <class R>
-Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step, int subcycles)
-    : packed_(packed), mesh_(mesh), setup_(setup), kernel_(kernels<R>()), dt_(time_step), subcycles_(subcycles),
-      keep_(options.energy_balance                                                                                        ? Keep::energies
+Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& volumes, const RunSetup& setup, const SolveOptions& options, double time_step,
+            int subcycles)
+    : packed_(packed),
+      mesh_(mesh),
+      setup_(setup),
+      kernel_(kernels<R>()),
+      dt_(time_step),
+      subcycles_(subcycles),
+      keep_(options.energy_balance                                                              ? Keep::energies
             : setup.quadratic_viscosity > 0 || setup.collapse_resistance() > 0 || is_stressed() ? Keep::rate
-                                                                                                                          : Keep::nothing) {
+                                                                                                : Keep::nothing) {
   expect(setup.initial_stress.empty() || setup.initial_stress.size() == mesh.elements.size(), "a stress before the run is given for every element");
   expect(setup.thermal_strain.empty() || setup.thermal_strain.size() == mesh.elements.size(), "a thermal strain is given for every element");
   expect(setup.slip_strength.empty() || setup.slip_strength.size() == mesh.slip.size(), "a strength is given for every slip pair");
-  for (const auto* by_node : {&setup.node_mass, &setup.node_damping}) expect(by_node->empty() || by_node->size() == mesh.nodes.size(), "what nodes carry and lose is given for every node");
+  for (const auto* by_node : {&setup.node_mass, &setup.node_damping})
+    expect(by_node->empty() || by_node->size() == mesh.nodes.size(), "what nodes carry and lose is given for every node");
   expect(setup.slip_drag.empty() || setup.slip_drag.size() == mesh.slip.size(), "a drag is given for every slip pair");
-  expect(setup.slip_hold.empty() || setup.slip_hold.size() == setup.slip_strength.size(), "what is held apart is given for every slip pair, where strengths are");
+  expect(setup.slip_hold.empty() || setup.slip_hold.size() == setup.slip_strength.size(),
+         "what is held apart is given for every slip pair, where strengths are");
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
   u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
@@ -104,9 +112,21 @@ void Run<R>::make_blocks() {
     }
     if (block.liquid) state_[b] = AlignedArray<R>(slots * std::size_t(liquid_state(keep_)) * (packed_.runs ? run_lanes : 1));
     if (!block.liquid && keep_ == Keep::energies) state_[b] = AlignedArray<R>(slots * steel_state);
-    blocks_[b] = {block.liquid, packed_.form[b], std::int32_t(slots / lanes), packed_.geometry[b].data(), packed_.connectivity[b].data(), p0_[b].data(),
-                  state_[b].data(), block.first_node, block.interior, block.ranges.data(), std::int32_t(block.ranges.size()), block.shared.data(),
-                  std::int32_t(block.shared.size()), block.outbox, {}};
+    blocks_[b] = {block.liquid,
+                  packed_.form[b],
+                  std::int32_t(slots / lanes),
+                  packed_.geometry[b].data(),
+                  packed_.connectivity[b].data(),
+                  p0_[b].data(),
+                  state_[b].data(),
+                  block.first_node,
+                  block.interior,
+                  block.ranges.data(),
+                  std::int32_t(block.ranges.size()),
+                  block.shared.data(),
+                  std::int32_t(block.shared.size()),
+                  block.outbox,
+                  {}};
     if (keep_ != Keep::nothing) blocks_[b].size = packed_.size[b].data();
     if (block.liquid && setup_.liquid_law) make_law(b);
     if (is_stressed()) make_stress(b);
@@ -193,7 +213,8 @@ void Run<R>::make_extras() {
   const bool parting = !setup_.slip_strength.empty() || setup_.wetted_cutoff < unlimited_cutoff;
   if (!parting && setup_.initial_stress.empty()) return;
   const std::size_t copies = packed_.runs ? run_lanes : 1;
-  strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies), rear_initial_ = AlignedArray<R>(rules_.size());
+  strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies),
+  rear_initial_ = AlignedArray<R>(rules_.size());
   const bool resisting = setup_.parting_time > 0 || setup_.meeting_time > 0;
   if (resisting) resistance_ = AlignedArray<R>(2 * rules_.size());
   std::map<std::int32_t, std::size_t> pair_of, rule_of;  // by solver node
@@ -273,7 +294,8 @@ void Run<R>::remember_strain() {
       const double strain = finite ? (Eigen::Matrix3d::Identity() + grad).determinant() - 1 : grad.trace();
       for (std::size_t l = 0; l < copies; ++l) {
         if (setup_.liquid_law) memory_[b][slot * copies + l] = strain;
-        if (keep_ != Keep::nothing) state_[b][slot / lanes * std::size_t(liquid_state(keep_)) * (packed_.runs ? run_lanes : lanes) + (packed_.runs ? l : slot % lanes)] = R(strain);
+        if (keep_ != Keep::nothing)
+          state_[b][slot / lanes * std::size_t(liquid_state(keep_)) * (packed_.runs ? run_lanes : lanes) + (packed_.runs ? l : slot % lanes)] = R(strain);
       }
     }
 }

@@ -113,9 +113,11 @@ void Run<R>::check_finite(std::int64_t n) const {
     for (std::size_t e = 0; e < mesh_.elements.size() && element == 0; ++e)
       for (const NodeId m : mesh_.elements[e])
         if (std::size_t(m) == node) element = e;
-    throw NumericsError(fmt::format("the displacements leave all bounds at step {} ({:.4g} s), node {} at ({:.4g}, {:.4g}, {:.4g}) m of {} element {}; step {:.3g} s, K {:.4g} Pa, density {:.5g} kg/m^3",
-                                    n, double(n) * dt_, node, x[0], x[1], x[2], mesh_.region[element] == Region::mercury ? "mercury" : "steel", element, dt_,
-                                    setup_.liquid.bulk_modulus, setup_.liquid_density));
+    throw NumericsError(
+        fmt::format("the displacements leave all bounds at step {} ({:.4g} s), node {} at ({:.4g}, {:.4g}, {:.4g}) m of {} element {}; step {:.3g} s, K {:.4g} "
+                    "Pa, density {:.5g} kg/m^3",
+                    n, double(n) * dt_, node, x[0], x[1], x[2], mesh_.region[element] == Region::mercury ? "mercury" : "steel", element, dt_,
+                    setup_.liquid.bulk_modulus, setup_.liquid_density));
   }
 }
 

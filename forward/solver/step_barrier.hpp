@@ -8,8 +8,8 @@
 
 namespace calomel {
 
-/// A barrier for steps that may be shorter than the 50 us that it takes to wake a thread. Who comes early looks again and again for a few times as long and then sleeps: on a
-/// busy machine, where the others may not be running at all, little is lost.
+/// A barrier for steps that may be shorter than the 50 us that it takes to wake a thread. Who comes early looks again and again for a few times as long and
+/// then sleeps: on a busy machine, where the others may not be running at all, little is lost.
 class StepBarrier {
  public:
   explicit StepBarrier(int threads) : threads_(threads) {}

@@ -59,6 +59,8 @@ ThreadChoice useful_threads(const Layout& layout, bool own_law, double lanes, in
   return best;
 }
 
-std::size_t runs_at_once(std::size_t left, bool plane_strain) { return !plane_strain && double(left) < group_cost ? 1 : std::min<std::size_t>(left, run_lanes); }
+std::size_t runs_at_once(std::size_t left, bool plane_strain) {
+  return !plane_strain && double(left) < group_cost ? 1 : std::min<std::size_t>(left, run_lanes);
+}
 
 }  // namespace calomel

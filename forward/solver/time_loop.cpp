@@ -70,12 +70,17 @@ template <class R>
 class TimeLoop {
  public:
   TimeLoop(Run<R>& run, const RunSetup& setup, const Layout& layout, std::span<const ObservationRow> rows, const SolveOptions& options, int per_output)
-      : run_(run), setup_(setup), layout_(layout), rows_(rows), options_(options), per_output_(per_output),
-        threads_(std::max(1, std::min<int>(options.threads, int(run.block_count())))), sync_(threads_) {
+      : run_(run),
+        setup_(setup),
+        layout_(layout),
+        rows_(rows),
+        options_(options),
+        per_output_(per_output),
+        threads_(std::max(1, std::min<int>(options.threads, int(run.block_count())))),
+        sync_(threads_) {
     steps_ = std::int64_t(std::llround(setup.end / setup.output_interval)) * per_output;
     sample_every_ = options.every_step ? run.subcycles() : per_output;
-    if (options.field_interval > 0)
-      field_every_ = std::max<std::int64_t>(1, std::llround(options.field_interval / setup.output_interval)) * per_output;
+    if (options.field_interval > 0) field_every_ = std::max<std::int64_t>(1, std::llround(options.field_interval / setup.output_interval)) * per_output;
     has_initial_state_ = !setup.initial_displacement.empty() || !setup.initial_velocity.empty() || !setup.initial_stress.empty();
     const std::size_t samples = std::size_t(steps_ / sample_every_) + 1;
     out_.times.resize(samples);
@@ -271,7 +276,8 @@ class TimeLoop {
 }  // namespace
 
 template <class R>
-SolveSummary run_to_end(Run<R>& run, const RunSetup& setup, const Layout& layout, std::span<const ObservationRow> rows, const SolveOptions& options, int steps_per_output) {
+SolveSummary run_to_end(Run<R>& run, const RunSetup& setup, const Layout& layout, std::span<const ObservationRow> rows, const SolveOptions& options,
+                        int steps_per_output) {
   return TimeLoop<R>(run, setup, layout, rows, options, steps_per_output).go();
 }
 

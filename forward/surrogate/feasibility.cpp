@@ -80,7 +80,8 @@ std::map<std::string, std::size_t> failure_reasons(const Archive& archive) {
     if (message.empty()) continue;
     std::string shape;  // numbers as #, so that the same fault at another step is the same reason
     for (const char c : message) {
-      const bool digit = std::isdigit(static_cast<unsigned char>(c)) || ((c == '.' || c == '-' || c == '+' || c == 'e') && !shape.empty() && shape.back() == '#');
+      const bool digit =
+          std::isdigit(static_cast<unsigned char>(c)) || ((c == '.' || c == '-' || c == '+' || c == 'e') && !shape.empty() && shape.back() == '#');
       if (!digit)
         shape += c;
       else if (shape.empty() || shape.back() != '#')

@@ -33,8 +33,8 @@ class Feasibility {
   /// At a scaled point; run `without` is left out (-1: none).
   [[nodiscard]] double probability(const Eigen::VectorXd& u, double multiple, Eigen::Index without) const;
   std::vector<Parameter> parameters_;
-  Eigen::MatrixXd points_;   ///< scaled, (n_parameters, runs)
-  Eigen::VectorXd failed_;   ///< 1 or 0
+  Eigen::MatrixXd points_;  ///< scaled, (n_parameters, runs)
+  Eigen::VectorXd failed_;  ///< 1 or 0
   std::size_t failures_ = 0;
   double multiple_ = 1, accuracy_ = 1;
 };
@@ -53,7 +53,9 @@ class GuardedModel final : public ForwardModel {
   [[nodiscard]] HistoryBasis basis() const override { return model_.basis(); }
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
   [[nodiscard]] bool has_gradient() const override { return model_.has_gradient(); }
-  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override { return model_.vector_jacobian_product(theta, weights); }
+  [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override {
+    return model_.vector_jacobian_product(theta, weights);
+  }
 
  private:
   /// Columns of `y` at points where the true model is likely to fail become NaN.

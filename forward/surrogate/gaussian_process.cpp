@@ -170,8 +170,12 @@ Eigen::MatrixXd GaussianProcess::scaled(const Eigen::MatrixXd& x) const {
 Eigen::VectorXd GaussianProcess::means(const Eigen::MatrixXd& x, InstructionSet isa) const {
   Eigen::VectorXd out(x.cols());
   std::vector<double> scratch(std::size_t(padded_weights_.size() + x.rows() * matern_padding));
-  matern_means(isa)({.points = padded_weights_.size(), .features = x.rows(), .at = padded_points_.data(), .weights = padded_weights_.data(),
-                     .kappa = hyperparameters_.kappa.data(), .stretch = stretch_.data()},
+  matern_means(isa)({.points = padded_weights_.size(),
+                     .features = x.rows(),
+                     .at = padded_points_.data(),
+                     .weights = padded_weights_.data(),
+                     .kappa = hyperparameters_.kappa.data(),
+                     .stretch = stretch_.data()},
                     x.data(), x.cols(), out.data(), scratch.data());
   return out;
 }

@@ -43,7 +43,9 @@ Eigen::MatrixXd ModeGaussianProcess::whitened(const Eigen::MatrixXd& thetas, int
   return z;
 }
 
-Eigen::MatrixXf ModeGaussianProcess::histories(const Eigen::MatrixXd& thetas, int threads) const { return basis_.histories(whitened(thetas, threads), threads); }
+Eigen::MatrixXf ModeGaussianProcess::histories(const Eigen::MatrixXd& thetas, int threads) const {
+  return basis_.histories(whitened(thetas, threads), threads);
+}
 
 HistoryBasis ModeGaussianProcess::basis() const { return {basis_.mean(), basis_.map()}; }
 

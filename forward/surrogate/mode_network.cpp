@@ -86,7 +86,9 @@ Eigen::MatrixXf ModeNetwork::coefficients(const Eigen::MatrixXd& thetas) const {
   return share.asDiagonal() * sum;
 }
 
-Eigen::MatrixXf ModeNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const { return basis_.histories(coefficients(thetas).cast<double>(), threads); }
+Eigen::MatrixXf ModeNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const {
+  return basis_.histories(coefficients(thetas).cast<double>(), threads);
+}
 
 Eigen::VectorXd ModeNetwork::vector_jacobian_product(const Eigen::VectorXd& theta, const Eigen::VectorXd& weights) const {
   const Eigen::MatrixXf x = inputs_.features(theta).cast<float>();

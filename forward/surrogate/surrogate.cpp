@@ -98,7 +98,7 @@ Eigen::MatrixXf Surrogate::coefficients(const Eigen::MatrixXd& thetas) const {
 Eigen::VectorXd Surrogate::vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const {
   expect(weights.size() == parts_.shape.values(), "a weight for each value of the surrogate");
   return parts_.mean->vector_jacobian_product(Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size())),
-                                Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
+                                              Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())));
 }
 
 Eigen::VectorXd Surrogate::error_variance(std::span<const double> theta) const {

@@ -128,7 +128,8 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
     }
     out.warnings.push_back(out.message);
   } else if (out.best.theta == out.at_nominal.theta) {
-    out.message = fmt::format("{} = {:.6g} in the true model at the nominal parameters: none of {} candidates is better", out.objective.name, *out.best.objective_model, succeeded);
+    out.message = fmt::format("{} = {:.6g} in the true model at the nominal parameters: none of {} candidates is better", out.objective.name,
+                              *out.best.objective_model, succeeded);
   } else {
     out.message = fmt::format("{} = {:.6g} in the true model at the best of {} candidates", out.objective.name, *out.best.objective_model, succeeded);
   }

@@ -102,7 +102,8 @@ void report_correction(Calibration& out, const Problem& problem, const MeshCorre
 Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const Provenance& provenance);
 
 /// Writes METHOD.nc, then METHOD.json with `json`, into `out_dir`. METHOD.nc: time; calibrated, nominal
-/// (condition, sensor, time), where predictions are corrected for the mesh calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean, band_low, band_high (condition, sensor, record_time).
+/// (condition, sensor, time), where predictions are corrected for the mesh calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean,
+/// band_low, band_high (condition, sensor, record_time).
 void write_calibration(const std::string& method, const Calibration& calibration, const Problem& problem, const Json& json, const Provenance& provenance,
                        const std::filesystem::path& out_dir);
 

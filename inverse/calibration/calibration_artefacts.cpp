@@ -78,7 +78,9 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
 
 Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem) {
   const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
-  Json j{{"sentence", m.sentence}, {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)}, {"nominal_inside_emulator", s.at_nominal.inside_emulator}};
+  Json j{{"sentence", m.sentence},
+         {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)},
+         {"nominal_inside_emulator", s.at_nominal.inside_emulator}};
   if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape.parameters, m.without);
   j["working_mesh"] = {{"accuracy", of(m.best, &Score::accuracy)},
                        {"mae", of(m.best, &Score::mae)},
@@ -95,7 +97,10 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   const auto average = [](const Candidate& c, double Score::*field) { return c.score.ok ? number(c.score.*field) : Json(); };
   const auto accuracy = [&](const Candidate& c) { return c.score.banded_sensors > 0 ? average(c, &Score::accuracy) : Json(); };
   Json j;
-  j["status"] = s.status == CalibrationStatus::done ? "done" : s.status == CalibrationStatus::not_settled ? "not_settled" : s.status == CalibrationStatus::no_candidate ? "no_candidate" : "not_run";
+  j["status"] = s.status == CalibrationStatus::done           ? "done"
+                : s.status == CalibrationStatus::not_settled  ? "not_settled"
+                : s.status == CalibrationStatus::no_candidate ? "no_candidate"
+                                                              : "not_run";
   j["message"] = s.message;
   j["theta"] = named(shape.parameters, s.theta);
   j["nominal"] = named(shape.parameters, s.nominal);

@@ -43,11 +43,14 @@ void report_correction(Calibration& out, const Problem& problem, const MeshCorre
   mark(out.best), mark(out.at_nominal);
   for (auto* list : {&out.candidates, &out.failed})
     for (auto& c : *list) mark(c);
-  if (!out.at_nominal.inside_emulator) m.sentence += "; the nominal point lies outside the emulator's box, so that its scores are surer on the case's own mesh (working_mesh)";
+  if (!out.at_nominal.inside_emulator)
+    m.sentence += "; the nominal point lies outside the emulator's box, so that its scores are surer on the case's own mesh (working_mesh)";
   out.warnings.insert(out.warnings.end(), correction.reservations.begin(), correction.reservations.end());
   if (!out.best.inside_emulator)
-    out.warnings.push_back("the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See where `calomel "
-                           "sample` finds the parameters, and whether they are bounded too widely");
+    out.warnings.push_back(
+        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See "
+        "where `calomel "
+        "sample` finds the parameters, and whether they are bounded too widely");
 }
 
 }  // namespace calomel

@@ -12,7 +12,8 @@ namespace calomel {
 template <class V>
 void visit_mesh_correction(V& v, bool& mesh_correction) {
   v("mesh_correction", mesh_correction,
-    {.doc = "predictions are corrected for the mesh by the emulator, whose runs are those of [emulator]: finest mesh less the case's own; false: bare, as published"});
+    {.doc = "predictions are corrected for the mesh by the emulator, whose runs are those of [emulator]: finest mesh less the case's own; false: bare, as "
+            "published"});
   v.renamed("mesh_pairs", "mesh_correction = true | false decides; the runs are those of [emulator]");
   v.renamed("mesh_beyond", "mesh_correction leads to the finest mesh of [emulator]; what lies beyond it is part of the posterior (errors.beyond)");
   v.renamed("draws", "the answer is a point estimate; `calomel sample` tells how well the records know the parameters");

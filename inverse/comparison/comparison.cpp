@@ -200,7 +200,8 @@ std::string notable(const Comparison& c, const std::string& method) {
       if (!d.in_map_sd || std::abs(*d.in_map_sd) <= Comparison::notable_sds) continue;
       const auto& values = c.parameters[k].values;
       const auto map = std::size_t(std::find(c.methods.begin(), c.methods.end(), "map") - c.methods.begin());
-      s += fmt::format(", {} {:+.1f} sd{}", d.name, sign * *d.in_map_sd, *values[map] != 0 ? fmt::format(" ({:+.1f} %)", sign * 100 * *d.absolute / *values[map]) : "");
+      s += fmt::format(", {} {:+.1f} sd{}", d.name, sign * *d.in_map_sd,
+                       *values[map] != 0 ? fmt::format(" ({:+.1f} %)", sign * 100 * *d.absolute / *values[map]) : "");
     }
   }
   return s;
@@ -215,9 +216,11 @@ void judge(Comparison& c) {
     if (!p.distance)
       c.sentence += fmt::format("{}{}'s place in the posterior cannot be told", before, label);
     else if (p.outside())
-      c.sentence += fmt::format("{}{} lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", before, label, *p.distance, share_text(*p.share_nearer), notable(c, p.method));
+      c.sentence += fmt::format("{}{} lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", before, label, *p.distance,
+                                share_text(*p.share_nearer), notable(c, p.method));
     else
-      c.sentence += fmt::format("{}{} lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", before, label, *p.distance, share_text(*p.share_nearer));
+      c.sentence += fmt::format("{}{} lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", before, label, *p.distance,
+                                share_text(*p.share_nearer));
   }
   c.sentence += c.sentence.empty() ? "Whether the methods agree cannot be told without MAP's covariance; the differences in percent are listed." : ".";
 }
@@ -240,7 +243,8 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
   Comparison c;
   for (const auto& s : summaries) {
     c.methods.push_back(s.method);
-    c.effort.push_back({s.method, number_of(s.json, "evaluations"), number_of(s.json, "model_runs"), number_of(s.json, "search_s"), number_of(s.json, "model_s")});
+    c.effort.push_back(
+        {s.method, number_of(s.json, "evaluations"), number_of(s.json, "model_runs"), number_of(s.json, "search_s"), number_of(s.json, "model_s")});
     if (c.mae_unit.empty() && part_of(s.json, "mae_unit").is_string()) c.mae_unit = s.json["mae_unit"].get<std::string>();
   }
   const LaplacePosterior posterior(summaries);

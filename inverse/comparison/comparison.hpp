@@ -63,7 +63,7 @@ struct Comparison {
   std::vector<ComparedRow> accuracy;    ///< [%] by sensor, the mean last
   std::vector<ComparedRow> mae;         ///< by sensor, the mean last
   std::string mae_unit;
-  std::string scores_on;                ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods tell of the same, or ""
+  std::string scores_on;  ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods tell of the same, or ""
   std::vector<ComparedPair> pairs;
   std::vector<PlaceInPosterior> in_posterior;  ///< of every method but MAP; empty without MAP's covariance
   std::vector<ComparedEffort> effort;

@@ -70,7 +70,8 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
     j["agreement"].push_back({{"first", p.first}, {"second", p.second}, {"differences", differences}, {"largest_in_map_sd", json_of(p.largest_in_map_sd)}});
   }
   j["in_posterior"] = Json::array();
-  for (const auto& p : c.in_posterior) j["in_posterior"].push_back({{"method", p.method}, {"distance", json_of(p.distance)}, {"share_nearer", json_of(p.share_nearer)}});
+  for (const auto& p : c.in_posterior)
+    j["in_posterior"].push_back({{"method", p.method}, {"distance", json_of(p.distance)}, {"share_nearer", json_of(p.share_nearer)}});
   j["agree"] = c.agree, j["sentence"] = c.sentence;
   j["effort"] = Json::array();
   for (const auto& e : c.effort)
@@ -94,12 +95,14 @@ std::string comparison_text(const Comparison& c) {
   for (std::size_t r = 0; r < c.parameters.size(); ++r) {
     lines.push_back({c.parameters[r].name});
     for (const auto& p : c.pairs)
-      lines.back().push_back(text(p.differences[r].percent, "{:+.2f} %") + (p.differences[r].in_map_sd ? fmt::format(" = {:+.2f} sd", *p.differences[r].in_map_sd) : ""));
+      lines.back().push_back(text(p.differences[r].percent, "{:+.2f} %") +
+                             (p.differences[r].in_map_sd ? fmt::format(" = {:+.2f} sd", *p.differences[r].in_map_sd) : ""));
   }
   s += '\n' + aligned(lines);
   if (!c.in_posterior.empty()) {
     lines = {{"in the posterior", "deviations from its mode", "share nearer [%]"}};
-    for (const auto& p : c.in_posterior) lines.push_back({method_label(p.method), text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
+    for (const auto& p : c.in_posterior)
+      lines.push_back({method_label(p.method), text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
     s += '\n' + aligned(lines);
   }
   return s + "  " + c.sentence;

@@ -20,7 +20,8 @@ struct Window {
 
 /// Linear map from record samples, and from a model's values, to coarse values. Every `factor` samples make one value; the filter is a Hann window of
 /// twice that length, w(d) = cos^2(pi d / (2 factor)), |d| < factor, which lets half the amplitude through at the coarse Nyquist frequency and
-/// nothing at twice it (Harris 1978, Proc. IEEE 66, 51). Absent samples have no weight; a window that keeps less than half of what the record has on average is left out.
+/// nothing at twice it (Harris 1978, Proc. IEEE 66, 51). Absent samples have no weight; a window that keeps less than half of what the record has on average is
+/// left out.
 class Decimation {
  public:
   /// The smallest factor that leaves at most `most_values` values over all observations and whose Nyquist frequency is not above `band` [Hz].
@@ -29,7 +30,9 @@ class Decimation {
   [[nodiscard]] std::size_t size() const { return std::size_t(map_.rows()); }
   [[nodiscard]] std::size_t factor() const { return factor_; }
   /// Half the length of a window [s]: the distance of two.
-  [[nodiscard]] double half_window() const { return record_time_.size() < 2 ? 1 : double(factor_) * (record_time_.back() - record_time_.front()) / double(record_time_.size() - 1); }
+  [[nodiscard]] double half_window() const {
+    return record_time_.size() < 2 ? 1 : double(factor_) * (record_time_.back() - record_time_.front()) / double(record_time_.size() - 1);
+  }
   [[nodiscard]] std::size_t observations() const { return windows_.size(); }
   /// Windows of an observation of the problem, and the place of the first in a vector of values.
   [[nodiscard]] std::span<const Window> windows(std::size_t observation) const { return windows_[observation]; }
@@ -52,7 +55,8 @@ class Decimation {
   Eigen::SparseMatrix<double, Eigen::RowMajor> map_;  ///< (size, values of the model)
 };
 
-/// What a delay by 1 s does to a history to first order, -dx/dt by differences of its neighbours, in the unit of x per second; NaN beside a value that is absent. history, times: equally many, at least two.
+/// What a delay by 1 s does to a history to first order, -dx/dt by differences of its neighbours, in the unit of x per second; NaN beside a value that is
+/// absent. history, times: equally many, at least two.
 [[nodiscard]] std::vector<double> change_when_late(std::span<const double> history, std::span<const double> times);
 
 /// Covariance of the windows for noise of unit variance on the record grid: (1 - white) exp(-|t - t'| / time) + white [t = t'].

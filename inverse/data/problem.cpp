@@ -15,8 +15,8 @@ namespace calomel {
 namespace {
 
 constexpr double narrow_share = 0.01;
-constexpr double noise_alone = 3;       ///< a mean square below so much of what noise leaves shows nothing
-constexpr double quiet = 0.1;           ///< of the root mean square of the middle gauge
+constexpr double noise_alone = 3;        ///< a mean square below so much of what noise leaves shows nothing
+constexpr double quiet = 0.1;            ///< of the root mean square of the middle gauge
 constexpr std::size_t long_enough = 10;  ///< samples of a record by which a gauge is called dead
 
 /// Weights of the derivative at x[i] of the parabola through three neighbours (Lagrange), exact for quadratics.
@@ -66,11 +66,12 @@ std::size_t find_condition(const ModelShape& shape, const Recordings& r, std::si
   const auto it = std::find(shape.conditions.begin(), shape.conditions.end(), r.conditions[c]);
   if (it != shape.conditions.end()) return std::size_t(it - shape.conditions.begin());
   if (shape.conditions.size() == 1 && r.conditions.size() == 1 && (r.conditions[0] == "default" || shape.conditions[0] == "default")) return 0;
-  throw InputError({.problem = "the condition is recorded but not declared",
-                    .value = "condition \"" + r.conditions[c] + '"',
-                    .range = join(shape.conditions),
-                    .suggestion = "declare it with [[condition]]; of a bar under a measured stress, or a line, put each condition into a file and a case of its own",
-                    .file = r.source});
+  throw InputError(
+      {.problem = "the condition is recorded but not declared",
+       .value = "condition \"" + r.conditions[c] + '"',
+       .range = join(shape.conditions),
+       .suggestion = "declare it with [[condition]]; of a bar under a measured stress, or a line, put each condition into a file and a case of its own",
+       .file = r.source});
 }
 
 Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size_t begin, std::size_t end, const RecordingOptions& options) {
@@ -151,7 +152,11 @@ void leave_out_dead(Problem& p, const Recordings& recordings) {
     return true;
   });
   if (p.dead.empty()) return;
-  if (p.observations.empty()) throw InputError({.problem = "no sensor records anything: every mean record is 0 throughout", .key = "recordings.file", .suggestion = "see whether the columns are those of the gauges", .file = recordings.source});
+  if (p.observations.empty())
+    throw InputError({.problem = "no sensor records anything: every mean record is 0 throughout",
+                      .key = "recordings.file",
+                      .suggestion = "see whether the columns are those of the gauges",
+                      .file = recordings.source});
   p.warnings.push_back(plain_dead(p.dead));
 }
 
@@ -159,8 +164,9 @@ void leave_out_dead(Problem& p, const Recordings& recordings) {
 
 std::string plain_dead(std::span<const std::string> labels) {
   const bool one = labels.size() == 1;
-  return fmt::format("{} {} nothing but noise and {} left out: see whether {} dead, and name {} in recordings.exclude.", (one ? "Gauge " : "Gauges ") + join(labels), one ? "records" : "record", one ? "is" : "are",
-                     one ? "it is" : "they are", one ? "it" : "them");
+  return fmt::format("{} {} nothing but noise and {} left out: see whether {} dead, and name {} in recordings.exclude.",
+                     (one ? "Gauge " : "Gauges ") + join(labels), one ? "records" : "record", one ? "is" : "are", one ? "it is" : "they are",
+                     one ? "it" : "them");
 }
 
 double band_factor(int n, bool of_the_mean) {

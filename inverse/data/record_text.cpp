@@ -227,15 +227,20 @@ std::optional<ReadingUnit> reading_unit(std::string_view word) {
     ReadingUnit unit;
   };
   // Symbols keep their letters' case (mPa is not MPa), words do not.
-  constexpr Known symbols[] = {{"m/m", {"strain"}}, {"m m-1", {"strain"}}, {"e", {"strain"}}, {"E", {"strain"}}, {"\xce\xb5", {"strain"}}, {"V", {"voltage"}}, {"Pa", {"pressure"}}, {"bar", {"pressure", 1e5}},
-                               {"N", {"force"}}, {"m", {"length"}}, {"m/s", {"velocity"}}, {"m/s2", {"acceleration"}}, {"m/s^2", {"acceleration"}}, {"s", {"time"}}};
-  constexpr Known words[] = {{"strain", {"strain"}}, {"volt", {"voltage"}}, {"pascal", {"pressure"}}, {"newton", {"force"}}, {"metre", {"length"}}, {"meter", {"length"}}, {"second", {"time"}}, {"sec", {"time"}}};
-  constexpr std::pair<std::string_view, double> symbol_prefixes[] = {{"", 1}, {"n", 1e-9}, {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6}, {"m", 1e-3}, {"h", 1e2}, {"k", 1e3}, {"M", 1e6}, {"G", 1e9}};
-  constexpr std::pair<std::string_view, double> word_prefixes[] = {{"", 1}, {"nano", 1e-9}, {"micro", 1e-6}, {"milli", 1e-3}, {"hecto", 1e2}, {"kilo", 1e3}, {"mega", 1e6}, {"giga", 1e9}};
+  constexpr Known symbols[] = {{"m/m", {"strain"}},   {"m m-1", {"strain"}},      {"e", {"strain"}},           {"E", {"strain"}}, {"\xce\xb5", {"strain"}},
+                               {"V", {"voltage"}},    {"Pa", {"pressure"}},       {"bar", {"pressure", 1e5}},  {"N", {"force"}},  {"m", {"length"}},
+                               {"m/s", {"velocity"}}, {"m/s2", {"acceleration"}}, {"m/s^2", {"acceleration"}}, {"s", {"time"}}};
+  constexpr Known words[] = {{"strain", {"strain"}}, {"volt", {"voltage"}}, {"pascal", {"pressure"}}, {"newton", {"force"}},
+                             {"metre", {"length"}},  {"meter", {"length"}}, {"second", {"time"}},     {"sec", {"time"}}};
+  constexpr std::pair<std::string_view, double> symbol_prefixes[] = {{"", 1},     {"n", 1e-9}, {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6},
+                                                                     {"m", 1e-3}, {"h", 1e2},  {"k", 1e3},  {"M", 1e6},         {"G", 1e9}};
+  constexpr std::pair<std::string_view, double> word_prefixes[] = {{"", 1},        {"nano", 1e-9}, {"micro", 1e-6}, {"milli", 1e-3},
+                                                                   {"hecto", 1e2}, {"kilo", 1e3},  {"mega", 1e6},   {"giga", 1e9}};
   const auto find = [](std::string_view text, const auto& known, const auto& prefixes) -> std::optional<ReadingUnit> {
     for (const auto& [spelling, unit] : known)
       for (const auto& [prefix, factor] : prefixes)
-        if (text.size() == prefix.size() + spelling.size() && text.substr(0, prefix.size()) == prefix && text.substr(prefix.size()) == spelling) return ReadingUnit{unit.quantity, factor * unit.size};
+        if (text.size() == prefix.size() + spelling.size() && text.substr(0, prefix.size()) == prefix && text.substr(prefix.size()) == spelling)
+          return ReadingUnit{unit.quantity, factor * unit.size};
     return std::nullopt;
   };
   if (word == "1") return ReadingUnit{"strain"};

@@ -20,8 +20,7 @@ constexpr double microstrain = 1e-6;
 
 bool is_netcdf(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path))
-    throw unreadable_file("recordings.file", path);
+  if (!in || std::filesystem::is_directory(path)) throw unreadable_file("recordings.file", path);
   char head[4] = {};
   in.read(head, 4);
   const std::string_view magic(head, std::size_t(in.gcount()));
@@ -48,12 +47,14 @@ std::pair<double, std::string> inner_unit(const std::string& own, const std::str
   return {1, own.empty() || asked != "strain" ? asked : own};
 }
 
-/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is not known to be the same quantity.
+/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is
+/// not known to be the same quantity.
 double factor_to_model(const std::string& own, const std::string& unit, const std::string& file) {
   if (own.empty() || own == unit) return 1;
   const auto from = reading_unit(own), to = reading_unit(unit);
   if (from && to && from->quantity == to->quantity) return from->size / to->size;
-  throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit), .key = "recordings.file",
+  throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit),
+                    .key = "recordings.file",
                     .suggestion = fmt::format("bring both to one unit; calomel import --unit {} says what a text file is in", unit)});
 }
 
@@ -104,7 +105,8 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   std::size_t stride[4] = {0, 0, 0, 0}, step = 1;
   for (std::size_t d = dims.size(); d-- > 0; step *= shape[d]) stride[dims[d] == "condition" ? 0 : dims[d] == "sensor" ? 1 : dims[d] == "pulse" ? 2 : 3] = step;
   const auto raw = file.doubles("strain");
-  const auto [factor, name] = as_it_is ? std::pair(factor_to_model(file.attribute("units", "strain"), unit, path.string()), unit) : inner_unit(file.attribute("units", "strain"), unit, path.string());
+  const auto [factor, name] = as_it_is ? std::pair(factor_to_model(file.attribute("units", "strain"), unit, path.string()), unit)
+                                       : inner_unit(file.attribute("units", "strain"), unit, path.string());
   out.unit = name, out.factor = factor;
   out.values.resize(raw.size());
   std::size_t dropouts = 0;
@@ -274,8 +276,10 @@ std::vector<std::string> match_sensors(const Recordings& recordings, std::span<c
           {.problem = fmt::format("the sensor is recorded but not declared in {}", case_file.string()),
            .value = "sensor \"" + recordings.sensors[s] + '"',
            .range = join(declared),
-           .suggestion = fmt::format("declare it ([[sensor]] of a target, output.sensors of a model outside), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"", recordings.sensors[s],
-                                     without.empty() ? "the nearest declared one" : "declared without a record", nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
+           .suggestion = fmt::format(
+               "declare it ([[sensor]] of a target, output.sensors of a model outside), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"",
+               recordings.sensors[s], without.empty() ? "the nearest declared one" : "declared without a record",
+               nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
            .file = recordings_file.string(),
            .line = recordings.sensor_lines[s]});
   std::vector<std::string> warnings;

@@ -32,14 +32,15 @@ struct RecordingOptions {
   std::optional<double> energy_sd;
   std::optional<double> noise;  ///< one sd for all sensors, in the data's unit
   double noise_time = 0;
-  NoiseTable noise_by_sensor;   ///< used instead of `noise` when it has entries
-  bool as_it_is = false;        ///< no key: `unit` is that of another model's values, and nothing is converted
+  NoiseTable noise_by_sensor;  ///< used instead of `noise` when it has entries
+  bool as_it_is = false;       ///< no key: `unit` is that of another model's values, and nothing is converted
 
   template <class V>
   void visit(V& v) {
     v("file", file,
       {.doc = "recordings.nc, a CSV of the form sensor,pulse,time,strain (condition optional), or time and one column a sensor", .required = true});
-    v("unit", unit, {.doc = "strain or microstrain, which is converted. Records of a line or of a model outside are in the model's own unit, case.sensor_unit"});
+    v("unit", unit,
+      {.doc = "strain or microstrain, which is converted. Records of a line or of a model outside are in the model's own unit, case.sensor_unit"});
     v("trigger_offset", trigger_offset, {.unit = "s", .range = any(), .doc = "time on the record's clock at which the simulation starts (subtracted)"});
     v("begin", begin, {.unit = "s", .range = any(), .doc = "earlier samples are left out; on the simulation's clock"});
     v("end", end, {.unit = "s", .range = any(), .doc = "later samples are left out; on the simulation's clock"});
@@ -51,7 +52,10 @@ struct RecordingOptions {
         {.range = above(0), .doc = "sd of the noise in the data's unit, or a table by sensor; required where a sensor has fewer than two pulses"});
     else
       v.table("noise", noise_by_sensor, "sd of the noise by sensor");
-    v("noise_time", noise_time, {.unit = "s", .range = at_least(0), .doc = "correlation time of that noise, exp(-time between samples / noise_time); 0 = independent from sample to sample"});
+    v("noise_time", noise_time,
+      {.unit = "s",
+       .range = at_least(0),
+       .doc = "correlation time of that noise, exp(-time between samples / noise_time); 0 = independent from sample to sample"});
   }
   /// Errors: InputError when end <= begin.
   void validate() const;

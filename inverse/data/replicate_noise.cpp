@@ -12,10 +12,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double smoothing_time = 25e-6;       ///< [s] half width over which the variance may change
-constexpr double shrinkage_squares = 10;       ///< squares at which local and mean variance count alike
-constexpr double least_white = 0.01;           ///< keeps the covariance regular
-constexpr double dropouts = 0.1;               ///< share of a pulse's values that may be absent: the mean record stands for them
+constexpr double smoothing_time = 25e-6;  ///< [s] half width over which the variance may change
+constexpr double shrinkage_squares = 10;  ///< squares at which local and mean variance count alike
+constexpr double least_white = 0.01;      ///< keeps the covariance regular
+constexpr double dropouts = 0.1;          ///< share of a pulse's values that may be absent: the mean record stands for them
 constexpr std::array<double, 5> white_shares{least_white, 0.05, 0.15, 0.4, 0.8};
 
 /// The pulses of one observation on the coarse grid.
@@ -65,7 +65,8 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
   p.present = p.present.cwiseMax(1);
   p.values.resize(windows, Eigen::Index(columns.size()));
   const Eigen::VectorXd mean_record = grid.apply_record(index, o.mean);  // it has every window, also where each pulse lacks another sample of it
-  for (std::size_t k = 0; k < columns.size(); ++k) p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), mean_record.array());
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    p.values.col(Eigen::Index(k)) = columns[k].array().isFinite().select(columns[k].array(), mean_record.array());
   if (!columns.empty()) p.mean = p.values.rowwise().mean();
   return p;
 }
@@ -210,11 +211,12 @@ CorrelationFit fit_correlation(const Eigen::MatrixXd& u, std::span<const Window>
   expect(u.cols() >= 2 && u.rows() == Eigen::Index(windows.size()), "a correlation is learnt from two pulses or more");
   const double step = record_time.size() > 1 ? record_time[1] - record_time[0] : 1, span = record_time.back() - record_time.front();
   const auto at = [&](double log_time, double white) {
-    return profile_log_likelihood(u, filtered_covariance(windows, record_time, std::exp(log_time), white, zeroed, zero_time) +
-                                         1e-9 * Eigen::MatrixXd::Identity(u.rows(), u.rows()));
+    return profile_log_likelihood(
+        u, filtered_covariance(windows, record_time, std::exp(log_time), white, zeroed, zero_time) + 1e-9 * Eigen::MatrixXd::Identity(u.rows(), u.rows()));
   };
-  CorrelationFit best{0, 1, profile_log_likelihood(u, filtered_covariance(windows, record_time, 0, 1, zeroed, zero_time) +
-                                                          1e-9 * Eigen::MatrixXd::Identity(u.rows(), u.rows()))};
+  CorrelationFit best{
+      0, 1,
+      profile_log_likelihood(u, filtered_covariance(windows, record_time, 0, 1, zeroed, zero_time) + 1e-9 * Eigen::MatrixXd::Identity(u.rows(), u.rows()))};
   const double low = std::log(0.3 * step), high = std::log(std::max(step, span / 3));
   constexpr int points = 14;
   const double spacing = (high - low) / (points - 1);
@@ -243,8 +245,7 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
   }
   Split split = split_energy(all, conditions, pulses);
   if (energy_slope.size() > 0) {
-    for (std::size_t i = 0; i < all.size(); ++i)
-      all[i].slope = energy_slope.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].slope = energy_slope.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
     if (Split other = split_energy(all, conditions, pulses); other.unexplained < split.unexplained) split = std::move(other);
   }
   out.energy = Eigen::MatrixXd::Ones(Eigen::Index(conditions), Eigen::Index(pulses));

@@ -55,8 +55,12 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
 
   // 1. The rounds; before them, where predictions are corrected, a few without, to tell what that does.
   const std::size_t wanted = std::size_t(options.candidates);
-  RoundPlan plan{.optimizers = options.optimizers, .rounds = std::size_t(options.rounds), .generations = options.generations, .population = options.population,
-                 .cell = options.separation, .pool = 20 * wanted};
+  RoundPlan plan{.optimizers = options.optimizers,
+                 .rounds = std::size_t(options.rounds),
+                 .generations = options.generations,
+                 .population = options.population,
+                 .cell = options.separation,
+                 .pool = 20 * wanted};
   const Clock search;
   const auto rounds = [&](const ForwardModel& on, const RoundPlan& p, const char* what) {
     auto found = search_rounds(problem, on, out.objective, p, seed, threads, [&](std::size_t done) {

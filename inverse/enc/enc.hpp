@@ -37,7 +37,8 @@ struct EncOptions {
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
     v("objective", objective, {.doc = "formulation of the misfit", .choices = objectives().names()});
     v("compare_optimizers", compare_optimizers,
-      {.doc = "optimisers whose answers are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a gradient",
+      {.doc = "optimisers whose answers are compared with the calibration's; gradient: multi-start L-BFGS on the smoothed objective, where the surrogate has a "
+              "gradient",
        .choices = and_gradient_search(calomel::optimizers().names())});
     v("compare_objectives", compare_objectives,
       {.doc = "formulations whose answers are compared with the calibration's, each run once in the true model", .choices = objectives().names()});

@@ -20,18 +20,21 @@ constexpr std::uint64_t streams_of_a_search = 1'000'000;  // no calibration has 
 const EncRound* best_of(const std::vector<EncRound>& rounds, const Objective& objective, const std::string& optimizer = "") {
   const EncRound* best = nullptr;
   for (const auto& r : rounds)
-    if (std::isfinite(r.objective) && (optimizer.empty() || r.optimizer == optimizer) && (!best || objective.cost(r.objective) < objective.cost(best->objective)))
+    if (std::isfinite(r.objective) && (optimizer.empty() || r.optimizer == optimizer) &&
+        (!best || objective.cost(r.objective) < objective.cost(best->objective)))
       best = &r;
   return best;
 }
 
 double apart(const std::vector<double>& a, const std::vector<double>& b, const Bounds& bounds) { return distance({0, a}, {0, b}, bounds); }
 
-ComparedOptimizer compared(const std::string& name, const std::vector<EncRound>& rounds, const EncRound& best, const Objective& objective, const Bounds& bounds) {
+ComparedOptimizer compared(const std::string& name, const std::vector<EncRound>& rounds, const EncRound& best, const Objective& objective,
+                           const Bounds& bounds) {
   ComparedOptimizer r{.name = name, .theta = {}};
   double squares = 0;
   for (const auto& x : rounds)
-    if (x.optimizer == name && std::isfinite(x.objective)) ++r.rounds, r.mean += x.objective, r.share += apart(x.theta, best.theta, bounds) <= agreement_tolerance;
+    if (x.optimizer == name && std::isfinite(x.objective))
+      ++r.rounds, r.mean += x.objective, r.share += apart(x.theta, best.theta, bounds) <= agreement_tolerance;
   const EncRound* own = best_of(rounds, objective, name);
   if (!own) {
     r.mean = r.sd = r.best = r.distance = r.shortfall = nan;
@@ -61,8 +64,9 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
       apart += f.theta.empty() ? fmt::format("{}{} has no value anywhere", apart.empty() ? "" : "; ", f.objective)
                                : fmt::format("{}{} moves {}", apart.empty() ? "" : "; ", f.objective, moves(shape, a.objectives[0].theta, f.theta));
   if (a.objectives.size() > 1)
-    s += std::string(s.empty() ? "" : " ") + (a.objectives_agree ? fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance)
-                                                                : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");
+    s += std::string(s.empty() ? "" : " ") + (a.objectives_agree
+                                                  ? fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance)
+                                                  : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");
   return s;
 }
 
@@ -148,7 +152,10 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
 }
 
 Json agreement_json(const EncAgreement& a, const Problem& problem) {
-  Json j{{"tolerance", agreement_tolerance}, {"optimizers_agree", a.optimizers_agree}, {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)}, {"sentence", a.sentence}};
+  Json j{{"tolerance", agreement_tolerance},
+         {"optimizers_agree", a.optimizers_agree},
+         {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)},
+         {"sentence", a.sentence}};
   j["optimizers"] = Json::array(), j["objectives"] = Json::array();
   for (const auto& r : a.optimizers)
     j["optimizers"].push_back({{"name", r.name},

@@ -32,7 +32,7 @@ struct EncFormulation {
   std::vector<double> theta;  ///< (n_parameters) best of its rounds
   double distance = 0;        ///< from the calibration's own on the surrogate, as above
   bool agrees = false;
-  Candidate model;            ///< `objective_model`: by the calibration's own objective
+  Candidate model;                                                    ///< `objective_model`: by the calibration's own objective
   std::vector<std::pair<std::string, std::optional<double>>> values;  ///< by the true model, each of the compared objectives
 };
 
@@ -52,7 +52,8 @@ struct AgreementPlan {
 
 /// Runs the other searches, and the true model once an objective. `own`: the calibration's rounds by `objective`.
 EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const Objective& objective,
-                            const std::vector<EncRound>& own, const AgreementPlan& plan, std::uint64_t seed, int threads, const CalibrationProgress& progress = {});
+                            const std::vector<EncRound>& own, const AgreementPlan& plan, std::uint64_t seed, int threads,
+                            const CalibrationProgress& progress = {});
 
 /// agreement of enc.json: {tolerance, optimizers, objectives, optimizers_agree, objectives_agree, sentence, evaluations}
 Json agreement_json(const EncAgreement& agreement, const Problem& problem);

@@ -12,7 +12,8 @@ Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& pro
     own["optimizers"].push_back(
         {{"name", o.name}, {"rounds", o.rounds}, {"mean", number(o.mean)}, {"sd", number(o.sd)}, {"best", number(o.best)}, {"trace", numbers(o.trace)}});
   for (const auto& r : s.rounds)
-    own["rounds"].push_back({{"optimizer", r.optimizer}, {"theta", named(shape.parameters, r.theta)}, {"objective", number(r.objective)}, {"evaluations", r.evaluations}});
+    own["rounds"].push_back(
+        {{"optimizer", r.optimizer}, {"theta", named(shape.parameters, r.theta)}, {"objective", number(r.objective)}, {"evaluations", r.evaluations}});
   own["agreement"] = agreement_json(s.agreement, problem);
   own["agreement_s"] = s.agreement_s;
   return calibration_json(s, problem, own, provenance);

@@ -25,8 +25,8 @@ struct RoundPlan {
   std::vector<std::string> optimizers;  ///< in each round one of them, drawn at random
   std::size_t rounds = 0;
   int generations = 100, population = 40;
-  double cell = 0.03;             ///< of the pool, in units of the bounds
-  std::size_t pool = 0;           ///< best distinct points kept of each round
+  double cell = 0.03;              ///< of the pool, in units of the bounds
+  std::size_t pool = 0;            ///< best distinct points kept of each round
   std::uint64_t first_stream = 0;  ///< rounds use the streams (seed, first_stream + round)
 };
 

@@ -104,17 +104,20 @@ void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
   if (!out.fit.adequate) out.warnings.push_back(out.fit.sentence);
   for (const auto& x : out.nuisances)
     if (std::abs(x.pull) > 1)
-      out.warnings.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
-                                         x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
+      out.warnings.push_back(
+          fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
+                      x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
   for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
     const Parameter& p = in.problem.shape.parameters[k];
     const double sd = std::sqrt(out.covariance(Eigen::Index(k), Eigen::Index(k))), room = std::min(out.theta[k] - p.min, p.max - out.theta[k]);
     if (room < 1e-3 * (p.max - p.min))
       out.warnings.push_back(fmt::format("{} = {:.6g} sits on a bound: the data would have it outside, or do not determine it", p.name, out.theta[k]));
     else if (room < 2 * sd)
-      out.warnings.push_back(fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));
+      out.warnings.push_back(
+          fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));
   }
-  if (noise.split_half > 2) out.warnings.push_back(fmt::format("early and late pulses differ {:.2g} times more than independent pulses would: the records drift", noise.split_half));
+  if (noise.split_half > 2)
+    out.warnings.push_back(fmt::format("early and late pulses differ {:.2g} times more than independent pulses would: the records drift", noise.split_half));
 }
 
 }  // namespace
@@ -141,7 +144,8 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.fit = goodness_of_fit(residual_of(fit));
   out.identification = identification_of(in, fit, out.covariance);
   const auto checks = std::size_t(std::max(1, in.emulator.check_coarse + in.emulator.check_fine));
-  out.check = check_by_true_model(in, fit, gaussian_draws(posterior, mode, checks, in.seed ^ check_stream).topRows(posterior.box().size()), in.emulator.check_coarse, in.emulator.check_fine);
+  out.check = check_by_true_model(in, fit, gaussian_draws(posterior, mode, checks, in.seed ^ check_stream).topRows(posterior.box().size()),
+                                  in.emulator.check_coarse, in.emulator.check_fine);
   if (left_out) {
     auto directions = left_out(out.theta);
     if (out.trusted()) directions.insert(directions.begin(), gauge_gains(in.problem, out.calibrated));

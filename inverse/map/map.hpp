@@ -30,13 +30,16 @@ struct MapOptions {
   template <class V>
   void visit(V& v) {
     v("product", product,
-      {.doc = "of the posterior, its mode and its samples. tuned: the case's own priors, no discrepancy, not a material property; physical: handbook priors and a discrepancy",
+      {.doc = "of the posterior, its mode and its samples. tuned: the case's own priors, no discrepancy, not a material property; physical: handbook priors "
+              "and a discrepancy",
        .choices = {"tuned", "physical"}});
     v("score_tests", score_tests,
-      {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the next to finest mesh, about two dozen"});
+      {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the "
+              "next to finest mesh, about two dozen"});
     v.renamed("screen", "map.score_tests");
     v("compare_with", compare_with,
-      {.doc = "output directory of a finished MAP of the same records by a model with fewer of these parameters, relative to the case: gives the Bayes factor of the two on one emulator and one covariance"});
+      {.doc = "output directory of a finished MAP of the same records by a model with fewer of these parameters, relative to the case: gives the Bayes factor "
+              "of the two on one emulator and one covariance"});
     for (const char* gone : {"starts", "design", "candidates", "separation", "polish", "polish_runs", "secant"})
       v.renamed(gone, "the mode is found on the emulator, by [emulator] start, coarse_runs, fine_runs and rounds");
     for (const char* gone : {"added_runs", "mesh_pairs"}) v.renamed(gone, "the runs are those of [emulator]: element_sizes, coarse_runs, fine_runs, rounds");
@@ -66,7 +69,7 @@ struct MapSummary : Calibration {
   double log_likelihood = 0, log_prior = 0;
   double log_evidence_laplace = 0;
   GoodnessOfFit fit;
-  bool adequate = false;            ///< neither chi-squared nor the score tests speak against the fit
+  bool adequate = false;  ///< neither chi-squared nor the score tests speak against the fit
   std::optional<ScoreTests> score_tests;
   Identification identification;
   std::optional<NestedModel> nested;
@@ -81,6 +84,7 @@ struct MapSummary : Calibration {
 /// The contents of map.json.
 Json map_json(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance);
 /// Writes map.nc, then map.json; see write_calibration.
-void write_map(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance, const std::filesystem::path& out_dir);
+void write_map(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance,
+               const std::filesystem::path& out_dir);
 
 }  // namespace calomel

@@ -53,7 +53,12 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   own["covariance"] = matrix_json(s.covariance);
   own["nuisances"] = Json::array();
   for (const auto& x : s.nuisances)
-    own["nuisances"].push_back({{"name", x.name}, {"value", number(x.value)}, {"sd", number(x.sd)}, {"prior_value", number(x.prior_value)}, {"prior_sd", number(x.prior_sd)}, {"pull", number(x.pull)}});
+    own["nuisances"].push_back({{"name", x.name},
+                                {"value", number(x.value)},
+                                {"sd", number(x.sd)},
+                                {"prior_value", number(x.prior_value)},
+                                {"prior_sd", number(x.prior_sd)},
+                                {"pull", number(x.pull)}});
   own["log_likelihood"] = number(s.log_likelihood), own["log_prior"] = number(s.log_prior);
   own["log_evidence_laplace"] = number(s.log_evidence_laplace);
   own["chi2"] = number(s.fit.chi2), own["values"] = s.fit.values;

@@ -35,22 +35,39 @@ NestedModel compare_nested(const PosteriorFit& fit, const NestedModel& of) {
   out.low = out.log_bayes_factor - prior, out.high = out.log_bayes_factor + prior;
   out.chi2 = at_full.chi2, out.nested_chi2 = at_nested.chi2, out.variance = at_full.variance, out.nested_variance = at_nested.variance;
   out.verdict = out.low > decided ? NestedVerdict::added_favoured : out.high < -decided ? NestedVerdict::added_not_favoured : NestedVerdict::undecided;
-  const std::string added = joined(out.added),
-                    numbers = fmt::format("log Bayes factor {:.3g}, between {:.3g} and {:.3g} with priors twice and half as wide; chi-squared {:.4g} with and {:.4g} without for {} values", out.log_bayes_factor,
-                                          out.low, out.high, out.chi2, out.nested_chi2, fit.posterior->values());
+  const std::string
+      added = joined(out.added),
+      numbers = fmt::format(
+          "log Bayes factor {:.3g}, between {:.3g} and {:.3g} with priors twice and half as wide; chi-squared {:.4g} with and {:.4g} without for {} values",
+          out.log_bayes_factor, out.low, out.high, out.chi2, out.nested_chi2, fit.posterior->values());
   switch (out.verdict) {
-    case NestedVerdict::added_favoured: out.sentence = fmt::format("the records favour {} over {} by {} ({})", added, out.name, odds(out.low), numbers); break;
-    case NestedVerdict::added_not_favoured: out.sentence = fmt::format("the records speak against {}: {} is favoured by {} ({})", added, out.name, odds(-out.high), numbers); break;
-    case NestedVerdict::undecided: out.sentence = fmt::format("the records do not decide between {} and a model with {} as well ({})", out.name, added, numbers); break;
+    case NestedVerdict::added_favoured:
+      out.sentence = fmt::format("the records favour {} over {} by {} ({})", added, out.name, odds(out.low), numbers);
+      break;
+    case NestedVerdict::added_not_favoured:
+      out.sentence = fmt::format("the records speak against {}: {} is favoured by {} ({})", added, out.name, odds(-out.high), numbers);
+      break;
+    case NestedVerdict::undecided:
+      out.sentence = fmt::format("the records do not decide between {} and a model with {} as well ({})", out.name, added, numbers);
+      break;
   }
   return out;
 }
 
 Json nested_json(const NestedModel& n, const std::vector<Parameter>& parameters) {
   const char* verdict = n.verdict == NestedVerdict::added_favoured ? "favoured" : n.verdict == NestedVerdict::added_not_favoured ? "not favoured" : "undecided";
-  return {{"with", n.name}, {"added", n.added}, {"theta", named(parameters, n.theta)}, {"log_bayes_factor", number(n.log_bayes_factor)}, {"low", number(n.low)}, {"high", number(n.high)},
-          {"chi2", number(n.chi2)}, {"nested_chi2", number(n.nested_chi2)}, {"emulator_variance", number(n.variance)}, {"nested_emulator_variance", number(n.nested_variance)},
-          {"verdict", verdict}, {"sentence", n.sentence}};
+  return {{"with", n.name},
+          {"added", n.added},
+          {"theta", named(parameters, n.theta)},
+          {"log_bayes_factor", number(n.log_bayes_factor)},
+          {"low", number(n.low)},
+          {"high", number(n.high)},
+          {"chi2", number(n.chi2)},
+          {"nested_chi2", number(n.nested_chi2)},
+          {"emulator_variance", number(n.variance)},
+          {"nested_emulator_variance", number(n.nested_variance)},
+          {"verdict", verdict},
+          {"sentence", n.sentence}};
 }
 
 }  // namespace calomel

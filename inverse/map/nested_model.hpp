@@ -10,12 +10,12 @@ namespace calomel {
 enum class NestedVerdict { undecided, added_favoured, added_not_favoured };
 
 struct NestedModel {
-  std::string name;                 ///< of the nested model, in words
-  std::vector<std::string> added;   ///< the parameters that only the larger model has
-  std::vector<double> theta;        ///< mode of the nested one, in the larger one's parameters
-  double log_bayes_factor = 0;      ///< log evidence of the larger less that of the nested model, by Laplace; above 0 for the larger
-  double low = 0, high = 0;         ///< with priors of the added parameters twice and half as wide
-  double chi2 = 0, nested_chi2 = 0; ///< at either mode
+  std::string name;                          ///< of the nested model, in words
+  std::vector<std::string> added;            ///< the parameters that only the larger model has
+  std::vector<double> theta;                 ///< mode of the nested one, in the larger one's parameters
+  double log_bayes_factor = 0;               ///< log evidence of the larger less that of the nested model, by Laplace; above 0 for the larger
+  double low = 0, high = 0;                  ///< with priors of the added parameters twice and half as wide
+  double chi2 = 0, nested_chi2 = 0;          ///< at either mode
   double variance = 0, nested_variance = 0;  ///< of the emulator there, in units of one run's numerical noise; the densities know of it
   NestedVerdict verdict = NestedVerdict::undecided;
   std::string sentence;

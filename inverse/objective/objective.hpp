@@ -18,7 +18,6 @@ struct BatchScore {
 };
 BatchScore score_batch(const Problem& problem, const Eigen::MatrixXf& values);
 
-
 /// A number made of a Score's averages, and which way it is better.
 struct Objective {
   std::string name;

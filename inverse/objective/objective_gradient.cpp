@@ -84,7 +84,8 @@ ObjectiveGradient objective_gradient(const Problem& problem, const Objective& ob
   Averages total{};
   double banded = 0;
   for (const auto& o : problem.observations) {
-    parts.push_back(part_of(problem, o, on_record_times(problem, values.subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size())), width));
+    parts.push_back(
+        part_of(problem, o, on_record_times(problem, values.subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size())), width));
     for (std::size_t k = 0; k < averages; ++k) total[k] += parts.back().value[k];
     banded += o.banded_samples > 0;
   }

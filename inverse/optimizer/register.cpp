@@ -27,8 +27,9 @@ const Registry<OptimizerEntry>& optimizers() {
     });
     r.add("cmaes_restarts", "cmaes started again with twice the population whenever it has converged (Auger and Hansen 2005)",
           [](int generations, unsigned seed) { return pagmo::algorithm{CmaesRestarts{.generations = generations, .seed = seed}}; });
-    r.add("dgs", "gradient descent on a function smoothed along directions (Tran and Zhang 2020)",
-          [](int generations, unsigned seed) { return pagmo::algorithm{DirectionalGaussianSmoothing{.generations = generations, .seed = seed, .options = {}}}; });
+    r.add("dgs", "gradient descent on a function smoothed along directions (Tran and Zhang 2020)", [](int generations, unsigned seed) {
+      return pagmo::algorithm{DirectionalGaussianSmoothing{.generations = generations, .seed = seed, .options = {}}};
+    });
     r.add("nesterov", "random search along Gaussian directions (Nesterov and Spokoiny 2017)",
           [](int generations, unsigned seed) { return pagmo::algorithm{NesterovRandomSearch{.generations = generations, .seed = seed}}; });
     return r;

@@ -14,13 +14,13 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t design = 1024, local_design = 64;
-constexpr std::size_t basins = 8;       ///< that are looked into
-constexpr double apart = 0.1;           ///< of two basins, the largest over the parameters in units of their bounds
-constexpr double first_reach = 0.1;     ///< half width of the first local design, in the same units
+constexpr std::size_t basins = 8;    ///< that are looked into
+constexpr double apart = 0.1;        ///< of two basins, the largest over the parameters in units of their bounds
+constexpr double first_reach = 0.1;  ///< half width of the first local design, in the same units
 constexpr double shrinking = 0.7;
-constexpr int rounds = 16;              ///< to 5e-4 of the bounds
+constexpr int rounds = 16;  ///< to 5e-4 of the bounds
 constexpr int most_fine_runs = 6;
-constexpr double stays = 0.02;          ///< a basin that moves by less, in units of the bounds, has been found
+constexpr double stays = 0.02;  ///< a basin that moves by less, in units of the bounds, has been found
 
 struct At {
   Eigen::VectorXd unit;
@@ -30,7 +30,13 @@ struct At {
 class Basin {
  public:
   Basin(const Problem& problem, const ErrorModel& errors, const ForwardModel& surrogate, int threads)
-      : errors_(errors), surrogate_(surrogate), parameters_(surrogate.shape().parameters), priors_(priors_of(parameters_)), factor_(errors.covariance()), wanted_(errors.data()), threads_(threads) {
+      : errors_(errors),
+        surrogate_(surrogate),
+        parameters_(surrogate.shape().parameters),
+        priors_(priors_of(parameters_)),
+        factor_(errors.covariance()),
+        wanted_(errors.data()),
+        threads_(threads) {
     expect(surrogate.shape().values() == problem.shape.values(), "the surrogate has the problem's shape");
     if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
   }
@@ -76,7 +82,8 @@ Eigen::VectorXd Basin::find(std::uint64_t seed) const {
   const auto n = parameters_.size();
   std::vector<At> starts;
   for (const At& p : at(space_filling_points(n, design, seed)))
-    if (starts.size() < basins && std::all_of(starts.begin(), starts.end(), [&](const At& s) { return (s.unit - p.unit).cwiseAbs().maxCoeff() >= apart; })) starts.push_back(p);
+    if (starts.size() < basins && std::all_of(starts.begin(), starts.end(), [&](const At& s) { return (s.unit - p.unit).cwiseAbs().maxCoeff() >= apart; }))
+      starts.push_back(p);
   if (starts.empty()) throw NumericsError("the surrogate gives no prediction anywhere in the parameters' bounds");
   const Eigen::MatrixXd local = 2 * space_filling_points(n, local_design, seed + 1).array() - 1;
   At best = starts[0];

@@ -17,7 +17,8 @@ LogPosterior without_mesh_errors(const PosteriorFit& fit) {
   std::vector<WeightedErrors> errors = fit.hypotheses;
   for (auto& h : errors) h.errors = h.errors.without(record_noise_term).without(beyond_term).without(mesh_term);
   const LogPosterior& p = *fit.posterior;
-  return {p.box(), p.emulator(), fit.coefficients, errors, Eigen::MatrixXd::Zero(fit.noise.rows(), fit.noise.cols()), p.priors(), BeyondPrior{.mean = 0, .sd = 0}};
+  return {
+      p.box(), p.emulator(), fit.coefficients, errors, Eigen::MatrixXd::Zero(fit.noise.rows(), fit.noise.cols()), p.priors(), BeyondPrior{.mean = 0, .sd = 0}};
 }
 
 /// Samples with a band, each over its deviation: the emulator's coefficients there, (samples, coefficients), and the mean records, (samples).
@@ -28,7 +29,9 @@ struct Samples {
 Samples samples_of(const Problem& problem, const Eigen::MatrixXd& coefficients) {
   Eigen::Index n = 0;
   for (const auto& o : problem.observations) n += Eigen::Index(o.banded_samples);
-  if (n == 0) throw InputError({.problem = "no sample of the records has a band", .key = "posterior.compare", .suggestion = std::string("leave out \"") + independent_errors + '"'});
+  if (n == 0)
+    throw InputError(
+        {.problem = "no sample of the records has a band", .key = "posterior.compare", .suggestion = std::string("leave out \"") + independent_errors + '"'});
   Samples s{Eigen::MatrixXd::Zero(n, coefficients.cols()), Eigen::VectorXd(n)};
   Eigen::Index row = 0;
   for (const auto& o : problem.observations) {
@@ -57,7 +60,8 @@ LogPosterior with_independent_errors(const PosteriorInputs& in, const PosteriorF
   const RecordErrors errors{.covariance = Eigen::MatrixXd::Identity(size, size),
                             .data = inverse_root.asDiagonal() * (eigen.vectors.transpose() * (s.coefficients.transpose() * s.records)),
                             .freedom = std::numeric_limits<double>::infinity()};
-  const LogPosterior whole(p.box(), p.emulator(), root.asDiagonal() * eigen.vectors.transpose(), std::vector{errors}, Eigen::MatrixXd::Zero(size, size), p.priors(), BeyondPrior{.mean = 0, .sd = 0});
+  const LogPosterior whole(p.box(), p.emulator(), root.asDiagonal() * eigen.vectors.transpose(), std::vector{errors}, Eigen::MatrixXd::Zero(size, size),
+                           p.priors(), BeyondPrior{.mean = 0, .sd = 0});
   std::vector<std::pair<Eigen::Index, double>> held;
   for (std::size_t k = own; k < in.parameters.size(); ++k) held.emplace_back(Eigen::Index(k), *in.parameters[k].nominal);
   return whole.held(held);

@@ -15,20 +15,25 @@ namespace calomel {
 
 namespace {
 
-constexpr double difference = 1e-3;         ///< of a finite difference, in prior widths; runs are kept to seven digits
-constexpr double tail = 0.01;               ///< of the priors, left out of the design
-constexpr double box_sds = 4;               ///< half width of the box, in the deviations found
-constexpr double box_of_prior = 3;          ///< and at most, in prior deviations: what the records do not tell keeps its prior, tails and all
-constexpr double least_box = 0.01;          ///< and at least, of these
+constexpr double difference = 1e-3;  ///< of a finite difference, in prior widths; runs are kept to seven digits
+constexpr double tail = 0.01;        ///< of the priors, left out of the design
+constexpr double box_sds = 4;        ///< half width of the box, in the deviations found
+constexpr double box_of_prior = 3;   ///< and at most, in prior deviations: what the records do not tell keeps its prior, tails and all
+constexpr double least_box = 0.01;   ///< and at least, of these
 constexpr int polish_iterations = 10;
 constexpr double polish_tolerance = 1e-7;
-constexpr double no_answer = 1e6;           ///< residual where the model has none
+constexpr double no_answer = 1e6;  ///< residual where the model has none
 
 class Search {
  public:
   Search(const PosteriorInputs& in, const ErrorModel* errors)
-      : in_(in), errors_(errors ? *errors : ErrorModel(in.problem, in.recordings, in.recording_options, in.errors, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh})),
-        priors_(priors_of(in.parameters)), factor_(errors_.covariance()), wanted_(errors_.data()) {
+      : in_(in),
+        errors_(errors ? *errors
+                       : ErrorModel(in.problem, in.recordings, in.recording_options, in.errors,
+                                    {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = in.mesh})),
+        priors_(priors_of(in.parameters)),
+        factor_(errors_.covariance()),
+        wanted_(errors_.data()) {
     if (!factor_.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
     for (std::size_t k = 0; k < in.parameters.size(); ++k) {
       const auto& p = in.parameters[k];
@@ -76,7 +81,8 @@ class Search {
     for (Eigen::Index k = 0; k < dimension(); ++k) {
       const auto& p = parameter(k);
       x(k, 0) = p.coordinate(*p.nominal);
-      for (std::size_t i = 0; i < n; ++i) x(k, Eigen::Index(i) + 1) = p.coordinate(std::clamp(priors_[std::size_t(k)].quantile(tail + (1 - 2 * tail) * unit(k, Eigen::Index(i))), p.min, p.max));
+      for (std::size_t i = 0; i < n; ++i)
+        x(k, Eigen::Index(i) + 1) = p.coordinate(std::clamp(priors_[std::size_t(k)].quantile(tail + (1 - 2 * tail) * unit(k, Eigen::Index(i))), p.min, p.max));
     }
     return x;
   }
@@ -209,7 +215,13 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
   const WeightedErrors& likeliest = fit.likeliest();
   std::optional<DirectStart> polished;
   try {
-    polished = find_direct_start(in, {.design_runs = 0, .design_runs_a_parameter = 0, .descents = 0, .iterations = polish_iterations, .tolerance = polish_tolerance, .starts = {m.at.theta}, .errors = &likeliest.errors});
+    polished = find_direct_start(in, {.design_runs = 0,
+                                      .design_runs_a_parameter = 0,
+                                      .descents = 0,
+                                      .iterations = polish_iterations,
+                                      .tolerance = polish_tolerance,
+                                      .starts = {m.at.theta},
+                                      .errors = &likeliest.errors});
   } catch (const NumericsError&) {  // no run came through
     return fit;
   }

@@ -5,12 +5,12 @@
 namespace calomel {
 
 struct DirectStart {
-  std::vector<double> theta;    ///< of least |whitened residual|^2 - 2 log prior
-  Eigen::MatrixXd covariance;   ///< of the parameters' coordinates (Parameter::coordinate), of Gauss and Newton
+  std::vector<double> theta;              ///< of least |whitened residual|^2 - 2 log prior
+  Eigen::MatrixXd covariance;             ///< of the parameters' coordinates (Parameter::coordinate), of Gauss and Newton
   std::vector<std::vector<double>> ends;  ///< of all descents, among them `theta`
-  double chi2 = 0;              ///< of the records' errors
-  Eigen::Index values = 0;      ///< records' values compared
-  int runs = 0;                 ///< that were asked for
+  double chi2 = 0;                        ///< of the records' errors
+  Eigen::Index values = 0;                ///< records' values compared
+  int runs = 0;                           ///< that were asked for
 };
 
 /// Where the search begins.
@@ -23,12 +23,13 @@ struct DirectSearch {
   const ErrorModel* errors = nullptr;       ///< of the records; none: those of the inputs without a discrepancy
 };
 
-/// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it and from those that are given. Errors: NumericsError when no
-/// run comes through; those of in.run.
+/// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it and from those that
+/// are given. Errors: NumericsError when no run comes through; those of in.run.
 [[nodiscard]] DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options = {});
 
-/// A fit of a model whose runs carry no noise, held to the model: least squares by the model itself from the fit's mode, under the errors that are likeliest there, gives the mode; the emulator is
-/// shifted so that it is the run there, and its own noise, which was what a quadratic misses, counts no more as an error of the records. Unchanged where no run comes through.
+/// A fit of a model whose runs carry no noise, held to the model: least squares by the model itself from the fit's mode, under the errors that are likeliest
+/// there, gives the mode; the emulator is shifted so that it is the run there, and its own noise, which was what a quadratic misses, counts no more as an error
+/// of the records. Unchanged where no run comes through.
 [[nodiscard]] PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit);
 
 /// Puts the first box of `in` about that start: as wide as the data alone would leave it, with errors as large as the residuals, and no wider than the priors.

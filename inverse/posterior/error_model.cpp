@@ -52,8 +52,10 @@ Eigen::VectorXd local_amplitude(const Decimation& grid, const Eigen::VectorXd& a
   return sd;
 }
 
-/// sd_a sd_b share(gauges) kernel(times). positions: (sensors, 3) [m] of gauges that share exp(-their distance / distance); without them each is for itself. Conditions share it like one place.
-Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& sd, const TimeKernel& kernel, const Eigen::MatrixXd& positions = {}, double distance = 1) {
+/// sd_a sd_b share(gauges) kernel(times). positions: (sensors, 3) [m] of gauges that share exp(-their distance / distance); without them each is for itself.
+/// Conditions share it like one place.
+Eigen::MatrixXd process(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& sd, const TimeKernel& kernel,
+                        const Eigen::MatrixXd& positions = {}, double distance = 1) {
   const Eigen::VectorXd t = grid.times();
   std::vector<Eigen::Index> sensor(std::size_t(t.size()));
   for (std::size_t i = 0; i < grid.observations(); ++i)
@@ -84,7 +86,8 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     : grid_(problem, std::size_t(o.values), o.band) {
   for (std::size_t i = 0; i < grid_.observations(); ++i)
     if (grid_.windows(i).empty())
-      throw InputError({.problem = fmt::format("sensor {} has too few samples beside the others to be compared at every {} s", problem.label(problem.observations[i]), number_text(grid_.half_window())),
+      throw InputError({.problem = fmt::format("sensor {} has too few samples beside the others to be compared at every {} s",
+                                               problem.label(problem.observations[i]), number_text(grid_.half_window())),
                         .key = "recordings.exclude",
                         .suggestion = "leave it out, or bring all records to one step of time"});
   const Eigen::VectorXd slope = directions.energy_slope.size() ? Eigen::VectorXd(grid_.apply(directions.energy_slope)) : Eigen::VectorXd();
@@ -107,7 +110,8 @@ ErrorModel::ErrorModel(const Problem& problem, const Recordings& recordings, con
     const Eigen::VectorXd y = part(data_, grid_, i), g = part(by_energy, grid_, i);
     const auto at = Eigen::Index(grid_.offset(i));
     if (s.given)  // the scatter of repeats has it already
-      own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) = recording_options.energy_sd.value_or(directions.energy_sd) / std::sqrt(double(s.pulses)) * g;
+      own_energy.col(Eigen::Index(problem.observations[i].condition)).segment(at, y.size()) =
+          recording_options.energy_sd.value_or(directions.energy_sd) / std::sqrt(double(s.pulses)) * g;
     block(of_mean, grid_, i) = s.pulse.cwiseProduct(over_pulses(s.present, [&](double n) { return drift / n + o.coherent_noise * o.coherent_noise; }));
     labels.push_back(problem.label(problem.observations[i]));
     baseline.col(Eigen::Index(i)).segment(at, y.size()).setConstant(o.baseline * s.sd());
@@ -202,7 +206,8 @@ TimeKernel white_noise(const Decimation& grid) {
   };
 }
 
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& o, const TimeKernel& kernel) {
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
+                                  const ErrorOptions& o, const TimeKernel& kernel) {
   const double share = o.arrival_share.value_or(arrival_share);
   Eigen::VectorXd sd = local_amplitude(grid, data, o.amplitude_time);
   for (std::size_t i = 0; i < grid.observations(); ++i) {
@@ -228,14 +233,18 @@ std::vector<std::pair<double, double>> weighed_scales() {
   return all;
 }
 
-/// `plain` with a discrepancy of every scale but 0 and every correlation time, each with its weight of all. It shows where `there`, (size), is 1, in this share of the records; as large over all of them.
-void add_discrepancies(std::vector<WeightedErrors>& out, const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions, const Eigen::VectorXd& there, double share) {
+/// `plain` with a discrepancy of every scale but 0 and every correlation time, each with its weight of all. It shows where `there`, (size), is 1, in this share
+/// of the records; as large over all of them.
+void add_discrepancies(std::vector<WeightedErrors>& out, const ErrorModel& plain, const Problem& problem, const ErrorOptions& o,
+                       const Eigen::MatrixXd& positions, const Eigen::VectorXd& there, double share) {
   std::vector<Eigen::MatrixXd> shapes;
-  for (const double time : o.discrepancy_times) shapes.push_back(there.asDiagonal() * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o, matern32(time)) * there.asDiagonal());
+  for (const double time : o.discrepancy_times)
+    shapes.push_back(there.asDiagonal() * discrepancy_shape(problem, plain.grid(), plain.data(), positions, o, matern32(time)) * there.asDiagonal());
   for (const auto& [s, weight] : weighed_scales()) {
     if (s == 0) continue;
     const double scale = s * o.discrepancy;
-    for (const auto& shape : shapes) out.push_back({plain.with({"discrepancy", scale * scale / share * shape}), std::log(weight / double(shapes.size())), scale});
+    for (const auto& shape : shapes)
+      out.push_back({plain.with({"discrepancy", scale * scale / share * shape}), std::log(weight / double(shapes.size())), scale});
   }
 }
 
@@ -254,19 +263,23 @@ std::vector<std::vector<std::size_t>> places_of_discrepancy(const Problem& probl
   if (positions.rows() == 0 || sensors.size() < 3) return {};
   std::set<std::vector<std::size_t>> all;
   for (const std::size_t i : sensors) {
-    const auto distance = [&](std::size_t j) { return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm(); };
+    const auto distance = [&](std::size_t j) {
+      return j == i ? std::numeric_limits<double>::infinity() : (positions.row(Eigen::Index(j)) - positions.row(Eigen::Index(i))).norm();
+    };
     const auto nearest = *std::min_element(sensors.begin(), sensors.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
     all.insert({i}), all.insert({std::min(i, nearest), std::max(i, nearest)});
   }
   return {all.begin(), all.end()};
 }
 
-std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions, const std::vector<std::size_t>& place) {
+std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& o, const Eigen::MatrixXd& positions,
+                                                   const std::vector<std::size_t>& place) {
   const Decimation& grid = plain.grid();
   Eigen::VectorXd there = Eigen::VectorXd::Zero(plain.data().size());
   std::size_t records = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
-    if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end()) there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
+    if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end())
+      there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
   expect(records > 0 && o.discrepancy > 0, "a place with a record, and a discrepancy");
   std::vector<WeightedErrors> out;
   add_discrepancies(out, plain, problem, o, positions, there, double(records) / double(grid.observations()));

@@ -42,31 +42,59 @@ struct ErrorOptions {
 
   template <class V>
   void visit(V& v) {
-    v("values", values, {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
+    v("values", values,
+      {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
     v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
     v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
     v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of a model outside 0"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
-    v("young_sd", young_sd, {.range = between(0, 0.5), .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order follows over a record; 0 holds it"});
-    v("wall_film", wall_film, {.unit = "m", .range = between(0, 5e-4), .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: prior mean"});
-    v("wall_film_sd", wall_film_sd, {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
-    v("gauge_place_sd", gauge_place_sd, {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
-    v("trigger_sd", trigger_sd, {.unit = "s", .range = at_least(0), .doc = "sd of the instant on the record's clock at which the simulation starts (recordings.trigger_offset), the same for all gauges; marginalised to first order. 0: it is known"});
-    v("beyond", beyond, {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
+    v("young_sd", young_sd,
+      {.range = between(0, 0.5),
+       .doc = "relative sd of the steel's Young modulus about the case's, which is a coordinate of the posterior: it moves resonances, which no first order "
+              "follows over a record; 0 holds it"});
+    v("wall_film", wall_film,
+      {.unit = "m",
+       .range = between(0, 5e-4),
+       .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: "
+              "prior mean"});
+    v("wall_film_sd", wall_film_sd,
+      {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
+    v("gauge_place_sd", gauge_place_sd,
+      {.unit = "m", .range = between(0, 0.1), .doc = "sd of each gauge's place along its direction; marginalised to first order"});
+    v("trigger_sd", trigger_sd,
+      {.unit = "s",
+       .range = at_least(0),
+       .doc = "sd of the instant on the record's clock at which the simulation starts (recordings.trigger_offset), the same for all gauges; marginalised to "
+              "first order. 0: it is known"});
+    v("beyond", beyond,
+      {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
     v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
-    v("record_noise", record_noise, {.range = between(0, 10), .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator; of a gauge whose noise is given times sqrt(campaign.pulses / pulses recorded)"});
+    v("record_noise", record_noise,
+      {.range = between(0, 10),
+       .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator; of "
+              "a gauge whose noise is given times sqrt(campaign.pulses / pulses recorded)"});
     v("mesh", mesh,
-      {.range = between(0, 1), .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element size"});
+      {.range = between(0, 1),
+       .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element "
+              "size"});
     v("discrepancy", discrepancy,
-      {.range = between(0, 1), .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; marginalised"});
-    v("discrepancy_times", discrepancy_times, {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
+      {.range = between(0, 1),
+       .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; "
+              "marginalised"});
+    v("discrepancy_times", discrepancy_times,
+      {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
     v("amplitude_time", amplitude_time,
-      {.unit = "s", .range = above(0), .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
+      {.unit = "s",
+       .range = above(0),
+       .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
     v("arrival_share", arrival_share,
-      {.range = between(0, 1), .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves out may be how fast a wave comes"});
-    v("discrepancy_distance", discrepancy_distance, {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
+      {.range = between(0, 1),
+       .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves "
+              "out may be how fast a wave comes"});
+    v("discrepancy_distance", discrepancy_distance,
+      {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
   }
 };
 
@@ -74,8 +102,8 @@ struct ErrorOptions {
 using TimeKernel = std::function<double(double seconds)>;
 /// Matern 3/2, of physics left out.
 TimeKernel matern32(double time);
-/// White noise behind the grid's filter: the autocorrelation of its Hann window, 1/6 at the distance of two windows and 0 at twice that. Of the mesh's error, whose correlation along a record is 0.27, 0.17
-/// and 0.05 over 1, 2 and 3 us, and which gauges do not share (docs/benchmarks/mesh_error.md).
+/// White noise behind the grid's filter: the autocorrelation of its Hann window, 1/6 at the distance of two windows and 0 at twice that. Of the mesh's error,
+/// whose correlation along a record is 0.27, 0.17 and 0.05 over 1, 2 and 3 us, and which gauges do not share (docs/benchmarks/mesh_error.md).
 TimeKernel white_noise(const Decimation& grid);
 
 /// Names of the terms that stand for the mesh and for the numerical noise.
@@ -126,8 +154,8 @@ class ErrorModel {
   [[nodiscard]] double freedom() const;
   /// With one more term.
   [[nodiscard]] ErrorModel with(ErrorTerm term) const;
-  /// With the numerical noise of the records, `errors.record_noise` times that of a run, whose covariance is `noise`, (size, size). Repeats show how it differs from pulse to pulse; where a gauge has none, its records
-  /// carry that of so few pulses, sqrt(pulses of a run / pulses recorded) times that of a run.
+  /// With the numerical noise of the records, `errors.record_noise` times that of a run, whose covariance is `noise`, (size, size). Repeats show how it differs
+  /// from pulse to pulse; where a gauge has none, its records carry that of so few pulses, sqrt(pulses of a run / pulses recorded) times that of a run.
   [[nodiscard]] ErrorModel with_record_noise(const Eigen::MatrixXd& noise) const;
   /// About records that are less by `change`, (size): of a model whose values are more by it.
   [[nodiscard]] ErrorModel less(const Eigen::VectorXd& change) const;
@@ -147,9 +175,11 @@ class ErrorModel {
   std::vector<MarginalDirection> directions_;
 };
 
-/// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, 0 before the first arrival (`arrival_share`), and `kernel` as its correlation
-/// in time, gauges sharing exp(-their distance / `discrepancy_distance`): a discrepancy of scale 1, (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it like one place.
-Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions, const ErrorOptions& options, const TimeKernel& kernel);
+/// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, 0 before the first arrival
+/// (`arrival_share`), and `kernel` as its correlation in time, gauges sharing exp(-their distance / `discrepancy_distance`): a discrepancy of scale 1, (size,
+/// size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it like one place.
+Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
+                                  const ErrorOptions& options, const TimeKernel& kernel);
 
 /// One hypothesis about the errors, and the logarithm of its prior weight.
 struct WeightedErrors {
@@ -158,18 +188,22 @@ struct WeightedErrors {
   double discrepancy = 0;  ///< its scale
 };
 
-/// `plain` with a discrepancy of each of a few scales, 0 among them, and correlation times; weights of the half-normal prior by the trapezium rule. They sum to 1.
+/// `plain` with a discrepancy of each of a few scales, 0 among them, and correlation times; weights of the half-normal prior by the trapezium rule. They sum
+/// to 1.
 std::vector<WeightedErrors> with_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions);
 
-/// Places where a discrepancy may be alone, each by its sensors: every one that recorded, and every one with that nearest to it. Empty where they have no places (positions: (sensors, 3) [m], or none), or
-/// fewer than three recorded.
+/// Places where a discrepancy may be alone, each by its sensors: every one that recorded, and every one with that nearest to it. Empty where they have no
+/// places (positions: (sensors, 3) [m], or none), or fewer than three recorded.
 std::vector<std::vector<std::size_t>> places_of_discrepancy(const Problem& problem, const Eigen::MatrixXd& positions);
 
-/// `plain` with a discrepancy in such a place alone, of the scales of with_discrepancy but 0 as a root mean square over all records, and of each correlation time. Weights sum to 1.
-std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options, const Eigen::MatrixXd& positions, const std::vector<std::size_t>& place);
+/// `plain` with a discrepancy in such a place alone, of the scales of with_discrepancy but 0 as a root mean square over all records, and of each correlation
+/// time. Weights sum to 1.
+std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, const Problem& problem, const ErrorOptions& options,
+                                                   const Eigen::MatrixXd& positions, const std::vector<std::size_t>& place);
 
 /// Covariance of the numerical noise of one run from residuals that have nothing else in them, (size, runs) on the grid, `freedom` squares of each value:
-/// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes over `local` seconds. Full rank, (size, size).
+/// half of it their own, half gauge by gauge a process of one correlation along the record whose variance changes over `local` seconds. Full rank, (size,
+/// size).
 Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& residuals, double freedom, double local);
 
 }  // namespace calomel

@@ -19,7 +19,12 @@ FitResidual residual_of(const PosteriorFit& fit) {
 }
 
 FitResidual residual_of(const ErrorModel& errors, const Eigen::VectorXd& prediction, std::size_t parameters) {
-  FitResidual out{.residual = errors.data() - prediction, .covariance = errors.covariance(), .directions = errors.directions(), .chi2 = 0, .parameters = parameters, .freedom = errors.freedom()};
+  FitResidual out{.residual = errors.data() - prediction,
+                  .covariance = errors.covariance(),
+                  .directions = errors.directions(),
+                  .chi2 = 0,
+                  .parameters = parameters,
+                  .freedom = errors.freedom()};
   const Cholesky factor(out.covariance);
   if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
   out.chi2 = factor.solve_lower(out.residual).squaredNorm();

@@ -1,5 +1,6 @@
 #pragma once
-/// What a fit leaves of the records, and the errors that it is held against: what chi-squared and pulls ask, whether an emulator was fitted or the model itself.
+/// What a fit leaves of the records, and the errors that it is held against: what chi-squared and pulls ask, whether an emulator was fitted or the model
+/// itself.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>

@@ -7,13 +7,14 @@
 namespace calomel {
 
 struct GoodnessOfFit {
-  std::size_t values = 0;                     ///< compared, after decimation
-  double chi2 = 0;                            ///< whitened; its expectation is `values` less the parameters
-  double effective_data = 0;                  ///< p^2 / |R|_F^2, R the correlation matrix of the p errors (Satterthwaite 1946): p for independent ones, 1 for identical ones
-  double effective_chi2 = 0;                  ///< effective_data times the mean of r_i^2 / Sigma_ii: unlike chi2 blind to how well correlations are known
-  double p_value = 0, effective_p_value = 0;  ///< share of replicated data that would fit worse, by chi-squared or, where the scale was learnt from few squares, by F
-  double chi2_critical = 0;                   ///< above which chi2 alone would have spoken
-  bool adequate = false;                      ///< neither speaks
+  std::size_t values = 0;     ///< compared, after decimation
+  double chi2 = 0;            ///< whitened; its expectation is `values` less the parameters
+  double effective_data = 0;  ///< p^2 / |R|_F^2, R the correlation matrix of the p errors (Satterthwaite 1946): p for independent ones, 1 for identical ones
+  double effective_chi2 = 0;  ///< effective_data times the mean of r_i^2 / Sigma_ii: unlike chi2 blind to how well correlations are known
+  double p_value = 0,
+         effective_p_value = 0;  ///< share of replicated data that would fit worse, by chi-squared or, where the scale was learnt from few squares, by F
+  double chi2_critical = 0;      ///< above which chi2 alone would have spoken
+  bool adequate = false;         ///< neither speaks
   std::string sentence;
 };
 

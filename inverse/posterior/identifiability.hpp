@@ -26,14 +26,15 @@ struct Combination {
 };
 
 struct Identification {
-  std::vector<std::size_t> parameters;     ///< the positive ones: density, sound speed and cutoff of the liquid where they are among them, else all
-  std::vector<Direction> directions;       ///< best determined first
-  std::vector<Combination> combinations;   ///< impedance and stiffness where density and sound speed are parameters
+  std::vector<std::size_t> parameters;    ///< the positive ones: density, sound speed and cutoff of the liquid where they are among them, else all
+  std::vector<Direction> directions;      ///< best determined first
+  std::vector<Combination> combinations;  ///< impedance and stiffness where density and sound speed are parameters
   std::string sentence;
 };
 
-/// data: curvature of -log likelihood by the parameters, the posterior's precision less the prior's, (n, n) in their own units; covariance: of the posterior, the same units; prior_sd: (n).
-Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data, const Eigen::MatrixXd& covariance,
-                        const Eigen::VectorXd& prior_sd);
+/// data: curvature of -log likelihood by the parameters, the posterior's precision less the prior's, (n, n) in their own units; covariance: of the posterior,
+/// the same units; prior_sd: (n).
+Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data,
+                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd);
 
 }  // namespace calomel

@@ -31,8 +31,14 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
 
 LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                            const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond)
-    : box_(std::move(box)), emulator_(std::move(emulator)), priors_(std::move(priors)), beyond_(beyond), has_beyond_(emulator_.levels() > 1 && beyond.sd > 0),
-      free_(std::size_t(box_.size())), held_(Eigen::VectorXd::Zero(box_.size())), coefficients_(coefficients) {
+    : box_(std::move(box)),
+      emulator_(std::move(emulator)),
+      priors_(std::move(priors)),
+      beyond_(beyond),
+      has_beyond_(emulator_.levels() > 1 && beyond.sd > 0),
+      free_(std::size_t(box_.size())),
+      held_(Eigen::VectorXd::Zero(box_.size())),
+      coefficients_(coefficients) {
   const Eigen::Index n = coefficients.rows();
   expect(!errors.empty() && noise.rows() == n && noise.cols() == n && priors_.size() == std::size_t(box_.size()),
          "emulator, noise and priors belong to the records and the box");
@@ -41,7 +47,12 @@ LogPosterior::LogPosterior(EmulatorBox box, MultilevelRegression emulator, const
     expect(e.data.size() == n && e.covariance.rows() == n, "all hypotheses are about the same records");
     const Cholesky factor(e.covariance);
     if (!factor.positive_definite()) throw NumericsError("the covariance of the records' errors is not positive definite");
-    Hypothesis h{.log_weight = e.log_weight, .freedom = e.freedom, .log_norm = 0, .whitener = factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))), .data = {}, .coefficients = {},
+    Hypothesis h{.log_weight = e.log_weight,
+                 .freedom = e.freedom,
+                 .log_norm = 0,
+                 .whitener = factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))),
+                 .data = {},
+                 .coefficients = {},
                  .ratio = Eigen::VectorXd::Zero(n)};
     if (!noise.isZero(0)) {
       const Eigen::MatrixXd half = factor.solve_lower(noise), whitened = factor.solve_lower(Eigen::MatrixXd(half.transpose()));

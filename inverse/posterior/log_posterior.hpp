@@ -43,7 +43,8 @@ class LogPosterior {
   LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond);
 
-  /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of tell the likelihood itself. power: > 0.
+  /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of tell the likelihood itself. power:
+  /// > 0.
   [[nodiscard]] LogPosterior to_the_power(double power) const;
 
   /// Under some of the hypotheses about the errors (indices) alone, their weights over the sum of these.
@@ -64,7 +65,7 @@ class LogPosterior {
 
   /// A point in all its forms.
   struct Point {
-    Eigen::VectorXd u;          ///< of all parameters, in the box
+    Eigen::VectorXd u;  ///< of all parameters, in the box
     double beyond = 0;
     std::vector<double> theta;  ///< natural units
   };
@@ -77,9 +78,9 @@ class LogPosterior {
   /// Parts of the density at a point, and their gradients by (u of the free parameters, k), (dimension).
   struct Density {
     double log_likelihood = 0;
-    double log_prior = 0;        ///< of theta in natural units, and of k
-    double chi2 = 0;             ///< sum r_i^2 / (1 + v l_i), of the likeliest hypothesis
-    double variance = 0;         ///< v
+    double log_prior = 0;           ///< of theta in natural units, and of k
+    double chi2 = 0;                ///< sum r_i^2 / (1 + v l_i), of the likeliest hypothesis
+    double variance = 0;            ///< v
     std::vector<double> log_terms;  ///< log w_j L_j of the hypotheses about the errors
     std::vector<double> weights;    ///< of those at this point; they sum to 1
     Eigen::VectorXd likelihood_gradient, prior_gradient;
@@ -132,9 +133,9 @@ class LogPosterior {
   BeyondPrior beyond_;
   bool has_beyond_;
   std::vector<Eigen::Index> free_;
-  Eigen::VectorXd held_;          ///< u of all parameters; that of the free ones is not read
+  Eigen::VectorXd held_;                                     ///< u of all parameters; that of the free ones is not read
   std::vector<std::pair<std::size_t, double>> held_values_;  ///< index into the box, value
-  Eigen::MatrixXd coefficients_;  ///< (size, coefficients)
+  Eigen::MatrixXd coefficients_;                             ///< (size, coefficients)
   std::vector<Hypothesis> hypotheses_;
   double power_ = 1;
 };

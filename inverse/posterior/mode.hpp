@@ -12,10 +12,11 @@ namespace calomel {
 struct LocalMode {
   Eigen::VectorXd q;
   LogPosterior::Point at;
-  double log_posterior = 0;    ///< log likelihood + log prior there
+  double log_posterior = 0;  ///< log likelihood + log prior there
   double mode_density = 0;
-  Eigen::MatrixXd covariance;  ///< of (u of the free parameters, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
-  double gradient = 0;         ///< largest slope of the density along a coordinate, times its standard deviation
+  Eigen::MatrixXd
+      covariance;       ///< of (u of the free parameters, k), (dimension, dimension): inverse of the curvature of log L + log prior of the box's coordinates
+  double gradient = 0;  ///< largest slope of the density along a coordinate, times its standard deviation
   int iterations = 0;
 };
 

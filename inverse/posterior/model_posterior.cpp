@@ -18,7 +18,8 @@ double logistic(double q) { return q >= 0 ? 1 / (1 + std::exp(-q)) : std::exp(q)
 
 }  // namespace
 
-ModelPosterior::ModelPosterior(const ForwardModel& model, std::optional<ErrorModel> errors) : model_(model), errors_(std::move(errors)), priors_(priors_of(model.shape().parameters)) {
+ModelPosterior::ModelPosterior(const ForwardModel& model, std::optional<ErrorModel> errors)
+    : model_(model), errors_(std::move(errors)), priors_(priors_of(model.shape().parameters)) {
   for (std::size_t k = 0; k < priors_.size(); ++k) {
     low_.push_back(std::max(parameters()[k].min, priors_[k].low())), high_.push_back(std::min(parameters()[k].max, priors_[k].high()));
     if (!(low_[k] < high_[k])) throw InputError({.problem = "the prior has no probability between the bounds", .key = "parameter." + parameters()[k].name});
@@ -71,7 +72,8 @@ double ModelPosterior::log_likelihood(std::span<const double> theta) const {
   const auto y = history(theta);
   if (y.empty()) return -infinity;
   if (!errors_) return y[0];
-  const Eigen::VectorXd r = factor_.solve_lower(Eigen::VectorXd(errors_->data() - errors_->grid().apply(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())))));
+  const Eigen::VectorXd r =
+      factor_.solve_lower(Eigen::VectorXd(errors_->data() - errors_->grid().apply(Eigen::Map<const Eigen::VectorXd>(y.data(), Eigen::Index(y.size())))));
   return log_norm_ - penalty_of_errors(r.squaredNorm(), freedom_, double(r.size()));
 }
 

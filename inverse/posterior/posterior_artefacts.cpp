@@ -14,13 +14,19 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
   const Eigen::VectorXd sd = covariance.diagonal().cwiseSqrt();
   Json rounds = Json::array(), levels = Json::array(), others = Json::array(), discrepancy = Json::array();
   for (const auto& r : fit.rounds)
-    rounds.push_back({{"coarse_runs", r.coarse}, {"fine_runs", r.fine}, {"failed", r.failed}, {"theta", named(parameters, r.theta)}, {"moved_sds", number(r.moved)},
-                      {"emulator_variance", number(r.variance)}, {"box_moved", r.moved_box}});
+    rounds.push_back({{"coarse_runs", r.coarse},
+                      {"fine_runs", r.fine},
+                      {"failed", r.failed},
+                      {"theta", named(parameters, r.theta)},
+                      {"moved_sds", number(r.moved)},
+                      {"emulator_variance", number(r.variance)},
+                      {"box_moved", r.moved_box}});
   for (const auto& l : fit.levels) levels.push_back({{"runs", l.runs}, {"left_out", number(l.left_out)}, {"noise", number(l.noise)}});
   for (std::size_t i = 1; i < fit.modes.size(); ++i)
     others.push_back({{"theta", named(parameters, fit.modes[i].at.theta)}, {"log_posterior", number(fit.modes[i].log_posterior)}});
   if (fit.hypotheses.size() > 1)
-    for (std::size_t j = 0; j < fit.hypotheses.size(); ++j) discrepancy.push_back({{"scale", fit.hypotheses[j].discrepancy}, {"weight", number(density.weights[j])}});
+    for (std::size_t j = 0; j < fit.hypotheses.size(); ++j)
+      discrepancy.push_back({{"scale", fit.hypotheses[j].discrepancy}, {"weight", number(density.weights[j])}});
   const auto& prior = fit.posterior->beyond_prior();
   return {{"theta", named(parameters, best.at.theta)},
           {"sd", named(parameters, {sd.data(), std::size_t(sd.size())})},
@@ -60,8 +66,13 @@ Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& param
   Json runs = Json::array();
   for (const auto& r : check.runs)
     runs.push_back({{"theta", named(parameters, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
-  return {{"holds", check.holds}, {"score", number(check.score)}, {"score_sd", number(check.score_sd)}, {"p_value", number(check.p_value)}, {"log_likelihood_shift", number(check.log_likelihood_shift)},
-          {"sentence", check.sentence}, {"runs", runs}};
+  return {{"holds", check.holds},
+          {"score", number(check.score)},
+          {"score_sd", number(check.score_sd)},
+          {"p_value", number(check.p_value)},
+          {"log_likelihood_shift", number(check.log_likelihood_shift)},
+          {"sentence", check.sentence},
+          {"runs", runs}};
 }
 
 }  // namespace calomel

@@ -12,19 +12,19 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t draws_of_a_round = 400;
-constexpr double infill_reach = 2;     ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
-constexpr double hard_variance = 2;    ///< of the emulator at a point where a run may be placed, in units of one run's noise
-constexpr double widths_of_sd = 3;     ///< a box reaches so many standard deviations
+constexpr double infill_reach = 2;            ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
+constexpr double hard_variance = 2;           ///< of the emulator at a point where a run may be placed, in units of one run's noise
+constexpr double widths_of_sd = 3;            ///< a box reaches so many standard deviations
 constexpr double clear_of_edge_drawn_in = 1;  ///< of a box that is drawn in, whose deviations still shrink from round to round
-constexpr double room = 0.3;           ///< half widths of the box between a nested hypothesis and its edge
-constexpr double drawn_in = 4;         ///< posterior sds that a box which is drawn in reaches
-constexpr double worth_drawing = 0.7;  ///< of its width: less than that is gained
-constexpr double narrowest = 0.25;     ///< of its width, in one round: the first deviations are those of a coarse emulator
-constexpr double much_missed = 0.02;   ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
-constexpr double drawn_anyway = 0.6;   ///< of its width
-constexpr int spare = 4;               ///< runs over coefficients to begin with
-constexpr double least_spare = 1.3;    ///< the same of a mesh alone, whatever is asked for
-constexpr int ample = 2, cheap = 48;   ///< the same at least where runs cost little and have no noise, and how many it takes then by default
+constexpr double room = 0.3;                  ///< half widths of the box between a nested hypothesis and its edge
+constexpr double drawn_in = 4;                ///< posterior sds that a box which is drawn in reaches
+constexpr double worth_drawing = 0.7;         ///< of its width: less than that is gained
+constexpr double narrowest = 0.25;            ///< of its width, in one round: the first deviations are those of a coarse emulator
+constexpr double much_missed = 0.02;  ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
+constexpr double drawn_anyway = 0.6;  ///< of its width
+constexpr int spare = 4;              ///< runs over coefficients to begin with
+constexpr double least_spare = 1.3;   ///< the same of a mesh alone, whatever is asked for
+constexpr int ample = 2, cheap = 48;  ///< the same at least where runs cost little and have no noise, and how many it takes then by default
 
 class Fit {
  public:
@@ -53,8 +53,10 @@ class Fit {
     out_.settled = settled();
     const auto& last = out_.rounds.back();
     out_.message = out_.settled ? fmt::format("settled after {} coarse and {} fine runs", last.coarse, last.fine)
-                                : fmt::format("not settled after {} coarse and {} fine runs: the mode moved by {:.2g} standard deviations in the last round, the emulator's variance is {:.2g} of one run's noise",
-                                              last.coarse, last.fine, last.moved, last.variance);
+                                : fmt::format(
+                                      "not settled after {} coarse and {} fine runs: the mode moved by {:.2g} standard deviations in the last round, the "
+                                      "emulator's variance is {:.2g} of one run's noise",
+                                      last.coarse, last.fine, last.moved, last.variance);
     return std::move(out_);
   }
 
@@ -206,9 +208,7 @@ bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
   return false;
 }
 
-bool Fit::near_edge() const {
-  return near_edge(*out_.posterior, out_.modes[0]) || (out_.nested && near_edge(*out_.nested, out_.nested_modes[0]));
-}
+bool Fit::near_edge() const { return near_edge(*out_.posterior, out_.modes[0]) || (out_.nested && near_edge(*out_.nested, out_.nested_modes[0])); }
 
 bool Fit::settled() const {
   const auto& rounds = out_.rounds;
@@ -229,10 +229,12 @@ void Fit::fit() {
     std::string reason = "none failed";
     for (const auto& r : out_.runs)
       if (!r.record.done) reason = r.record.message;
-    throw NumericsError(fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
+    throw NumericsError(
+        fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
   }
   const Eigen::MatrixXd histories = out_.histories();
-  const bool slopes = std::all_of(out_.used.begin(), out_.used.end(), [&](auto i) { return out_.runs[i].record.energy_slope.size() == in_.problem.shape.values(); });
+  const bool slopes =
+      std::all_of(out_.used.begin(), out_.used.end(), [&](auto i) { return out_.runs[i].record.energy_slope.size() == in_.problem.shape.values(); });
 
   // The grid is that of the records alone; a first error model gives it, and what numbers weigh in the judgement of the levels' noise.
   const bool first = out_.modes.empty();
@@ -250,7 +252,8 @@ void Fit::fit() {
   out_.coefficients = regression.fit(outputs);
   out_.noise = numerical_noise(plain.grid(), regression.residuals(outputs), regression.freedom(), in_.errors.amplitude_time);
   out_.errors.emplace(ErrorModel(in_.problem, in_.recordings, in_.recording_options, in_.errors, directions).with_record_noise(out_.noise));
-  out_.hypotheses = in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.places.positions) : std::vector<WeightedErrors>{{*out_.errors}};
+  out_.hypotheses =
+      in_.discrepancy ? with_discrepancy(*out_.errors, in_.problem, in_.errors, in_.places.positions) : std::vector<WeightedErrors>{{*out_.errors}};
   out_.posterior.emplace(box_, regression, out_.coefficients, out_.hypotheses, out_.noise, priors_, BeyondPrior{in_.errors.beyond, in_.errors.beyond_sd});
 
   const Eigen::MatrixXd design = 0.8 * first_design(d, 8, in_.seed + 77);
@@ -272,7 +275,8 @@ void Fit::fit() {
 
   PosteriorRound round{.theta = best.at.theta, .sd = best.covariance.diagonal().cwiseSqrt()};
   for (const auto& r : out_.runs) ++(r.level == 0 ? round.fine : round.coarse), round.failed += !r.record.done;
-  round.moved = before.empty() ? std::numeric_limits<double>::infinity() : (box_.u(before[0].at.theta) - best.at.u).cwiseQuotient(round.sd.head(d)).cwiseAbs().maxCoeff();
+  round.moved =
+      before.empty() ? std::numeric_limits<double>::infinity() : (box_.u(before[0].at.theta) - best.at.u).cwiseQuotient(round.sd.head(d)).cwiseAbs().maxCoeff();
   const Eigen::MatrixXd draws = gaussian_draws(*out_.posterior, best, draws_of_a_round, in_.seed);
   std::vector<double> variances;
   for (Eigen::Index i = 0; i < draws.cols(); ++i) variances.push_back(regression.variance(regression.features(draws.col(i).head(d), 0)));
@@ -302,7 +306,9 @@ void Fit::fit() {
 void EmulatorOptions::validate() const {
   for (std::size_t i = 1; i < element_sizes.size(); ++i)
     if (!(element_sizes[i] < element_sizes[i - 1]))
-      throw InputError({.problem = "each element size is smaller than the one before it", .key = "element_sizes", .value = number_text(element_sizes[i]),
+      throw InputError({.problem = "each element size is smaller than the one before it",
+                        .key = "element_sizes",
+                        .value = number_text(element_sizes[i]),
                         .suggestion = "e.g. element_sizes = [1e-3, 0.5e-3]"});
 }
 
@@ -312,7 +318,9 @@ int EmulatorOptions::finest_to_begin(Eigen::Index parameters, int levels) const 
   return levels > 1 ? fine_runs : std::max(fine_runs, int(least_spare * taught));
 }
 
-int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const { return coarse_runs > 0 ? coarse_runs : spare * int(MultilevelRegression::coefficients(parameters, 1)); }
+int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const {
+  return coarse_runs > 0 ? coarse_runs : spare * int(MultilevelRegression::coefficients(parameters, 1));
+}
 
 int PosteriorInputs::finest_to_begin(Eigen::Index d) const {
   if (!draw_in) return emulator.finest_to_begin(d, levels);

@@ -30,25 +30,36 @@ struct EmulatorOptions {
   template <class V>
   void visit(V& v) {
     v("element_sizes", element_sizes,
-      {.unit = "m", .range = above(0), .doc = "of the meshes that teach the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
-    v("viscosity", viscosity, {.unit = "Pa s", .range = above(0), .doc = "median of the prior of the regularising viscosity, which is a coordinate of the posterior, the same on all meshes"});
+      {.unit = "m",
+       .range = above(0),
+       .doc = "of the meshes that teach the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
+    v("viscosity", viscosity,
+      {.unit = "Pa s",
+       .range = above(0),
+       .doc = "median of the prior of the regularising viscosity, which is a coordinate of the posterior, the same on all meshes"});
     v("viscosity_sd", viscosity_sd, {.range = between(0, 3), .doc = "prior sd of its logarithm; 0 holds it"});
     v("coarse_runs", coarse_runs, {.range = between(0, 10000), .doc = "runs of each coarser mesh to begin with; 0 = four a coefficient of the emulator"});
     v("fine_runs", fine_runs, {.range = between(0, 10000), .doc = "runs of the finest mesh to begin with; 0 = four a coefficient of its own"});
     v("round_coarse", round_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh in each later round"});
     v("round_fine", round_fine, {.range = between(0, 1000), .doc = "runs of the finest mesh in each later round"});
     v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
-    v("enough", enough, {.range = above(0), .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
+    v("enough", enough,
+      {.range = above(0),
+       .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
     v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
     v("start", start,
-      {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the other where not (auto)", .choices = {"auto", "nominal", "surrogate"}});
-    v("check_coarse", check_coarse, {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model"});
+      {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the "
+              "other where not (auto)",
+       .choices = {"auto", "nominal", "surrogate"}});
+    v("check_coarse", check_coarse,
+      {.range = between(0, 1000), .doc = "runs of the next coarser mesh at the mode and at draws that hold the emulator against the true model"});
     v("check_fine", check_fine, {.range = between(0, 1000), .doc = "those of the finest mesh"});
   }
   /// Errors: InputError for sizes that do not fall.
   void validate() const;
-  /// Runs of the finest mesh, and of each coarser one, that a box of so many parameters begins with: those of the options, or four a coefficient that the mesh teaches. With fewer the residuals
-  /// tell too little noise (docs/benchmarks/posterior.md). The finest of several meshes adds a linear difference, a mesh alone teaches everything.
+  /// Runs of the finest mesh, and of each coarser one, that a box of so many parameters begins with: those of the options, or four a coefficient that the mesh
+  /// teaches. With fewer the residuals tell too little noise (docs/benchmarks/posterior.md). The finest of several meshes adds a linear difference, a mesh
+  /// alone teaches everything.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters, int levels) const;
   [[nodiscard]] int coarser_to_begin(Eigen::Index parameters) const;
 };
@@ -86,11 +97,13 @@ struct PosteriorInputs {
   std::vector<double> half_width;  ///< (n_parameters) of it, in the coordinates of the parameters
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
-  /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the mode.
+  /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the
+  /// mode.
   bool draw_in = false;
-  double clear_of_edge = 2;        ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew. With draw_in it is 1, as deviations still shrink from round to round
-  /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far better than the model, whose errors then
-  /// say little of where it fits best.
+  double clear_of_edge = 2;  ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew. With draw_in it is 1, as deviations
+                             ///< still shrink from round to round
+  /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far
+  /// better than the model, whose errors then say little of where it fits best.
   bool least_squares = false;
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
@@ -102,10 +115,11 @@ struct PosteriorInputs {
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
   std::function<bool(const struct PosteriorFit&)> go_on;         ///< asked before every further round whether the fit is still wanted; may be empty
 
-  /// Runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a model whose boxes are drawn in at least twice its coefficients.
+  /// Runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a model whose boxes are drawn in at least twice
+  /// its coefficients.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters) const;
-  /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`: of a mesh
-  /// that adds a linear difference.
+  /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`:
+  /// of a mesh that adds a linear difference.
   [[nodiscard]] int stood_for(int runs, bool linear) const;
 };
 
@@ -117,8 +131,8 @@ struct PosteriorRound {
   std::vector<double> theta_sd;          ///< of theta
   double moved = 0;                      ///< of the mode since the round before, largest over the parameters in sds
   double variance = 0;                   ///< the emulator's over draws from the posterior, 95 % quantile
-  bool moved_box = false;  ///< after it
-  bool drew_in = false;    ///< the box, after it
+  bool moved_box = false;                ///< after it
+  bool drew_in = false;                  ///< the box, after it
 };
 
 /// Leave-one-out errors of one level.
@@ -130,12 +144,12 @@ struct LevelError {
 
 struct PosteriorFit {
   std::optional<LogPosterior> posterior;
-  std::optional<ErrorModel> errors;          ///< without a discrepancy
-  std::vector<WeightedErrors> hypotheses;    ///< of the posterior: `errors`, and with a discrepancy of each scale and correlation time
-  std::vector<LocalMode> modes;  ///< best first
-  std::optional<LogPosterior> nested;  ///< with PosteriorInputs::held, on the same emulator and under the same errors
+  std::optional<ErrorModel> errors;        ///< without a discrepancy
+  std::vector<WeightedErrors> hypotheses;  ///< of the posterior: `errors`, and with a discrepancy of each scale and correlation time
+  std::vector<LocalMode> modes;            ///< best first
+  std::optional<LogPosterior> nested;      ///< with PosteriorInputs::held, on the same emulator and under the same errors
   std::vector<LocalMode> nested_modes;
-  std::vector<TaughtRun> runs;       ///< all; those of `used` lie in the box
+  std::vector<TaughtRun> runs;  ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
   Eigen::VectorXd run_at_mode;   ///< (values of the model), of a fit that is held_to_the_model(); else empty

@@ -21,9 +21,8 @@ struct Handbook {
 };
 /// Relative uncertainties of mercury's density and sound speed at an operating temperature that is known to some ten kelvin, with what impurities and gas may
 /// do; the cutoff is known to a factor of two.
-constexpr std::array<Handbook, 3> handbook{{{"material.mercury.density", "normal", 0.015},
-                                            {"material.mercury.sound_speed", "normal", 0.03},
-                                            {"material.mercury.tensile_cutoff", "lognormal", 0.7}}};
+constexpr std::array<Handbook, 3> handbook{
+    {{"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}}};
 
 }  // namespace
 
@@ -156,12 +155,11 @@ std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters) {
         p.mu = std::log(*p.nominal), p.sigma = known->sd;
       }
     } else if (p.prior == "uniform") {
-      throw InputError(
-          {.problem = "a uniform prior together with a free discrepancy does not identify a parameter: the discrepancy explains whatever it does",
-           .key = "parameter." + p.name + ".prior",
-           .value = "\"uniform\"",
-           .range = "normal, lognormal, truncated_normal, half_cauchy, beta",
-           .suggestion = "give what is known of it beforehand, or take map.product = \"tuned\""});
+      throw InputError({.problem = "a uniform prior together with a free discrepancy does not identify a parameter: the discrepancy explains whatever it does",
+                        .key = "parameter." + p.name + ".prior",
+                        .value = "\"uniform\"",
+                        .range = "normal, lognormal, truncated_normal, half_cauchy, beta",
+                        .suggestion = "give what is known of it beforehand, or take map.product = \"tuned\""});
     }
   }
   return parameters;

@@ -117,12 +117,19 @@ ScoreTests score_tests(const LogPosterior& posterior, const LogPosterior::Point&
   const std::string of_runs = nothing_missing.cols() > 0 ? fmt::format(", {:.2g} at runs where nothing is missing", first.f_of_runs) : "";
   const std::string outcome = fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first.f, first.directions, of_runs, out.p_value, counted);
   if (!out.stands_out)
-    out.sentence = fmt::format("whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not looked for", names,
-                               out.p_value);
+    out.sentence = fmt::format(
+        "whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not "
+        "looked for",
+        names, out.p_value);
   else if (first.name == gains)
-    out.sentence = fmt::format("whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than its standard deviations", outcome);
+    out.sentence = fmt::format(
+        "whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than "
+        "its standard deviations",
+        outcome);
   else
-    out.sentence = fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)", first.name, outcome, numbers_of(first));
+    out.sentence =
+        fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)",
+                    first.name, outcome, numbers_of(first));
   return out;
 }
 
@@ -134,7 +141,8 @@ MechanismDirections gauge_gains(const Problem& problem, const std::vector<double
     const auto& o = problem.observations[i];
     const auto at = Eigen::Index(problem.shape.at(o.condition, o.sensor, 0));
     out.directions.col(Eigen::Index(i)).segment(at, n) = Eigen::Map<const Eigen::VectorXd>(history.data() + at, n);
-    out.keys.push_back(problem.shape.sensors[o.sensor] + (problem.shape.conditions.size() > 1 ? " " + problem.shape.conditions[o.condition] : "")), out.off.push_back(1);
+    out.keys.push_back(problem.shape.sensors[o.sensor] + (problem.shape.conditions.size() > 1 ? " " + problem.shape.conditions[o.condition] : "")),
+        out.off.push_back(1);
   }
   return out;
 }
@@ -144,7 +152,14 @@ Json score_tests_json(const ScoreTests& s) {
   for (const auto& m : s.mechanisms) {
     Json keys = Json::object();
     for (const auto& k : m.keys) keys[k.name] = {{"value", number(k.value)}, {"sd", number(k.sd)}};
-    all.push_back({{"name", m.name}, {"directions", m.directions}, {"chi2_drop", number(m.chi2_drop)}, {"f", number(m.f)}, {"f_of_runs", number(m.f_of_runs)}, {"p_value", number(m.p_value)}, {"counts", m.counts}, {"keys", keys}});
+    all.push_back({{"name", m.name},
+                   {"directions", m.directions},
+                   {"chi2_drop", number(m.chi2_drop)},
+                   {"f", number(m.f)},
+                   {"f_of_runs", number(m.f_of_runs)},
+                   {"p_value", number(m.p_value)},
+                   {"counts", m.counts},
+                   {"keys", keys}});
   }
   return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
 }

@@ -55,7 +55,8 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
     out.runs.push_back(std::move(r));
   }
   if (done == 0) {
-    out.sentence = records.empty() ? "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked" : "no run of the true model came through at the posterior's draws: the emulator was not checked";
+    out.sentence = records.empty() ? "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked"
+                                   : "no run of the true model came through at the posterior's draws: the emulator was not checked";
     return out;
   }
   // The noise that is promised is an estimate itself, so the mean square has Fisher's F distribution.
@@ -64,8 +65,10 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
   out.p_value = boost::math::cdf(boost::math::complement(expected, out.score));
   if (shifts > 0) out.log_likelihood_shift = std::sqrt(shift / shifts);
   out.holds = out.p_value > least_p_value;
-  out.sentence = fmt::format("{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± {:.2g}, p {:.2g})", done,
-                             std::sqrt(out.score), out.score, out.score_sd, out.p_value);
+  out.sentence = fmt::format(
+      "{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± {:.2g}, p "
+      "{:.2g})",
+      done, std::sqrt(out.score), out.score, out.score_sd, out.p_value);
   if (!out.holds) out.sentence += ": its deviations are too small there; give it more runs (emulator.rounds, emulator.round_fine)";
   return out;
 }

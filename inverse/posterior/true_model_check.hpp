@@ -21,16 +21,16 @@ struct CheckedRun {
 
 struct TrueModelCheck {
   std::vector<CheckedRun> runs;
-  double score = 0;        ///< mean over the runs done
-  double score_sd = 0;     ///< of that mean where the emulator's promise holds, by its effective number of values and that of the squares it learnt the noise from
-  double p_value = 1;      ///< share of such means that would be as great where the promise holds: Fisher's F of those two numbers
+  double score = 0;     ///< mean over the runs done
+  double score_sd = 0;  ///< of that mean where the emulator's promise holds, by its effective number of values and that of the squares it learnt the noise from
+  double p_value = 1;   ///< share of such means that would be as great where the promise holds: Fisher's F of those two numbers
   double log_likelihood_shift = 0;  ///< root mean square over fine runs of (log likelihood by the run - log likelihood by the emulator)
-  bool holds = false;      ///< p_value above 0.001
+  bool holds = false;               ///< p_value above 0.001
   std::string sentence;
 };
 
-/// Runs the true model at the mode and at `draws` from the posterior, u (box.size(), n): `fine` on the finest mesh, `coarse` on the next. Draws are taken in their order; where they are too few,
-/// from the first again.
+/// Runs the true model at the mode and at `draws` from the posterior, u (box.size(), n): `fine` on the finest mesh, `coarse` on the next. Draws are taken in
+/// their order; where they are too few, from the first again.
 [[nodiscard]] TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit& fit, const Eigen::MatrixXd& draws, int coarse, int fine);
 
 }  // namespace calomel

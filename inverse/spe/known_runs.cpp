@@ -34,7 +34,9 @@ KnownRuns::KnownRuns(const Problem& problem, const Archive& archive, const Objec
 }
 
 void KnownRuns::price(Run& run) const {
-  const auto cost = [&](const Eigen::VectorXd& history) { return objective_.cost(objective_.value(score(problem_, {history.data(), std::size_t(history.size())}))); };
+  const auto cost = [&](const Eigen::VectorXd& history) {
+    return objective_.cost(objective_.value(score(problem_, {history.data(), std::size_t(history.size())})));
+  };
   const Eigen::VectorXd history = run.history.cast<double>();
   run.cost = run.cost_without = cost(history);
   if (correction_ && !correction_->empty()) run.cost = cost(history + correction_->shift(run.theta));
@@ -81,7 +83,8 @@ ScatteredData KnownRuns::data(const Bounds& box, bool whole) const {
     (inside[i]->held_out ? data.validation : data.train).push_back(i);
     data.units.col(at) = units.unit(inside[i]->theta);
     data.values[at] = transformed(options_.transform, inside[i]->cost);
-    if (weighted && inside[i]->of_campaign) data.weights[at] = std::sqrt(chebyshev.density(data.units.col(at)) / design_density(archive_.design, data.units.col(at)));
+    if (weighted && inside[i]->of_campaign)
+      data.weights[at] = std::sqrt(chebyshev.density(data.units.col(at)) / design_density(archive_.design, data.units.col(at)));
   }
   return data;
 }

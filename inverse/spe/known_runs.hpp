@@ -19,7 +19,8 @@ class KnownRuns {
   KnownRuns(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed);
   /// A run that failed teaches where runs fail; one of a known place (in units of `box`) teaches nothing. Returns whether it joined.
   bool add(const std::vector<double>& theta, const RunRecord& run, bool held_out, const Bounds& box);
-  /// Each run's misfit: of its history and the correction at its point, null or empty for none; of runs added later too. Errors: InputError when a misfit of the campaign has no logarithm and needs one.
+  /// Each run's misfit: of its history and the correction at its point, null or empty for none; of runs added later too. Errors: InputError when a misfit of
+  /// the campaign has no logarithm and needs one.
   void price(const MeshCorrection* correction);
 
   /// Runs inside `box` at their points of it scaled to the unit box. `whole`: it is the whole box of the bounds, where the campaign's rows are

@@ -47,7 +47,8 @@ struct SpeOptions {
     v("sparse_grid", sparse_grid,
       {.range = between(1, 12), .doc = "levels of the spaces of Smolyak's construction: high degrees in one parameter at a time, low ones in products"});
     v("adaptive", adaptive,
-      {.range = between(1, 100), .doc = "rounds of adaptive spaces, which grow where the fit puts its weight and keep the set with the least cross-validated error"});
+      {.range = between(1, 100),
+       .doc = "rounds of adaptive spaces, which grow where the fit puts its weight and keep the set with the least cross-validated error"});
     v("most_terms", most_terms, {.range = between(10, 1e5), .doc = "spaces with more terms than this are left out with a warning"});
     v("lambda_scale", lambda_scale,
       {.doc = "what spe.lambdas are multiples of: 1 (absolute, as published), the least value at which every coefficient vanishes, or the best value of each "
@@ -72,10 +73,12 @@ struct SpeOptions {
       {.range = between(0, 20), .doc = "times that the candidates' true misfits join the runs and everything is fitted and searched again; 0 as published"});
     v("separation", separation,
       {.range = between(0, 0.5), .doc = "least distance of two candidates, the largest over the parameters in units of their bounds"});
-    v("known_candidates", known_candidates, {.range = between(0, 20), .doc = "best runs of the campaign that are candidates too, which costs no run; 0 as published"});
+    v("known_candidates", known_candidates,
+      {.range = between(0, 20), .doc = "best runs of the campaign that are candidates too, which costs no run; 0 as published"});
     v("zoom", zoom,
       {.range = between(0, 10),
-       .doc = "rounds in which the box shrinks to half of each side about the best run that is known, and the surrogates are fitted to the runs inside; 0 as published"});
+       .doc = "rounds in which the box shrinks to half of each side about the best run that is known, and the surrogates are fitted to the runs inside; 0 as "
+              "published"});
     v("zoom_runs", zoom_runs, {.range = between(10, 1000), .doc = "new runs of the true model in the box of each of these rounds"});
     visit_mesh_correction(v, mesh_correction);
   }

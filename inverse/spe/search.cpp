@@ -16,7 +16,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double one_optimum = 0.02;  ///< ends of searches nearer than this, in units of the bounds, are one optimum: well above where a search stops, well below the smoothing width
+constexpr double one_optimum =
+    0.02;  ///< ends of searches nearer than this, in units of the bounds, are one optimum: well above where a search stops, well below the smoothing width
 
 struct Optimum {
   Eigen::VectorXd x;
@@ -69,8 +70,10 @@ void expect_one_surrogate(const std::vector<SparsePolynomial>& surrogates, const
 
 void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads, const CalibrationProgress& progress) {
   if (data.values.size() > 0 && data.values.maxCoeff() == data.values.minCoeff())
-    throw InputError({.problem = fmt::format("the misfit is {:.6g} at every one of {} runs: it does not depend on the parameters, or too few runs came through", data.values[0], data.values.size()),
-                      .key = "parameter", .suggestion = "vary a number of the case that the records see; more runs: campaign.runs, spe.zoom_runs"});
+    throw InputError({.problem = fmt::format("the misfit is {:.6g} at every one of {} runs: it does not depend on the parameters, or too few runs came through",
+                                             data.values[0], data.values.size()),
+                      .key = "parameter",
+                      .suggestion = "vary a number of the case that the records see; more runs: campaign.runs, spe.zoom_runs"});
   const Clock clock;
   auto fitted = fit_sparse_polynomials(data, options, seed, threads, [&](std::size_t done, std::size_t total) {
     if (progress) progress("polynomial spaces", done, total);

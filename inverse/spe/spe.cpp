@@ -19,10 +19,17 @@ constexpr std::uint64_t zoom_stream = 0x5a00;
 /// The state of a calibration between its rounds.
 class SpeRounds {
  public:
-  SpeRounds(SpeSummary& out, const Problem& problem, const Archive& archive, const SpeOptions& options, const MakeRuns& make_runs, const RememberingModel& memory,
-            const MeshCorrection* correction, std::uint64_t seed)
-      : out_(out), problem_(problem), options_(options), make_runs_(make_runs), memory_(memory), known_(problem, archive, out.objective, options, seed), seed_(seed),
-        bounds_(bounds_of(problem.shape)), box_(bounds_) {
+  SpeRounds(SpeSummary& out, const Problem& problem, const Archive& archive, const SpeOptions& options, const MakeRuns& make_runs,
+            const RememberingModel& memory, const MeshCorrection* correction, std::uint64_t seed)
+      : out_(out),
+        problem_(problem),
+        options_(options),
+        make_runs_(make_runs),
+        memory_(memory),
+        known_(problem, archive, out.objective, options, seed),
+        seed_(seed),
+        bounds_(bounds_of(problem.shape)),
+        box_(bounds_) {
     out.runs_excluded = known_.excluded(), out.design = archive.design;
     known_.price(correction);
     const auto data = known_.data(bounds_, true);
@@ -124,7 +131,9 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   const MeshCorrection none, &mesh = correction ? *correction : none;
   const MakeRuns own = [&](const Eigen::MatrixXd& thetas) {
     std::vector<RunRecord> runs(std::size_t(thetas.cols()));
-    parallel_for(runs.size(), threads, [&](std::size_t i) { runs[i] = evaluate_run(true_model, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false); });
+    parallel_for(runs.size(), threads, [&](std::size_t i) {
+      runs[i] = evaluate_run(true_model, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false);
+    });
     return runs;
   };
   const RememberingModel model(true_model);
@@ -140,7 +149,8 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
   }
   out.runs_added = rounds.known().added();
   out.warnings.insert(out.warnings.end(), out.fit_warnings.begin(), out.fit_warnings.end());
-  if (out.optima.empty()) out.warnings.push_back("runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made");
+  if (out.optima.empty())
+    out.warnings.push_back("runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made");
 
   // 2. Half of the candidates are this round's; the best of the runs that were made before, which cost none, come next, then more of this round.
   const Bounds& box = rounds.box();

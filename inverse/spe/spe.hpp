@@ -33,7 +33,7 @@ struct SpeMode {
 
 /// A round of shrinking: the box of its surrogates, the runs in it, and the least misfit known by then.
 struct SpeZoom {
-  std::vector<double> low, high;  ///< (n_parameters)
+  std::vector<double> low, high;   ///< (n_parameters)
   std::size_t runs = 0, made = 0;  ///< in the box, and of them new in this round
   double best = 0;                 ///< of all known runs, as the objective has it
 };
@@ -45,9 +45,9 @@ struct SpeSummary : Calibration {
   std::string design;
   std::vector<SpaceChoice> spaces;
   std::vector<SparsePolynomial> surrogates;
-  std::vector<SpeOptimum> optima;         ///< of all surrogates
-  std::vector<SpeMode> modes;             ///< densest first
-  std::size_t optima_left_out = 0;        ///< of the last round, where runs are likely to fail
+  std::vector<SpeOptimum> optima;   ///< of all surrogates
+  std::vector<SpeMode> modes;       ///< densest first
+  std::size_t optima_left_out = 0;  ///< of the last round, where runs are likely to fail
   std::vector<SpeZoom> zooms;
   std::vector<std::string> fit_warnings;  ///< of the last fits; they stand among `warnings` too
   double fit_s = 0;                       ///< wall time of the fits, of search_s [s]
@@ -63,11 +63,12 @@ using MakeRuns = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& the
 
 /// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
 /// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out. `make_runs`: where runs are added; empty: by `true_model`. `correction`: for the mesh, of every history;
-/// null, or an empty one: as published.
-/// Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate vanishes.
+/// shape; runs of the archive that failed are left out. `make_runs`: where runs are added; empty: by `true_model`. `correction`: for the mesh, of every
+/// history; null, or an empty one: as published. Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate
+/// vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
-                                 int threads, const CalibrationProgress& progress = {}, const MakeRuns& make_runs = {}, const MeshCorrection* correction = nullptr);
+                                 int threads, const CalibrationProgress& progress = {}, const MakeRuns& make_runs = {},
+                                 const MeshCorrection* correction = nullptr);
 
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);

@@ -53,10 +53,13 @@ Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& pro
   own["validation_r2"] = range_of(s, [](const auto& p) { return p.validation.r2; });
   own["optima_left_out"] = s.optima_left_out;
   own["zoom"] = Json::array();
-  for (const auto& z : s.zooms) own["zoom"].push_back({{"low", named(shape.parameters, z.low)}, {"high", named(shape.parameters, z.high)}, {"runs", z.runs}, {"made", z.made}, {"best", number(z.best)}});
+  for (const auto& z : s.zooms)
+    own["zoom"].push_back(
+        {{"low", named(shape.parameters, z.low)}, {"high", named(shape.parameters, z.high)}, {"runs", z.runs}, {"made", z.made}, {"best", number(z.best)}});
   own["modes"] = Json::array(), own["lambda_choices"] = Json::array(), own["surrogates"] = Json::array(), own["optima"] = Json::array();
   for (const auto& m : s.modes)
-    own["modes"].push_back({{"theta", named(shape.parameters, m.theta)}, {"objective_surrogate", number(m.objective)}, {"density", m.density}, {"optima", m.optima}});
+    own["modes"].push_back(
+        {{"theta", named(shape.parameters, m.theta)}, {"objective_surrogate", number(m.objective)}, {"density", m.density}, {"optima", m.optima}});
   for (const auto& c : s.spaces)
     own["lambda_choices"].push_back({{"name", c.space.name()},
                                      {"terms", c.terms},
@@ -65,7 +68,8 @@ Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& pro
                                      {"cross_validation", choice(c.cross_validation, c.lambda_max)}});
   for (std::size_t i = 0; i < s.surrogates.size(); ++i) own["surrogates"].push_back(surrogate(s, i));
   for (const auto& o : s.optima)
-    own["optima"].push_back({{"surrogate", o.surrogate}, {"theta", named(shape.parameters, o.theta)}, {"objective", number(o.objective)}, {"trials", o.trials}});
+    own["optima"].push_back(
+        {{"surrogate", o.surrogate}, {"theta", named(shape.parameters, o.theta)}, {"objective", number(o.objective)}, {"trials", o.trials}});
   own["fit_s"] = s.fit_s;
   return calibration_json(s, problem, own, provenance);
 }

@@ -89,8 +89,9 @@ double restored(const std::string& transform, double value) { return transform =
 
 void SpeOptions::validate() const {
   if (total_degree.empty() && tensor_product.empty() && hyperbolic_cross.empty() && sparse_grid.empty() && adaptive.empty())
-    throw InputError(
-        {.problem = "no polynomial space is listed", .key = "total_degree", .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, levels of sparse_grid or rounds of adaptive"});
+    throw InputError({.problem = "no polynomial space is listed",
+                      .key = "total_degree",
+                      .suggestion = "list orders of total_degree, tensor_product or hyperbolic_cross, levels of sparse_grid or rounds of adaptive"});
 }
 
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,

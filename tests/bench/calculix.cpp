@@ -42,9 +42,9 @@ struct Case {
   std::string name, what;
   Mesh mesh;
   std::string steel_type = "C3D8", mercury_type = "C3D8R";  ///< elements of CalculiX
-  History load;                       ///< of the loaded faces [Pa], tension positive; empty: none
-  double heating = 0;                 ///< pressure that the heat would cause in the mercury [Pa]
-  double ramp = 0;                    ///< rise time of the heating [s]
+  History load;                                             ///< of the loaded faces [Pa], tension positive; empty: none
+  double heating = 0;                                       ///< pressure that the heat would cause in the mercury [Pa]
+  double ramp = 0;                                          ///< rise time of the heating [s]
   double end = 0, output_interval = 0, ccx_step = 0;
   std::vector<Gauge> gauges;
 };
@@ -96,8 +96,8 @@ Mesh block(const Vec3& size, double h, Region region, bool confined, double load
       for (int i = 0; i <= n[0]; ++i) {
         grid.nodes.push_back({h * i, h * j, h * k});
         if (i == n[0] || j == n[1] || k == n[2]) continue;
-        grid.elements.push_back({node(i, j, k), node(i + 1, j, k), node(i, j + 1, k), node(i + 1, j + 1, k), node(i, j, k + 1), node(i + 1, j, k + 1), node(i, j + 1, k + 1),
-                                 node(i + 1, j + 1, k + 1)});
+        grid.elements.push_back({node(i, j, k), node(i + 1, j, k), node(i, j + 1, k), node(i + 1, j + 1, k), node(i, j, k + 1), node(i + 1, j, k + 1),
+                                 node(i, j + 1, k + 1), node(i + 1, j + 1, k + 1)});
         grid.region.push_back(region);
       }
   AssemblyOptions options;
@@ -170,10 +170,15 @@ void write_deck(const Case& c, const std::filesystem::path& path, double end) {
   s += "*NSET, NSET=gauges\n";
   for (const auto& g : c.gauges) s += fmt::format("{},\n{},\n", g.from + 1, g.to + 1);
   s += fmt::format("*NSET, NSET=everything, GENERATE\n1, {}\n", c.mesh.nodes.size());
-  const double G = shear_share * bulk_modulus, E = 9 * bulk_modulus * G / (3 * bulk_modulus + G), nu = (3 * bulk_modulus - 2 * G) / (2 * (3 * bulk_modulus + G));
+  const double G = shear_share * bulk_modulus, E = 9 * bulk_modulus * G / (3 * bulk_modulus + G),
+               nu = (3 * bulk_modulus - 2 * G) / (2 * (3 * bulk_modulus + G));
   const bool steel = c.mesh.quality.steel_volume > 0, mercury = c.mesh.quality.mercury_volume > 0;
-  if (steel) s += fmt::format("*MATERIAL, NAME=STEEL\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n*EXPANSION\n0.\n*SOLID SECTION, ELSET=steel, MATERIAL=STEEL\n", young, poisson, steel_density);
-  if (mercury) s += fmt::format("*MATERIAL, NAME=MERCURY\n*ELASTIC\n{:.14g}, {:.14g}\n*DENSITY\n{}\n*EXPANSION\n1e-5\n*SOLID SECTION, ELSET=mercury, MATERIAL=MERCURY\n", E, nu, mercury_density);
+  if (steel)
+    s += fmt::format("*MATERIAL, NAME=STEEL\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n*EXPANSION\n0.\n*SOLID SECTION, ELSET=steel, MATERIAL=STEEL\n", young, poisson,
+                     steel_density);
+  if (mercury)
+    s += fmt::format("*MATERIAL, NAME=MERCURY\n*ELASTIC\n{:.14g}, {:.14g}\n*DENSITY\n{}\n*EXPANSION\n1e-5\n*SOLID SECTION, ELSET=mercury, MATERIAL=MERCURY\n",
+                     E, nu, mercury_density);
   const char* axes[] = {"symmetry_x", "symmetry_y", "symmetry_z"};
   for (int k = 0; k < 3; ++k)
     if (s.find(fmt::format("NSET={}", axes[k])) != std::string::npos) s += fmt::format("*BOUNDARY\n{}, {}, {}\n", axes[k], k + 1, k + 1);
@@ -183,7 +188,8 @@ void write_deck(const Case& c, const std::filesystem::path& path, double end) {
   s += fmt::format("*STEP, INC={}\n*DYNAMIC, DIRECT, EXPLICIT, ALPHA=0\n{:.12g}, {:.12g}, 1e-15, {:.12g}\n", 2 * steps + 10, c.ccx_step, end, c.ccx_step);
   if (!c.load.time.empty()) {
     s += "*DLOAD, AMPLITUDE=rise\n";
-    for (const auto& f : c.mesh.loaded) s += fmt::format("{}, P{}, -1.\n", f.element + 1, file_order::abaqus_side[std::size_t(side_of(face_id(c.mesh.elements, f)))]);
+    for (const auto& f : c.mesh.loaded)
+      s += fmt::format("{}, P{}, -1.\n", f.element + 1, file_order::abaqus_side[std::size_t(side_of(face_id(c.mesh.elements, f)))]);
   }
   // p0 = 3 K alpha dT.
   if (c.heating > 0) s += fmt::format("*TEMPERATURE, AMPLITUDE=heat\neverything, {:.14g}\n", c.heating / (3 * bulk_modulus * 1e-5));
@@ -268,14 +274,18 @@ void compare(const Case& c, const std::filesystem::path& pictures, bool picture)
       for (double& x : *v) x *= 1e6;
     panels.push_back(std::move(panel));
   }
-  fmt::print("| {} | {} | {} | {} | {:.1f} | {:.3f} | {:.0f} |\n", c.what, types_of(c), c.mesh.elements.size(), errors, own.speed / 1e6, other.speed / 1e6, own.speed / other.speed);
+  fmt::print("| {} | {} | {} | {} | {:.1f} | {:.3f} | {:.0f} |\n", c.what, types_of(c), c.mesh.elements.size(), errors, own.speed / 1e6, other.speed / 1e6,
+             own.speed / other.speed);
   std::fflush(stdout);
   if (picture) write_atomically(pictures / fmt::format("calculix_{}.svg", c.name), line_plot("Calomel", "CalculiX", "1e-6", panels));
 }
 
 /// Steel 60 x 20 x 20 mm, pressed at one end.
 Case steel_block(double h, double rise, const std::string& type) {
-  Case c{.name = "steel", .what = fmt::format("steel block, {:g} mm, {}", 1e3 * h, rise > 0 ? fmt::format("rise {:g} µs", 1e6 * rise) : "step"), .mesh = {}, .steel_type = type};
+  Case c{.name = "steel",
+         .what = fmt::format("steel block, {:g} mm, {}", 1e3 * h, rise > 0 ? fmt::format("rise {:g} µs", 1e6 * rise) : "step"),
+         .mesh = {},
+         .steel_type = type};
   c.mesh = block({0.06, 0.02, 0.02}, h, Region::steel, false, 1);
   c.end = 40e-6, c.output_interval = 0.5e-6, c.ccx_step = 25e-9 * h / 0.001;
   c.load = pressure(10e6, rise, c.end);
@@ -319,7 +329,9 @@ int main(int argc, char** argv) {
     return 0;
   }
   make_directory(folder);
-  fmt::print("| case | elements of CalculiX | elements | relative L2 of the strain, gauge by gauge [%] | Calomel [M element-steps/s] | CalculiX | ratio |\n|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| case | elements of CalculiX | elements | relative L2 of the strain, gauge by gauge [%] | Calomel [M element-steps/s] | CalculiX | ratio "
+      "|\n|---|---|---|---|---|---|---|\n");
   if (wanted("steel")) {
     for (const double h : {0.004, 0.002, 0.00125}) compare(steel_block(h, 4e-6, "C3D8"), folder, h == 0.002);
     compare(steel_block(0.002, 4e-6, "C3D8R"), folder, false);

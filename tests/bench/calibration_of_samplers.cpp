@@ -1,5 +1,5 @@
-/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/calibration.hpp): whether ranks of the truth among posterior draws are uniform, and as the
-/// control the same without the Jacobian of ln s.
+/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/calibration.hpp): whether ranks of the truth among posterior draws are
+/// uniform, and as the control the same without the Jacobian of ln s.
 ///   bench_calibration [replications, 1000] [seed, 1]
 #include <fmt/format.h>
 
@@ -21,8 +21,8 @@ int main(int argc, char** argv) {
     const auto ranks = calibration_ranks(kind, replications, seed);
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     const auto control = calibration_ranks(kind, replications, seed, false);
-    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0e} | {:.1f} |\n", kind, uniformity(ranks[0], 20), uniformity(ranks[0], 5), uniformity(ranks[1], 20), uniformity(ranks[1], 5),
-               uniformity(control[1], 20), s);
+    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0e} | {:.1f} |\n", kind, uniformity(ranks[0], 20), uniformity(ranks[0], 5),
+               uniformity(ranks[1], 20), uniformity(ranks[1], 5), uniformity(control[1], 20), s);
   }
   return 0;
 }

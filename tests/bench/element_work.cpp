@@ -28,7 +28,9 @@ class Counted {
 
   friend Counted operator+(const Counted& a, const Counted& b) { return a.is(0) ? b : b.is(0) ? a : make(a.value_ + b.value_, a, b); }
   friend Counted operator-(const Counted& a, const Counted& b) { return a.is(0) ? -b : b.is(0) ? a : make(a.value_ - b.value_, a, b); }
-  friend Counted operator*(const Counted& a, const Counted& b) { return a.is(0) || b.is(0) ? Counted() : a.is(1) ? b : b.is(1) ? a : make(a.value_ * b.value_, a, b); }
+  friend Counted operator*(const Counted& a, const Counted& b) {
+    return a.is(0) || b.is(0) ? Counted() : a.is(1) ? b : b.is(1) ? a : make(a.value_ * b.value_, a, b);
+  }
   friend Counted operator/(const Counted& a, const Counted& b) { return b.is(1) ? a : make(a.value_ / b.value_, a, b); }
   Counted operator-() const {
     Counted c = *this;
@@ -90,7 +92,7 @@ ElementWork work() {
     w.gradients = operations([&] { gradients<affine>(modes, geometry, grad); });
     int element = 0;
     if constexpr (Liquid) {
-      w.law = operations([&] { any * liquid_pressure<Keep::nothing, false>(volumetric_strain<F>(grad), any, step, static_cast<Counted*>(nullptr), sums); });
+      w.law = operations([&] { any* liquid_pressure<Keep::nothing, false>(volumetric_strain<F>(grad), any, step, static_cast<Counted*>(nullptr), sums); });
       element = operations([&] { liquid_element<F, Keep::nothing, false>(modes, forces, geometry, step, static_cast<Counted*>(nullptr), sums); });
     } else {
       w.law = operations([&] { steel_stress<F, false>(grad, any, constant, constant, t, static_cast<Counted*>(nullptr), sums); });
@@ -113,10 +115,14 @@ ElementWork work() {
 ElementWork element_work(bool liquid, Form form) {
   using counted::work;
   switch (form) {
-    case Form::parallelepiped: return liquid ? work<true, Form::parallelepiped>() : work<false, Form::parallelepiped>();
-    case Form::finite: return liquid ? work<true, Form::finite>() : work<false, Form::finite>();
-    case Form::dense: return work<false, Form::dense>();
-    default: return liquid ? work<true, Form::general>() : work<false, Form::general>();
+    case Form::parallelepiped:
+      return liquid ? work<true, Form::parallelepiped>() : work<false, Form::parallelepiped>();
+    case Form::finite:
+      return liquid ? work<true, Form::finite>() : work<false, Form::finite>();
+    case Form::dense:
+      return work<false, Form::dense>();
+    default:
+      return liquid ? work<true, Form::general>() : work<false, Form::general>();
   }
 }
 

@@ -19,19 +19,19 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 // Twelve chains hide the latency of four cycles on two units with vectors to spare. Converges to 1, far from denormals. Kept whole for each instruction set,
 // because code for one must not be inlined into another's.
-#define CALOMEL_CHAINS(name, bytes, attributes)                        \
-  template <class R>                                                   \
-  attributes __attribute__((noinline)) double name(long repeats) {     \
-    typedef R V __attribute__((vector_size(bytes)));                   \
-    const V x = V{} + R(0.75), y = V{} + R(0.25);                      \
-    V a[12];                                                           \
-    for (int k = 0; k < 12; ++k) a[k] = V{} + R(k);                    \
-    for (long i = 0; i < repeats; ++i) {                               \
+#define CALOMEL_CHAINS(name, bytes, attributes)                                  \
+  template <class R>                                                             \
+  attributes __attribute__((noinline)) double name(long repeats) {               \
+    typedef R V __attribute__((vector_size(bytes)));                             \
+    const V x = V{} + R(0.75), y = V{} + R(0.25);                                \
+    V a[12];                                                                     \
+    for (int k = 0; k < 12; ++k) a[k] = V{} + R(k);                              \
+    for (long i = 0; i < repeats; ++i) {                                         \
       _Pragma("GCC unroll 12") for (int k = 0; k < 12; ++k) a[k] = a[k] * x + y; \
-    }                                                                  \
-    double sum = 0;                                                    \
-    for (int k = 0; k < 12; ++k) sum += double(a[k][0]);               \
-    return sum;                                                        \
+    }                                                                            \
+    double sum = 0;                                                              \
+    for (int k = 0; k < 12; ++k) sum += double(a[k][0]);                         \
+    return sum;                                                                  \
   }
 CALOMEL_CHAINS(chains16, 16, )
 #if defined(__x86_64__)

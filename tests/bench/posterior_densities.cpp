@@ -1,4 +1,5 @@
-// The densities of tests/verification/reference_posteriors.hpp behind plain functions, so that programs in other languages sample the same compiled code: emcee_chains.py.
+// The densities of tests/verification/reference_posteriors.hpp behind plain functions, so that programs in other languages sample the same compiled code:
+// emcee_chains.py.
 #include <memory>
 #include <vector>
 
@@ -39,5 +40,4 @@ void constrain(const void* opened, const double* x, int n, double* q) {
   const std::size_t d = density.dimension(), m = density.quantities().size();
   for (std::size_t i = 0; i < std::size_t(n); ++i) density.constrain({x + i * d, d}, {q + i * m, m});
 }
-
 }

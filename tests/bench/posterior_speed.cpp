@@ -1,4 +1,5 @@
-// Evaluations of the posterior's density with its exact gradient, by the number of compared values: four parameters and the multiple beyond the finest mesh, 60 runs on two meshes.
+// Evaluations of the posterior's density with its exact gradient, by the number of compared values: four parameters and the multiple beyond the finest mesh, 60
+// runs on two meshes.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

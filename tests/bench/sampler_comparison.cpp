@@ -1,6 +1,7 @@
-// Samplers on the five posteriors with published reference draws, beside Debian's python3-emcee on the same compiled densities: R-hat, effective sample sizes, |z| against the reference, and what
-// they cost. One thread, processor time, warm-up included on both sides. All begin with the same knowledge, a mean and a covariance, as the program begins with the mode and Laplace's covariance: here they are
-// those of a run before, which begins from the poor start of the tests and is not counted.
+// Samplers on the five posteriors with published reference draws, beside Debian's python3-emcee on the same compiled densities: R-hat, effective sample sizes,
+// |z| against the reference, and what they cost. One thread, processor time, warm-up included on both sides. All begin with the same knowledge, a mean and a
+// covariance, as the program begins with the mode and Laplace's covariance: here they are those of a run before, which begins from the poor start of the tests
+// and is not counted.
 //
 //   bench_samplers [POSTERIOR...]     CALOMEL_PYTHON=/usr/bin/python3 names the Python that has emcee; without one there are no rows of it
 #include <fmt/format.h>
@@ -29,10 +30,10 @@ double processor_time() { return double(std::clock()) / CLOCKS_PER_SEC; }
 /// A run of either kind.
 struct Run {
   std::string name;
-  Draws draws;              ///< in natural units
-  double seconds = 0;       ///< of processor
+  Draws draws;         ///< in natural units
+  double seconds = 0;  ///< of processor
   std::size_t evaluations = 0;
-  std::string beside;       ///< what else there is to say
+  std::string beside;  ///< what else there is to say
 };
 
 /// Lengths at which a row takes seconds, a fifth to a third of them warm-up; a sampler without a line of its own has its defaults.
@@ -66,7 +67,8 @@ struct EmceeOptions {
 Run emcee_run(const EmceeOptions& options, const ReferencePosterior& p, const std::vector<std::string>& names, const SamplerStart& start, std::uint64_t seed) {
   constexpr std::size_t ensembles = 4, thin = 10;
   const char* named = std::getenv("CALOMEL_PYTHON");
-  const auto folder = std::filesystem::temp_directory_path() / fmt::format("emcee_{}_{}", p.name, std::clock()), starts = folder / "starts", out = folder / "draws";
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("emcee_{}_{}", p.name, std::clock()), starts = folder / "starts",
+             out = folder / "draws";
   std::filesystem::create_directory(folder);
   std::vector<double> walkers;
   RandomStream random(seed, 0);
@@ -78,8 +80,9 @@ Run emcee_run(const EmceeOptions& options, const ReferencePosterior& p, const st
     walkers.insert(walkers.end(), x.begin(), x.end());
   }
   std::ofstream(starts, std::ios::binary).write(reinterpret_cast<const char*>(walkers.data()), std::streamsize(walkers.size() * sizeof(double)));
-  const std::string command = fmt::format("{} {}/tests/bench/emcee_chains.py {} {} {} {} {} {} {} {} {} {} {} {} 2>/dev/null", named ? named : "/usr/bin/python3", CALOMEL_SOURCE_DIR,
-                                          CALOMEL_DENSITIES, p.name, reference_path(p).string(), options.moves, ensembles, options.walkers, options.warmup, options.draws, thin, seed, starts.string(), out.string());
+  const std::string command = fmt::format("{} {}/tests/bench/emcee_chains.py {} {} {} {} {} {} {} {} {} {} {} {} 2>/dev/null",
+                                          named ? named : "/usr/bin/python3", CALOMEL_SOURCE_DIR, CALOMEL_DENSITIES, p.name, reference_path(p).string(),
+                                          options.moves, ensembles, options.walkers, options.warmup, options.draws, thin, seed, starts.string(), out.string());
   Run run;
   FILE* pipe = ::popen(command.c_str(), "r");
   double evaluations = 0;
@@ -113,15 +116,16 @@ Judged judge(const Draws& draws) {
 void print(const Run& run, const Json& reference) {
   const Judged j = judge(run.draws);
   const Scores s = scores(run.draws, reference);
-  fmt::print("| {} | {:.3f} | {:.0f} | {:.0f} | {:.1f} ({}) | {} | {:.2f} | {:.0f} | {:.1f} | {} |\n", run.name, j.r_hat, j.bulk, j.tail, std::abs(s.worst), s.where, run.evaluations, run.seconds,
-             j.bulk / run.seconds, 1000 * j.bulk / double(run.evaluations), run.beside);
+  fmt::print("| {} | {:.3f} | {:.0f} | {:.0f} | {:.1f} ({}) | {} | {:.2f} | {:.0f} | {:.1f} | {} |\n", run.name, j.r_hat, j.bulk, j.tail, std::abs(s.worst),
+             s.where, run.evaluations, run.seconds, j.bulk / run.seconds, 1000 * j.bulk / double(run.evaluations), run.beside);
   std::fflush(stdout);
 }
 
 /// Mean and covariance by a run of nuts.
 SamplerStart learnt(const LogDensity& density, const ReferencePosterior& p) {
   const auto r = run_sampler(density, start_of(p), {.kind = "nuts", .warmup = 1000, .draws = 1000, .thin = 1}, {.seed = 3});
-  const Eigen::Map<const Eigen::MatrixXd> x(r.coordinates.values.data(), Eigen::Index(density.dimension()), Eigen::Index(r.coordinates.chains * r.coordinates.draws));
+  const Eigen::Map<const Eigen::MatrixXd> x(r.coordinates.values.data(), Eigen::Index(density.dimension()),
+                                            Eigen::Index(r.coordinates.chains * r.coordinates.draws));
   SamplerStart start{.mean = x.rowwise().mean(), .covariance = {}, .points = {}};
   const Eigen::MatrixXd from_mean = x.colwise() - start.mean;
   start.covariance = from_mean * from_mean.transpose() / double(x.cols() - 1);
@@ -141,7 +145,9 @@ int main(int argc, char** argv) {
     }
     const auto density = p.make(file["data"], Jacobian::kept);
     fmt::print("\n### {} ({} coordinates)\n\n", p.title, density->dimension());
-    fmt::print("| sampler | R-hat | ESS, bulk | ESS, tail | greatest abs(z) | evaluations | processor time [s] | ESS a second | ESS a thousand evaluations | |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| sampler | R-hat | ESS, bulk | ESS, tail | greatest abs(z) | evaluations | processor time [s] | ESS a second | ESS a thousand evaluations | "
+        "|\n|---|---|---|---|---|---|---|---|---|---|\n");
     const SamplerStart start = learnt(*density, p);
     const auto tell = [&](const auto& run_with) {
       const Run first = run_with(1);

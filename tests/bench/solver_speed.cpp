@@ -31,7 +31,7 @@ namespace {
 
 /// The best that the machine does on one and two threads.
 struct Machine {
-  std::array<double, 2> bandwidth{read_bandwidth(1), read_bandwidth(2)};  ///< [GB/s]
+  std::array<double, 2> bandwidth{read_bandwidth(1), read_bandwidth(2)};                  ///< [GB/s]
   std::array<std::map<int, double>, 2> single = peaks<float>(), twice = peaks<double>();  ///< [GFLOP/s] by bytes of a vector
 
   template <class R>
@@ -93,9 +93,11 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, const
                    runs ? "8 runs in the lanes" : "one run", best.wall / 1e6, best.processor / 1e6,
                    runs ? "" : fmt::format(" (with energy balance {:5.1f}, {:5.1f})", balanced.wall / 1e6, balanced.processor / 1e6));
         const double rate = best.wall * work.flops / 1e9;
-        fmt::print("          {:.0f} flops, {:.0f} B, {:.2f} flops/B: {:.1f} GFLOP/s, {:.0f} % of {:.0f} with vectors of {} bytes, {:.0f} % of {:.0f} with {}; {:.0f} % of {:.0f} GB/s\n", work.flops,
-                   work.bytes, work.flops / work.bytes, rate, 100 * rate / peaks.at(width), peaks.at(width), width, 100 * rate / peaks.rbegin()->second, peaks.rbegin()->second,
-                   peaks.rbegin()->first, 100 * best.wall * work.bytes / 1e9 / machine.bandwidth[t], machine.bandwidth[t]);
+        fmt::print(
+            "          {:.0f} flops, {:.0f} B, {:.2f} flops/B: {:.1f} GFLOP/s, {:.0f} % of {:.0f} with vectors of {} bytes, {:.0f} % of {:.0f} with {}; {:.0f} "
+            "% of {:.0f} GB/s\n",
+            work.flops, work.bytes, work.flops / work.bytes, rate, 100 * rate / peaks.at(width), peaks.at(width), width, 100 * rate / peaks.rbegin()->second,
+            peaks.rbegin()->second, peaks.rbegin()->first, 100 * best.wall * work.bytes / 1e9 / machine.bandwidth[t], machine.bandwidth[t]);
         std::fflush(stdout);
       }
 }
@@ -106,8 +108,8 @@ void print_element_work() {
   for (const bool liquid : {true, false})
     for (const Form form : {Form::parallelepiped, Form::general}) {
       const ElementWork w = element_work(liquid, form);
-      fmt::print("  {:7} {:14} {:4} {:4} {:4} {:4} {:4} {:4}; {:4}; {:3}\n", liquid ? "mercury" : "steel", form == Form::general ? "general" : "parallelepiped", w.to_modes, w.gradients,
-                 w.law, w.hourglass, w.spread, w.to_corners, w.total(), geometry_terms(liquid, form));
+      fmt::print("  {:7} {:14} {:4} {:4} {:4} {:4} {:4} {:4}; {:4}; {:3}\n", liquid ? "mercury" : "steel", form == Form::general ? "general" : "parallelepiped",
+                 w.to_modes, w.gradients, w.law, w.hourglass, w.spread, w.to_corners, w.total(), geometry_terms(liquid, form));
     }
 }
 
@@ -140,7 +142,8 @@ void measure_ratios() {
   const ExplicitSolver solver(model.mesh(), LinearElastic::from_young(c.steel.young, c.steel.poisson));
   std::vector<ObservationRow> rows;
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
-  fmt::print("slice of {} elements, one thread, output every {:g} us; medians of {} turns by processor time\n", model.mesh().elements.size(), 1e6 * c.time.output_interval, 9);
+  fmt::print("slice of {} elements, one thread, output every {:g} us; medians of {} turns by processor time\n", model.mesh().elements.size(),
+             1e6 * c.time.output_interval, 9);
   for (const char* precision : {"single", "double"}) {
     RunSetup one = model.setup(c, model.mesh(), 0, {1.0}), group = model.setup(c, model.mesh(), 0, pulse_energies({}));
     one.end = 40 * one.output_interval, group.end = 10 * one.output_interval;
@@ -155,8 +158,8 @@ void measure_ratios() {
       const double bare = seconds_a_run(one, {}), read = seconds_a_run(one, rows), again = seconds_a_run(one, {}), many = seconds_a_run(group, rows);
       same.push_back(again / bare), gauges.push_back(2 * read / (bare + again)), lanes.push_back(read / many);
     }
-    fmt::print("  {:6}  without gauges again / without {:.4f}   twelve gauges / none {:.4f}   one run / a run of eight in the lanes {:.2f}\n", precision, median(same),
-               median(gauges), median(lanes));
+    fmt::print("  {:6}  without gauges again / without {:.4f}   twelve gauges / none {:.4f}   one run / a run of eight in the lanes {:.2f}\n", precision,
+               median(same), median(gauges), median(lanes));
     std::fflush(stdout);
   }
 }
@@ -200,8 +203,8 @@ void measure_kinds() {
       for (std::size_t k = 0; k < kinds.size(); ++k) {
         const MeshWork work = mesh_work(*kinds[k].mesh, real, runs);
         fmt::print("    {:7} {:14} {:6.1f} ns, {:.2f} times general mercury; {:.0f} flops, {:.0f} B: {:5.1f} GFLOP/s, {:4.1f} % of the peak, {:.2f} flops/B\n",
-                   kinds[k].liquid ? "mercury" : "steel", kinds[k].general ? "general" : "parallelepiped", best[k], best[k] / best[2], work.flops, work.bytes, work.flops / best[k],
-                   100 * work.flops / best[k] / peak, work.flops / work.bytes);
+                   kinds[k].liquid ? "mercury" : "steel", kinds[k].general ? "general" : "parallelepiped", best[k], best[k] / best[2], work.flops, work.bytes,
+                   work.flops / best[k], 100 * work.flops / best[k] / peak, work.flops / work.bytes);
       }
       std::fflush(stdout);
     }
@@ -240,8 +243,10 @@ void measure_threads() {
       o.threads = 2;
       const double together = undisturbed_step(solver, s, o, 3);
       const ThreadChoice choice = solver.useful_threads(s, o, 2);
-      fmt::print("  {:6}  {:6.0f} elements: one thread {:5.1f} M/s, a step {:6.1f} us; two threads {:5.1f} M/s, {:6.1f} us, {:.2f} times; chosen {}, estimated {:.2f} times\n", precision, elements,
-                 elements / alone, alone, elements / together, together, alone / together, choice.threads, choice.gain);
+      fmt::print(
+          "  {:6}  {:6.0f} elements: one thread {:5.1f} M/s, a step {:6.1f} us; two threads {:5.1f} M/s, {:6.1f} us, {:.2f} times; chosen {}, estimated {:.2f} "
+          "times\n",
+          precision, elements, elements / alone, alone, elements / together, together, alone / together, choice.threads, choice.gain);
       std::fflush(stdout);
     }
 }

@@ -24,8 +24,8 @@ const std::vector<int> allowed{1, 2, 3, 4, 6};
 
 struct Result {
   SolveSummary last;
-  std::vector<double> seconds;       ///< of processor time
-  std::vector<double> mean;          ///< (gauge, time) mean over the runs of a group
+  std::vector<double> seconds;  ///< of processor time
+  std::vector<double> mean;     ///< (gauge, time) mean over the runs of a group
 };
 
 double median(std::vector<double> x) {
@@ -67,7 +67,8 @@ std::vector<double> differences(const std::vector<double>& a, const std::vector<
   return out;
 }
 
-void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std::vector<ObservationRow>& rows, bool lanes, const std::vector<double>& reference, int repeats, SolveOptions options) {
+void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std::vector<ObservationRow>& rows, bool lanes, const std::vector<double>& reference,
+             int repeats, SolveOptions options) {
   const RunSetup setup = model.setup(model.forward_case(), model.mesh(), 0, lanes ? pulse_energies({}) : std::vector<double>{1.0});
   const std::size_t runs = setup.energies.size();
   std::vector<Result> results(allowed.size());
@@ -100,9 +101,11 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
       const auto e = differences(r.mean, reference, r.last.times.size());
       error = fmt::format("; error {:.2f} %", 100 * std::accumulate(e.begin(), e.end(), 0.0) / double(e.size()));
     }
-    fmt::print("    at most {}: {} used, {:6} steps of {:.3e} s, {:8.3f} s, {:6.1f} M/s nominal, {:4.2f} times (estimated {:4.2f}); difference {:5.2f} % (worst {:5.2f} %); balance {:.1e}{}\n", allowed[i],
-               r.last.subcycles, r.last.steps, r.last.time_step, seconds, rate, median(results[0].seconds) / seconds, estimated, 100 * std::accumulate(d.begin(), d.end(), 0.0) / double(d.size()),
-               100 * *std::max_element(d.begin(), d.end()), balance, error);
+    fmt::print(
+        "    at most {}: {} used, {:6} steps of {:.3e} s, {:8.3f} s, {:6.1f} M/s nominal, {:4.2f} times (estimated {:4.2f}); difference {:5.2f} % (worst "
+        "{:5.2f} %); balance {:.1e}{}\n",
+        allowed[i], r.last.subcycles, r.last.steps, r.last.time_step, seconds, rate, median(results[0].seconds) / seconds, estimated,
+        100 * std::accumulate(d.begin(), d.end(), 0.0) / double(d.size()), 100 * *std::max_element(d.begin(), d.end()), balance, error);
     std::fflush(stdout);
   }
 }
@@ -127,7 +130,8 @@ int main(int argc, char** argv) {
   for (const Region r : mesh.region) steel += r == Region::steel;
   for (const auto s : slow_elements(mesh, buffer)) slow += s;
   const double all = double(mesh.elements.size()) / 100;
-  fmt::print("{}: {} elements, {:.0f} % steel, {:.0f} % slow with {} layers between\n", argv[1], mesh.elements.size(), double(steel) / all, double(slow) / all, buffer);
+  fmt::print("{}: {} elements, {:.0f} % steel, {:.0f} % slow with {} layers between\n", argv[1], mesh.elements.size(), double(steel) / all, double(slow) / all,
+             buffer);
   std::vector<ObservationRow> rows;
   for (const auto& g : model.gauges()) rows.push_back({g.axial.nodes, g.axial.weights});
   SolveOptions options = solve_options(c.solver);

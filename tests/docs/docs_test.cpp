@@ -83,8 +83,10 @@ std::vector<std::string> broken_links(const std::string& text, const fs::path& f
     const auto hash = target.find('#');
     const std::string part = hash == std::string::npos ? "" : target.substr(hash + 1);
     target = target.substr(0, hash);
-    if (!target.empty() && !fs::exists(folder / target)) broken.push_back((*it)[1]);
-    else if (!part.empty() && (target.empty() || target.ends_with(".md")) && !anchors(target.empty() ? text : read_text(folder / target)).contains(part)) broken.push_back((*it)[1]);
+    if (!target.empty() && !fs::exists(folder / target))
+      broken.push_back((*it)[1]);
+    else if (!part.empty() && (target.empty() || target.ends_with(".md")) && !anchors(target.empty() ? text : read_text(folder / target)).contains(part))
+      broken.push_back((*it)[1]);
   }
   return broken;
 }
@@ -141,6 +143,29 @@ std::vector<std::string> upward_includes(const std::string& path, const std::str
   return upward;
 }
 
+/// Numbers of the lines that are longer than `.clang-format` allows, in characters.
+std::vector<std::size_t> long_lines(const std::string& text) {
+  constexpr std::ptrdiff_t column_limit = 160;
+  std::vector<std::size_t> all;
+  std::istringstream in(text);
+  std::size_t number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (std::count_if(line.begin(), line.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }) > column_limit) all.push_back(number);
+  }
+  return all;
+}
+
+TEST(Layout, LinesAreNoLongerThanItsFileAllows) {
+  ASSERT_THAT(read_text(root / ".clang-format"), ::testing::HasSubstr("ColumnLimit: 160"));
+  for (const char* folder : {"base", "forward", "inverse", "uq", "apps", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (const auto type = entry.path().extension(); type == ".cpp" || type == ".hpp")
+        EXPECT_THAT(long_lines(read_text(entry.path())), IsEmpty()) << entry.path() << ": run clang-format -i on it";
+}
+
+TEST(Layout, LongLinesAreFound) { EXPECT_THAT(long_lines("short\n" + std::string(161, 'x') + "\n" + std::string(160, 'x')), ElementsAre(2u)); }
+
 TEST(CaseReference, IsWhatTheGeneratorWrites) {
   EXPECT_EQ(read_text(root / "docs" / "case_reference.md"), case_reference()) << "run: build/release/apps/case_reference > docs/case_reference.md";
 }
@@ -163,7 +188,8 @@ TEST(Links, ToAMissingFileAreFound) {
 }
 
 TEST(Links, ToAMissingHeadingAreFound) {
-  EXPECT_THAT(broken_links("# What `it` does, on 1 mm\n[a](#what-it-does-on-1-mm) [b](#what-else) [c](README.md#by-hand) [d](README.md#by-foot)", root), ElementsAre("#what-else", "README.md#by-foot"));
+  EXPECT_THAT(broken_links("# What `it` does, on 1 mm\n[a](#what-it-does-on-1-mm) [b](#what-else) [c](README.md#by-hand) [d](README.md#by-foot)", root),
+              ElementsAre("#what-else", "README.md#by-foot"));
 }
 
 TEST(Layers, IncludeNothingAboveThem) {
@@ -183,7 +209,8 @@ TEST(Layers, IncludeNothingAboveThem) {
 TEST(Layers, AnIncludeThatLeadsUpIsFound) {
   EXPECT_THAT(upward_includes("apps/inputs/a.hpp", "#include \"apps/pipeline/b.hpp\"\n#include \"apps/inputs/c.hpp\"\n#include \"forward/d.hpp\"\n", rooms),
               ElementsAre("apps/inputs/a.hpp includes apps/pipeline/b.hpp"));
-  EXPECT_THAT(upward_includes("forward/a.cpp", "#include \"inverse/b.hpp\"\n#include \"base/c.hpp\"\n", house), ElementsAre("forward/a.cpp includes inverse/b.hpp"));
+  EXPECT_THAT(upward_includes("forward/a.cpp", "#include \"inverse/b.hpp\"\n#include \"base/c.hpp\"\n", house),
+              ElementsAre("forward/a.cpp includes inverse/b.hpp"));
 }
 
 TEST(Citations, StandInTheBibliography) {

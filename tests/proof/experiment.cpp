@@ -292,7 +292,8 @@ Slice Experiment::slice(const std::vector<Effect>& concealed, double h) const {
   if (const Effect* e = find("rear_layer"))
     s.behind = {.coefficient = ((*e)["impedance_ratio"] - 1) / ((*e)["impedance_ratio"] + 1), .delay = 2 * (*e)["depth"] / sound_speed};
   if (const Effect* e = find("added_mass")) s.add_mass((*e)["begin"], (*e)["begin"] + (*e)["length"], at_wall(*e, "top") ? height : 0, (*e)["mass"]);
-  if (const Effect* e = find("nucleation")) s.nucleation = {.number = (*e)["number"], .radius = (*e)["radius"], .stronger = (*e)["stronger"], .strength = (*e)["strength"]};
+  if (const Effect* e = find("nucleation"))
+    s.nucleation = {.number = (*e)["number"], .radius = (*e)["radius"], .stronger = (*e)["stronger"], .strength = (*e)["strength"]};
   if (const Effect* e = find("relaxing_liquid")) s.relaxing = {(*e)["viscosity"], (*e)["time"]};
   if (const Effect* e = find("tait")) s.tait.exponent = (*e)["stiffening"] - 1;
   if (const Effect* e = find("bubbles"))
@@ -343,7 +344,8 @@ std::vector<double> Experiment::strains(const std::vector<Effect>& concealed, do
   const Slice s = slice(concealed, h);
   std::vector<Gauge> rows;
   for (const auto& g : gauges) rows.push_back(s.gauge(g.x + (g.along_x ? g.moved : 0), g.z + (g.along_x ? 0 : g.moved), g.along_x, g.length));
-  // The state that the pulse before has left: a weak pulse, so that nothing gives way, of which a multiple is taken. As in life the steel loses while it rings, so that high tones die first.
+  // The state that the pulse before has left: a weak pulse, so that nothing gives way, of which a multiple is taken. As in life the steel loses while it rings,
+  // so that high tones die first.
   State left;
   double left_scale = 0;
   for (const auto& e : concealed)

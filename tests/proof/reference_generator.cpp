@@ -96,8 +96,10 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
       "samples = {:.5f}\nscale = {:.5g}\ntarget = {:.5g}\nby_gauge = [{:.5f}]\n\n",
       effects.empty() ? 0.0 : strength(d.band, x), effects.empty() ? 0.0 : strength(d.raw, x), scale, x.target_strength, fmt::join(d.band, ", "));
   t += fmt::format("[parameter]\ndensity = {:.10g}\nsound_speed = {:.10g}\ntensile_cutoff = {:.10g}\n\n", x.density, x.sound_speed, x.cutoff);
-  t += fmt::format("[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = {:.3g}\nwall_strength_ratio = {:.3g}\n\n",
-                   x.young, x.viscosity, x.pulse_length, x.energy, fmt::join(x.energies, ", "), x.noise_time, x.wall_strength_ratio);
+  t += fmt::format(
+      "[nuisance]\nyoung = {:.10g}\nviscosity = {:.10g}\npulse_length = {:.6g}\nenergy = {:.10g}\nenergies = [{:.6f}]\nnoise_time = "
+      "{:.3g}\nwall_strength_ratio = {:.3g}\n\n",
+      x.young, x.viscosity, x.pulse_length, x.energy, fmt::join(x.energies, ", "), x.noise_time, x.wall_strength_ratio);
   for (const auto& g : x.gauges) t += fmt::format("[nuisance.gauge.{}]\nmoved = {:.6g}\ngain = {:.6f}\nnoise = {:.4g}\n\n", g.name, g.moved, g.gain, g.noise);
   for (const auto& e : effects) {
     t += fmt::format("[[effect]]\nname = \"{}\"\nmechanism = \"{}\"\n", e.name, library_name(e.name));
@@ -119,7 +121,8 @@ std::string truth_text(const Experiment& x, const std::vector<Effect>& effects, 
     if (e.name == "heated_steel") same += fmt::format("delta_t = {:.8g}\n", e["rise"]);
     if (e.name == "debonding") same += fmt::format("strength = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["strength"], e["begin"], e["begin"] + e["length"]);
     if (e.name == "thinning")  // where it would end if it were as deep everywhere and as much steel were gone
-      same += fmt::format("fraction = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["fraction"], e["begin"] + e["length"] / 16, e["begin"] + e["length"] * 15 / 16);
+      same +=
+          fmt::format("fraction = {:.8g}\nbegin = {:.8g}\nend = {:.8g}\n", e["fraction"], e["begin"] + e["length"] / 16, e["begin"] + e["length"] * 15 / 16);
     if (e.name == "gauge_fault")
       for (const auto& [key, value] : e.number) same += fmt::format("{} = {:.8g}\n", key, value);
     if (!same.empty()) t += "[effect.library]\n" + same;

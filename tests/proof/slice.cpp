@@ -247,7 +247,8 @@ void Slice::advance_velocity(State& s, double dt) const {
     u = Real(c.sign * (wall + dt * solid_mass * traction));
   }
 
-  // What lies behind a face that continues carries rho c times the velocity on top of its share of the heating pressure, and what comes back from further behind.
+  // What lies behind a face that continues carries rho c times the velocity on top of its share of the heating pressure, and what comes back from further
+  // behind.
   const std::size_t faces = s.contacts.size() - wetted;
   if (behind.coefficient != 0 && s.sent.empty()) s.sent.assign(faces * std::size_t(std::max(1L, std::lround(behind.delay / dt))), 0);
   if (!s.sent.empty()) s.time_of_ring = (s.time_of_ring + faces) % s.sent.size();

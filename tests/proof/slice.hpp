@@ -80,7 +80,7 @@ struct Zener {  ///< standard linear solid: relative strength and relaxation tim
 struct Yielding {
   double stress = 0, hardening = 0;  ///< [Pa]; stress 0: off
 };
-struct Behind {           ///< channels of mercury behind the faces that continue, each of which ends at another impedance
+struct Behind {            ///< channels of mercury behind the faces that continue, each of which ends at another impedance
   double coefficient = 0;  ///< of the pressure that comes back
   double delay = 0;        ///< there and back [s]
 };

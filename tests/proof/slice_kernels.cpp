@@ -22,8 +22,8 @@ namespace {
   opened = elastic < -q.cutoff ? Real(1) : still;
 }
 
-/// A step of nuclei of one kind, r = R/R0: dR/dt = sign sqrt(2/3 |p + cutoff| / rho), never past p = -cutoff nor below R0. `whole` is the pressure without their void, `stiffness` K times the volume of
-/// them at R0, `step` dt sqrt(2/(3 rho))/R0.
+/// A step of nuclei of one kind, r = R/R0: dR/dt = sign sqrt(2/3 |p + cutoff| / rho), never past p = -cutoff nor below R0. `whole` is the pressure without
+/// their void, `stiffness` K times the volume of them at R0, `step` dt sqrt(2/(3 rho))/R0.
 [[gnu::always_inline]] inline void grow(Real& r, Real whole, Real stiffness, Real cutoff, Real step) {
   const Real over = -cutoff - whole - stiffness * (r * r * r - 1);  // tension beyond the cutoff
   const Real size = over < 0 ? -over : over;
@@ -33,7 +33,8 @@ namespace {
   r = r > 1 ? r : Real(1);
 }
 
-/// One part of a step of a bubble: b = R/R0, g its rate. The convection 3/2 g^2 slows growth, where it is taken implicitly as the drag is, and hastens collapse. `push_of` is 1/(rho R0^2).
+/// One part of a step of a bubble: b = R/R0, g its rate. The convection 3/2 g^2 slows growth, where it is taken implicitly as the drag is, and hastens
+/// collapse. `push_of` is 1/(rho R0^2).
 [[gnu::always_inline]] inline void move_bubble(Real& b, Real& g, Real pressure, Real ambient, Real surface, Real push_of, Real damping, Real part, Real most) {
   const Real per_b = 1 / b;
   const Real gas = (ambient + surface) * per_b * per_b * per_b - surface * per_b;

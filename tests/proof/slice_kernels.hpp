@@ -31,8 +31,8 @@ struct Nuclei {
   Real fraction[2], cutoff[2], speed;  ///< volume of either kind in a volume at rest; tension at which it opens; sqrt(2/(3 rho))/R0
 };
 
-/// Void grows from nuclei of two kinds, one of which opens at the cutoff and the other at a greater tension: dR/dt = sign sqrt(2/3 |p + cutoff| / rho) of either (Rayleigh, without R''), never past its balance. `first`, `second`: R in
-/// units of the nucleus.
+/// Void grows from nuclei of two kinds, one of which opens at the cutoff and the other at a greater tension: dR/dt = sign sqrt(2/3 |p + cutoff| / rho) of
+/// either (Rayleigh, without R''), never past its balance. `first`, `second`: R in units of the nucleus.
 void nucleation(Out p, Out e, Out opened, Out first, Out second, In p0, In vx, In vz, In vz_after, Liquid q, Nuclei nuclei, int n);
 
 struct Cloud {

@@ -266,7 +266,8 @@ struct HeldCell {
 // Either kind of nucleus grows under the tension beyond its own cutoff at the rate sqrt(2/3 tension/rho), and closes to where it began.
 TEST(ReferenceGenerator, NucleiGrowAtRayleighsRate) {
   const double radius = 1e-5, tension = 1e6, stronger = 6e5;
-  const kernel::Nuclei nuclei{.fraction = {Real(1e-9), Real(1e-9)}, .cutoff = {Real(1e5), Real(1e5 + stronger)}, .speed = Real(std::sqrt(2 / (3 * density)) / radius)};
+  const kernel::Nuclei nuclei{
+      .fraction = {Real(1e-9), Real(1e-9)}, .cutoff = {Real(1e5), Real(1e5 + stronger)}, .speed = Real(std::sqrt(2 / (3 * density)) / radius)};
   HeldCell cell;
   cell.heat = Real(-1e5 - tension);
   for (int k = 0; k < 1000; ++k) cell.nuclei(nuclei);
@@ -281,7 +282,8 @@ TEST(ReferenceGenerator, NucleiGrowAtRayleighsRate) {
 // What is empty closes in Rayleigh's time, 0.91468 R sqrt(rho/p): if the convection slowed it, it would take longer.
 TEST(ReferenceGenerator, AnEmptyBubbleClosesInRayleighsTime) {
   const double size = 2e-4, pressure = 1e6, expected = 0.91468 * size * std::sqrt(density / pressure);
-  const kernel::Cloud cloud{.fraction = {0, 0}, .per_inertia = {Real(1 / (density * size * size)), Real(1)}, .surface = {0, 0}, .damping = {0, 0}, .ambient = 0};
+  const kernel::Cloud cloud{
+      .fraction = {0, 0}, .per_inertia = {Real(1 / (density * size * size)), Real(1)}, .surface = {0, 0}, .damping = {0, 0}, .ambient = 0};
   HeldCell cell;
   cell.heat = Real(pressure), cell.liquid.cutoff = Real(1e15);
   int steps = 0;
@@ -324,7 +326,8 @@ TEST(ReferenceGenerator, YieldingWaveHasAnElasticPrecursor) {
 
 TEST(ReferenceGenerator, RearLayerReflectsByItsImpedanceAndFromItsDepth) {
   const double ratio = 0.4, depth = 0.02;
-  Slice slice(strip(0.5e-3, 0.2, 0.2, Cell::rigid, Cell::continuing), Solid::from_young(7960, 193e9, 0.29), {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
+  Slice slice(strip(0.5e-3, 0.2, 0.2, Cell::rigid, Cell::continuing), Solid::from_young(7960, 193e9, 0.29),
+              {.density = density, .sound_speed = speed, .cutoff = 1e15, .collapse = 0});
   slice.behind = {.coefficient = (ratio - 1) / (ratio + 1), .delay = 2 * depth / speed};
   const double dt = slice.stable_step();
   State s = running(slice, 0.12, dt);
@@ -345,9 +348,7 @@ TEST(ReferenceGenerator, EffectOfNoStrengthIsTheBaseModel) {
   for (const auto& effect : effects) {
     Effect off = effect.scaled(effect.name == "nucleation" ? 1e-3 : 0);
     // Many nuclei yield at the cutoff but for the shock of a single cell.
-    const double allowed = effect.name == "nucleation"                                  ? 0.05
-                           : effect.name == "residual_ringing" || effect.name == "tait" ? 1e-6
-                                                                                        : 0;
+    const double allowed = effect.name == "nucleation" ? 0.05 : effect.name == "residual_ringing" || effect.name == "tait" ? 1e-6 : 0;
     EXPECT_LE(change(x, off), allowed) << effect.name;
   }
 }

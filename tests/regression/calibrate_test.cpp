@@ -36,7 +36,8 @@ fs::path folder(const std::string& name) {
 TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
   const auto dir = folder("calibrate_map"), out = dir / "a";
   const std::string settings =
-      " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=3 --set errors.young_sd=0 --set errors.wall_film_sd=0"
+      " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=3 --set "
+      "errors.young_sd=0 --set errors.wall_film_sd=0"
       " --set errors.gauge_place_sd=0 --set errors.band=1e5";
   const std::string words = "calibrate case.toml --out a --method map" + settings;
   const auto first = run(dir, words);
@@ -56,7 +57,9 @@ TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
   EXPECT_THAT(old.said, HasSubstr("[emulator]"));
 
   // A larger model, whose beam the records know nothing of, on the runs of both.
-  const std::string larger = with(calomel::read_text(dir / "case.toml"), "[campaign]", "[parameter.beam]\nkey = \"mechanism.beam_profile.offset_z\"\nmin = -0.004\nmax = 0.004\nnominal = 0\n[mechanism.beam_profile]\nenabled = true\n[campaign]");
+  const std::string larger = with(calomel::read_text(dir / "case.toml"), "[campaign]",
+                                  "[parameter.beam]\nkey = \"mechanism.beam_profile.offset_z\"\nmin = -0.004\nmax = 0.004\nnominal = "
+                                  "0\n[mechanism.beam_profile]\nenabled = true\n[campaign]");
   std::ofstream(dir / "larger.toml") << larger;
   const auto compared = run(dir, "calibrate larger.toml --out b --method map --set map.compare_with=a --set map.score_tests=false" + settings);
   ASSERT_TRUE(compared.status == 0 || compared.status == 4) << compared.said;
@@ -75,8 +78,10 @@ TEST(CalibrateVerb, MapIsTheModeOfThePosteriorAndSaysWhatANestedModelIsWorth) {
 TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndSaysWhereItIsNot) {
   const auto dir = folder("calibrate_corrected"), out = dir / "a";
   const std::string words =
-      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set spe.zoom=1 --set spe.zoom_runs=10"
-      " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set errors.young_sd=0 --set errors.wall_film_sd=0"
+      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set "
+      "spe.zoom=1 --set spe.zoom_runs=10"
+      " --set emulator.start=nominal --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set "
+      "errors.young_sd=0 --set errors.wall_film_sd=0"
       " --set errors.gauge_place_sd=0";
   const auto elsewhere = run(dir, words + " --set emulator.element_sizes=[0.0015,0.001]");
   EXPECT_EQ(elsewhere.status, 2);
@@ -106,8 +111,10 @@ TEST(CalibrateVerb, SpeIsCorrectedForTheMeshByTheEmulatorAndSaysWhereItIsNot) {
 TEST(CalibrateVerb, TheSurrogateThatTheBasinIsFoundOnIsAnInputOfTheCorrection) {
   const auto dir = folder("calibrate_basin"), out = dir / "a";
   const std::string words =
-      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set spe.zoom=0"
-      " --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set errors.young_sd=0 --set errors.wall_film_sd=0 --set errors.gauge_place_sd=0";
+      "calibrate case.toml --out a --method spe --set spe.total_degree=[1,2] --set spe.tensor_product=[] --set spe.trials=4 --set spe.candidates=2 --set "
+      "spe.zoom=0"
+      " --set emulator.viscosity_sd=0 --set emulator.coarse_runs=8 --set emulator.fine_runs=5 --set emulator.rounds=0 --set errors.young_sd=0 --set "
+      "errors.wall_film_sd=0 --set errors.gauge_place_sd=0";
   const auto first = run(dir, words);
   ASSERT_EQ(first.status, 0) << first.said;
   EXPECT_THAT(first.said, HasSubstr("no trained surrogate in a: training it first"));

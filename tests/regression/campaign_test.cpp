@@ -77,7 +77,8 @@ TEST(CampaignVerb, IsTheSameWhetherEnergiesAreBookedOrNot) {
   const std::string words = "campaign case.toml --set campaign.floor=false";
   ASSERT_EQ(run(dir, words).status, 0);
   EXPECT_THAT(run(dir, words + " --set solver.energy_balance=false").said, HasSubstr("3 reused"));
-  for (const char* key : {"energy_balance", "checkpoint", "subcycles"}) EXPECT_FALSE(read_json(dir / "case.out" / "campaign.json")["provenance"]["options"]["solver"].contains(key)) << key;
+  for (const char* key : {"energy_balance", "checkpoint", "subcycles"})
+    EXPECT_FALSE(read_json(dir / "case.out" / "campaign.json")["provenance"]["options"]["solver"].contains(key)) << key;
   for (const auto& [key, value] : {std::pair<std::string, std::string>{"solver.time_step_safety", "0.9"}, {"solver.subcycles", "2"}}) {
     const auto other = run(dir, words + " --set " + key + "=" + value);
     EXPECT_EQ(other.status, 2);

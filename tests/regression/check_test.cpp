@@ -31,11 +31,12 @@ TEST(Check, TellsPeopleWhatWillBeRunAndItsCostInAScreenful) {
   EXPECT_EQ(out.status, 0);
   EXPECT_LT(std::count(out.said.begin(), out.said.end(), '\n'), 20);
   EXPECT_THAT(out.said, Not(HasSubstr("{")));
-  for (const char* part : {"case: slice, box in plane strain", "elements", "steps of", "load: ", "pulse: ", "mechanisms: liquid_viscosity (at its off values), structural_damping\n",
+  for (const char* part : {"case: slice, box in plane strain", "elements", "steps of",
+                           "load: ", "pulse: ", "mechanisms: liquid_viscosity (at its off values), structural_damping\n",
                            "parameters: density 1.3e+04 to 1.36e+04", "study: campaign of 40 ensemble means of 8", "calibrate by enc", "cost on "})
     EXPECT_THAT(out.said, HasSubstr(part));
   EXPECT_THAT(run(dir, "check case.toml").said, HasSubstr("warning: "));  // warnings go where errors go
-  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);     // what was asked for is no note
+  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);      // what was asked for is no note
   EXPECT_FALSE(std::filesystem::exists(dir / "case.out"));
 }
 
@@ -43,7 +44,8 @@ TEST(Check, RefusesAPulseThatPassesTheTargetBy) {
   const auto dir = folder_with("check_beam", {{"case.toml", slice_case + more}});
   const auto out = run(dir, "check case.toml --set load.profile.center=[0,27]");
   EXPECT_EQ(out.status, 2);
-  EXPECT_THAT(out.said, testing::AllOf(HasSubstr("load.profile.center"), HasSubstr("heats nothing"), HasSubstr("the target reaches from z = 0 to"), HasSubstr("metres")));
+  EXPECT_THAT(out.said,
+              testing::AllOf(HasSubstr("load.profile.center"), HasSubstr("heats nothing"), HasSubstr("the target reaches from z = 0 to"), HasSubstr("metres")));
 }
 
 TEST(Check, WarnsOfNumbersThatWereHardlyMeant) {
@@ -60,7 +62,8 @@ TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
   EXPECT_THAT(run(dir, "check case.toml --set time.end=1e-4").said, HasSubstr("ends at 0.0001 s and the records at 2e-05 s"));
   EXPECT_THAT(printed(dir, "check case.toml").said, HasSubstr("a diagnosis makes at most 2000 runs"));
   EXPECT_THAT(run(dir, "check case.toml --set errors.band=20").said, testing::AllOf(HasSubstr("errors.band = 20 Hz"), HasSubstr("from 2.5e+04 Hz on")));
-  EXPECT_THAT(run(dir, "check case.toml --set recordings.unit=microstrian").said, testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
+  EXPECT_THAT(run(dir, "check case.toml --set recordings.unit=microstrian").said,
+              testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
 }
 
 TEST(Check, WarnsOnceOfWhatTheRecordsLack) {

@@ -62,7 +62,8 @@ pairs = false
 /// A folder whose records are those of a beam that is 4 mm high, which the case does not know.
 fs::path folder(const std::string& name) {
   const auto dir = folder_with(name, {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables}});
-  std::ofstream(dir / "truth.toml") << with(read_text(dir / "case.toml"), "[mechanism.beam_profile]\n", "[mechanism.beam_profile]\nenabled = true\noffset_z = 0.004\n");
+  std::ofstream(dir / "truth.toml") << with(read_text(dir / "case.toml"), "[mechanism.beam_profile]\n",
+                                            "[mechanism.beam_profile]\nenabled = true\noffset_z = 0.004\n");
   const auto made = run(dir, "simulate truth.toml --mean --out truth");
   EXPECT_EQ(made.status, 0) << made.said;
   put_records(dir);
@@ -76,12 +77,14 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
   const auto out = run(dir, "diagnose case.toml --out a");
   ASSERT_EQ(out.status, 0) << out.said;
   const Json json = read_json(dir / "a" / "diagnosis.json");
-  for (const char* key : {"verdict", "mechanisms", "ranking", "location", "fit", "base_parameters", "absorbed", "separating_measurement", "summary", "finding", "next_step", "gauges", "provenance"})
+  for (const char* key : {"verdict", "mechanisms", "ranking", "location", "fit", "base_parameters", "absorbed", "separating_measurement", "summary", "finding",
+                          "next_step", "gauges", "provenance"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_THAT(out.said, HasSubstr(json["summary"].get<std::string>()));
   ASSERT_EQ(json["verdict"], "named") << json["reason"];
   EXPECT_EQ(json["mechanisms"], Json::array({"beam_profile"}));
-  EXPECT_THAT(json["finding"].get<std::string>(), HasSubstr("The simulation leaves something out: the proton beam's profile (beam_profile); with it the misfit of the records falls from"));
+  EXPECT_THAT(json["finding"].get<std::string>(),
+              HasSubstr("The simulation leaves something out: the proton beam's profile (beam_profile); with it the misfit of the records falls from"));
   EXPECT_THAT(json["next_step"].get<std::string>(), HasSubstr("beam monitors"));
   ASSERT_EQ(json["gauges"].size(), 5u);
   for (const auto& g : json["gauges"]) EXPECT_LT(g["heldout_after"].get<double>(), g["heldout_before"].get<double>()) << g["name"];
@@ -113,13 +116,15 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
   EXPECT_EQ(page.find("<section id=\"diagnosis\""), first);
   EXPECT_THAT(page, HasSubstr("the proton beam&#39;s profile (beam_profile)"));
   EXPECT_THAT(page, Not(HasSubstr("diagnosis.nc is missing")));
-  for (const char* table : {"diagnosis_gauges", "diagnosis_map", "diagnosis_bands", "diagnosis_explanations", "diagnosis_reasons", "diagnosis_parameters", "diagnosis_histories"})
+  for (const char* table :
+       {"diagnosis_gauges", "diagnosis_map", "diagnosis_bands", "diagnosis_explanations", "diagnosis_reasons", "diagnosis_parameters", "diagnosis_histories"})
     EXPECT_TRUE(fs::exists(dir / "a" / "report_csv" / (std::string(table) + ".csv"))) << table;
 }
 
 // Before measuring: no recordings are needed, a stronger beam and another gauge are tried, and a kill costs nothing that was run.
 TEST(DiagnoseVerb, TellsWhatAPlannedExperimentCouldName) {
-  const auto dir = folder_with("diagnose_power", {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables + "[power]\npulses = 10\nnoise = 2e-6\ngauges = 1\nenergies = [2]\n"}});
+  const auto dir = folder_with("diagnose_power", {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables +
+                                                                    "[power]\npulses = 10\nnoise = 2e-6\ngauges = 1\nenergies = [2]\n"}});
   const auto out = run(dir, "diagnose case.toml --power --out a");
   ASSERT_TRUE(out.status == 0 || out.status == 4) << out.said;
   EXPECT_THAT(out.said, HasSubstr("power: beam_profile.offset_z could be named from "));

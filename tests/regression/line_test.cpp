@@ -171,7 +171,8 @@ TEST(Line, TellsWhereACaseIsWrong) {
 }
 
 TEST(Line, RecordsAreInTheUnitOfTheModel) {
-  const auto dir = folder_with("line_unit", {{"case.toml", with(lag_case, "file = \"record.csv\"\nunit = \"V\"", "file = \"record.csv\"\nunit = \"mV\"")}, {"record.csv", two_gauges()}});
+  const auto dir = folder_with("line_unit", {{"case.toml", with(lag_case, "file = \"record.csv\"\nunit = \"V\"", "file = \"record.csv\"\nunit = \"mV\"")},
+                                             {"record.csv", two_gauges()}});
   const auto out = run(dir, "check case.toml");
   EXPECT_EQ(out.status, 2);
   EXPECT_THAT(out.said, HasSubstr("recordings.unit = \"mV\": the model's values are in V"));
@@ -202,11 +203,13 @@ TEST(Line, IsDiagnosedAndReported) {
   const auto page = run(dir, "report case.toml --csv");
   ASSERT_EQ(page.status, 0) << page.said;
   const auto html = calomel::read_text(dir / "case.out" / "report.html");
-  for (const char* part : {"What the simulation leaves out", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"}) EXPECT_THAT(html, HasSubstr(part));
+  for (const char* part : {"What the simulation leaves out", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"})
+    EXPECT_THAT(html, HasSubstr(part));
 }
 
 TEST(Line, AKilledDiagnosisEndsWithTheSameAnswer) {
-  const auto whole = folder_with("line_whole", {{"case.toml", lag_case}, {"record.csv", two_gauges()}}), cut = folder_with("line_cut", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
+  const auto whole = folder_with("line_whole", {{"case.toml", lag_case}, {"record.csv", two_gauges()}}),
+             cut = folder_with("line_cut", {{"case.toml", lag_case}, {"record.csv", two_gauges()}});
   ASSERT_EQ(run(whole, "diagnose case.toml").status, 0);
   const auto journal = cut / "case.out" / "runs.journal";
   int kills = 0;

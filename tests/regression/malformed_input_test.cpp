@@ -44,7 +44,8 @@ struct Edit {
 void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
 
 std::filesystem::path write_case(const Edit& e) {
-  return folder_with("malformed_" + e.name, {{"case.toml", e.old.empty() ? good : with(good, e.old, e.now)}, {"recordings.csv", e.records.empty() ? good_records() : e.records}});
+  return folder_with("malformed_" + e.name,
+                     {{"case.toml", e.old.empty() ? good : with(good, e.old, e.now)}, {"recordings.csv", e.records.empty() ? good_records() : e.records}});
 }
 
 std::vector<Edit> edits() {
@@ -73,10 +74,22 @@ std::vector<Edit> edits() {
       {"sensor_twice", "name = \"B\"", "name = \"A\"", {"A", "same name"}, "case.toml:35"},
       {"bounds_crossed", "max = 13600.0", "max = 12000.0", {"max", "12000"}, "case.toml:42"},
       {"parameter_of_nothing", "[parameter.sound_speed]", "[parameter.soundspeed]", {"soundspeed", "sound_speed"}, "case.toml:43"},
-      {"parameter_of_the_file_of_draws", "[parameter.sound_speed]", "[parameter.draw]\nkey = \"material.mercury.sound_speed\"", {"draw", "posterior.nc", "another name"}, "case.toml:"},
+      {"parameter_of_the_file_of_draws",
+       "[parameter.sound_speed]",
+       "[parameter.draw]\nkey = \"material.mercury.sound_speed\"",
+       {"draw", "posterior.nc", "another name"},
+       "case.toml:"},
       {"parameter_with_a_slash", "[parameter.sound_speed]", "[parameter.\"c/c0\"]\nkey = \"material.mercury.sound_speed\"", {"c/c0", "letters"}, "case.toml:"},
-      {"bound_that_cannot_be", "max = 13600.0", "max = 13600.0\n[parameter.tensile_cutoff]\nmin = -1e5\nmax = 2e5", {"parameter.tensile_cutoff.min", "-100000", "Pa", ">= 0"}, "case.toml:44"},
-      {"odd_walkers", "[campaign]", "[sampler]\nkind = \"ensemble\"\n[sampler.ensemble]\nwalkers = 7\n[campaign]", {"sampler.ensemble.walkers", "7", "even"}, "case.toml:49"},
+      {"bound_that_cannot_be",
+       "max = 13600.0",
+       "max = 13600.0\n[parameter.tensile_cutoff]\nmin = -1e5\nmax = 2e5",
+       {"parameter.tensile_cutoff.min", "-100000", "Pa", ">= 0"},
+       "case.toml:44"},
+      {"odd_walkers",
+       "[campaign]",
+       "[sampler]\nkind = \"ensemble\"\n[sampler.ensemble]\nwalkers = 7\n[campaign]",
+       {"sampler.ensemble.walkers", "7", "even"},
+       "case.toml:49"},
       {"mechanism_of_no_wall", "[campaign]", "[mechanism.interface]\nwall = \"lid\"\n[campaign]", {"mechanism.interface.wall", "lid", "front"}, "case.toml:47"},
       {"unknown_mechanism", "[campaign]", "[mechanism.bubly_liquid]\n[campaign]", {"bubly_liquid", "bubbly_liquid"}, "case.toml:46"},
       {"unknown_design", "runs = 4", "design = \"sobl\"", {"sobl", "sobol"}, "case.toml:47"},
@@ -113,8 +126,11 @@ INSTANTIATE_TEST_SUITE_P(Cases, MalformedInput, testing::ValuesIn(edits()), [](c
 
 // A sampler that cannot sample this case is told before the model is asked for anything: there is no server at this address.
 TEST(WellFormedInput, MayAskForASamplerThatTheModelHasNotWhatItNeedsFor) {
-  const auto dir = folder_with("sampler_of_log_density", {{"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[parameter.a]\nmin = 0\nmax = 1\nprior = \"uniform\"\n"
-                                                                           "[output]\nkind = \"log_density\"\n[sampler]\nkind = \"delayed_acceptance\"\n"}});
+  const auto dir =
+      folder_with("sampler_of_log_density",
+                  {{"case.toml",
+                    "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[parameter.a]\nmin = 0\nmax = 1\nprior = \"uniform\"\n"
+                    "[output]\nkind = \"log_density\"\n[sampler]\nkind = \"delayed_acceptance\"\n"}});
   const auto refused = run(dir, "sample case.toml");
   EXPECT_EQ(refused.status, 2);
   for (const char* part : {"case.toml:12", "sampler.kind", "emulator", "take \"dram\""}) EXPECT_THAT(refused.said, testing::HasSubstr(part));

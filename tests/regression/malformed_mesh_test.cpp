@@ -101,17 +101,32 @@ std::vector<Edit> edits() {
       {"inverted", element_line(7), turned_inside_out(), {"target.inp:", "element 7", "inside out", "1 of"}},
       {"wedge", first, "1, 1, 2, 2, 3, 4, 5, 5, 6", {"target.inp:", "element 1", "twice", "wedge"}},
       {"island", surface, island + surface, {"target.inp:", "2 pieces", "element 9001"}},
-      {"doubled_node", first, "*NODE\n9001" + last.substr(last.find(',')) + "\n*ELEMENT, TYPE=C3D8, ELSET=steel\n" + first.substr(0, first.rfind(',')) + ", 9001",
+      {"doubled_node",
+       first,
+       "*NODE\n9001" + last.substr(last.find(',')) + "\n*ELEMENT, TYPE=C3D8, ELSET=steel\n" + first.substr(0, first.rfind(',')) + ", 9001",
        {"target.inp", "without sharing nodes", "1 pairs", "(steel)", "merge_distance"}},
-      {"no_material", first, "*ELEMENT, TYPE=C3D8, ELSET=lead\n" + first + "\n*ELEMENT, TYPE=C3D8, ELSET=steel", {"target.inp:", "1 of", "neither steel nor mercury", "element 1", "lead"}},
+      {"no_material",
+       first,
+       "*ELEMENT, TYPE=C3D8, ELSET=lead\n" + first + "\n*ELEMENT, TYPE=C3D8, ELSET=steel",
+       {"target.inp:", "1 of", "neither steel nor mercury", "element 1", "lead"}},
       {"renamed_material", "ELSET=mercury", "ELSET=quicksilver", {"target.inp:", "neither steel nor mercury", "quicksilver", "geometry.sets"}},
       {"two_materials", surface, "*ELSET, ELSET=mercury\n1\n" + surface, {"target.inp:", "both steel and mercury", "element 1"}},
-      {"missing_steel_set", "", "", {"case.toml:", "geometry.sets.steel", "stele", "mercury, steel", "did you mean \"steel\""}, "rear = ", "steel = [\"stele\"]\nrear = "},
+      {"missing_steel_set",
+       "",
+       "",
+       {"case.toml:", "geometry.sets.steel", "stele", "mercury, steel", "did you mean \"steel\""},
+       "rear = ",
+       "steel = [\"stele\"]\nrear = "},
       {"missing_rear_set", "", "", {"case.toml:5", "geometry.sets.rear", "raer", "did you mean \"rear\""}, "rear = [\"rear\"]", "rear = [\"raer\"]"},
       {"bare_mercury", "NAME=rear", "NAME=back", {"target.inp:", "mercury lies bare", "geometry.sets"}, "rear = [\"rear\"]\n", ""},
       {"wrong_plane", "", "", {"case.toml:", "geometry.sets.symmetry_x", "normal to x"}, "rear = ", "symmetry_x = [\"symmetry_y\"]\nrear = "},
       {"bad_side", surface, "*SURFACE, NAME=lid, TYPE=ELEMENT\n1, S7\n" + surface, {"target.inp:", "S1 to S6"}},
-      {"inner_side", surface, "*SURFACE, NAME=lid, TYPE=ELEMENT\nsteel, S1\n" + surface, {"case.toml:", "geometry.sets.loaded", "not free"}, "rear = ", "loaded = [\"lid\"]\nrear = "},
+      {"inner_side",
+       surface,
+       "*SURFACE, NAME=lid, TYPE=ELEMENT\nsteel, S1\n" + surface,
+       {"case.toml:", "geometry.sets.loaded", "not free"},
+       "rear = ",
+       "loaded = [\"lid\"]\nrear = "},
       {"circular_set", surface, "*ELSET, ELSET=a\nb\n*ELSET, ELSET=b\na\n" + surface, {"target.inp:", "contains itself"}},
       {"unknown_set", surface, "*ELSET, ELSET=a\nsteal\n" + surface, {"target.inp:", "steal", "did you mean \"steel\""}},
       {"bad_generate", surface, "*ELSET, ELSET=a, GENERATE\n1, 5, x\n" + surface, {"target.inp:", "GENERATE"}},
@@ -123,13 +138,20 @@ std::vector<Edit> edits() {
       {"not_exodus", "", "", {"target.exo", "no Exodus II file"}, "target.inp", "target.exo"},
       {"foreign_key", "", "", {"case.toml:4", "geometry.wall", "no such key"}, "[geometry.sets]", "wall = 0.004\n[geometry.sets]"},
       {"gauge_far_off", "", "", {"case.toml:15", "sensor[0].position", "nearest place"}, "[0.03, 0.0, 0.04]", "[0.03, 0.0, 0.06]"},
-      {"no_loaded_face", "", "", {"case.toml:", "geometry.sets.loaded"}, "policy = \"fixed\"\npeak_pressure = 25e6", "kind = \"end_stress\"\nfile = \"stress.csv\""},
+      {"no_loaded_face",
+       "",
+       "",
+       {"case.toml:", "geometry.sets.loaded"},
+       "policy = \"fixed\"\npeak_pressure = 25e6",
+       "kind = \"end_stress\"\nfile = \"stress.csv\""},
   };
 }
 
 std::filesystem::path folder_of(const Edit& e) {
   const std::string mesh = e.old.empty() ? good_mesh() : with(good_mesh(), e.old, e.now);
-  return folder_with("mesh_" + e.name, {{"target.inp", mesh}, {"target.exo", mesh}, {"target.stl", mesh},
+  return folder_with("mesh_" + e.name, {{"target.inp", mesh},
+                                        {"target.exo", mesh},
+                                        {"target.stl", mesh},
                                         {"stress.csv", "time,stress\n0,0\n1e-6,-1e6\n2e-6,0\n"},
                                         {"case.toml", e.case_old.empty() ? good_case : with(good_case, e.case_old, e.case_now)}});
 }
@@ -158,7 +180,8 @@ TEST(WellFormedMesh, WritesItselfThroughTheCommandLine) {
 // A campaign on a mesh belongs to that mesh's bytes.
 TEST(WellFormedMesh, ChangedMeshDoesNotMatchTheCampaignMadeBefore) {
   const auto dir = folder_of({"changed", "", "", {}});
-  const std::string words = "campaign case.toml --quiet --set campaign.runs=2 --set campaign.floor=false --set parameter.density.min=13000 --set parameter.density.max=13600";
+  const std::string words =
+      "campaign case.toml --quiet --set campaign.runs=2 --set campaign.floor=false --set parameter.density.min=13000 --set parameter.density.max=13600";
   ASSERT_EQ(run(dir, words).status, 0);
   EXPECT_EQ(run(dir, words).status, 0);
   std::ofstream(dir / "target.inp") << with(good_mesh(), "*HEADING\n", "*HEADING\nanother\n");

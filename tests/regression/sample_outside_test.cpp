@@ -39,16 +39,19 @@ std::string records(double gain, double echo) {
   for (std::size_t s = 0; s < 2; ++s)
     for (int pulse = 0; pulse < 4; ++pulse)
       for (int k = 0; k < times; ++k)
-        text += fmt::format("{},{},{:.6g},{:.6g}\n", s == 0 ? "A" : "B", pulse, 1e-3 * k, (s == 1 ? gain : 1) * wave(s, k, 0.3, 0.02) + (s == 0 && k > 20 ? echo * std::sin(0.9 * k) : 0) + 3 * random.normal());
+        text += fmt::format("{},{},{:.6g},{:.6g}\n", s == 0 ? "A" : "B", pulse, 1e-3 * k,
+                            (s == 1 ? gain : 1) * wave(s, k, 0.3, 0.02) + (s == 0 && k > 20 ? echo * std::sin(0.9 * k) : 0) + 3 * random.normal());
   return text;
 }
 
 Json sampled(const std::string& name, const std::string& records) {
   const Served server({damped_waves()});
-  const auto dir = folder_with(name, {{"records.csv", records},
-                                      {"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"" + server.url() + "\"\nname = \"waves\"\n[output]\nsensors = [\"A\", \"B\"]\ntime = { start = 0.0, step = 1e-3, count = 60 }\n"
-                                                    "[recordings]\nfile = \"records.csv\"\n[errors]\ngain_sd = 0.01\n[parameter.rate]\nmin = 0.2\nmax = 0.4\nprior = \"uniform\"\n"
-                                                    "[parameter.damping]\nmin = 0.0\nmax = 0.1\nprior = \"uniform\"\n[sampler]\nwarmup = 500\ndraws = 1200\nthin = 1\n"}});
+  const auto dir = folder_with(
+      name, {{"records.csv", records},
+             {"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"" + server.url() +
+                               "\"\nname = \"waves\"\n[output]\nsensors = [\"A\", \"B\"]\ntime = { start = 0.0, step = 1e-3, count = 60 }\n"
+                               "[recordings]\nfile = \"records.csv\"\n[errors]\ngain_sd = 0.01\n[parameter.rate]\nmin = 0.2\nmax = 0.4\nprior = \"uniform\"\n"
+                               "[parameter.damping]\nmin = 0.0\nmax = 0.1\nprior = \"uniform\"\n[sampler]\nwarmup = 500\ndraws = 1200\nthin = 1\n"}});
   const auto made = run(dir, "sample case.toml");
   EXPECT_EQ(made.status, 0) << made.said;
   return read_json(dir / "case.out" / "posterior.json");

@@ -57,7 +57,8 @@ draws = 4000
 fs::path folder(const std::string& name) {
   const auto dir = folder_with(name, {{"case.toml", with(slice_case, "end = 2e-5", "end = 6e-5") + tables}});
   const auto made = run(dir, "simulate case.toml --mean --out truth --set material.mercury.density=" + std::to_string(true_density) +
-                                 " --set material.mercury.sound_speed=" + std::to_string(true_speed) + " --set geometry.element_size=0.001 --set material.mercury.least_mesh_viscosity=0");
+                                 " --set material.mercury.sound_speed=" + std::to_string(true_speed) +
+                                 " --set geometry.element_size=0.001 --set material.mercury.least_mesh_viscosity=0");
   EXPECT_EQ(made.status, 0) << made.said;
   put_records(dir);
   return dir;
@@ -69,7 +70,8 @@ std::string line_of(const std::vector<std::string>& words) {
   return line;
 }
 
-/// The posterior of `dir`/whole by a program that is killed when its journal has these shares of the whole one's size, one after another, and then ends by itself.
+/// The posterior of `dir`/whole by a program that is killed when its journal has these shares of the whole one's size, one after another, and then ends by
+/// itself.
 void goes_on_to_the_same_draws(const fs::path& dir, const std::vector<std::string>& options, const std::vector<double>& shares) {
   const fs::path journal = dir / "killed" / "runs.journal";
   const auto size = double(fs::file_size(dir / "whole" / "runs.journal"));
@@ -101,9 +103,11 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   EXPECT_TRUE(json["true_model_check"]["holds"].get<bool>());
   EXPECT_EQ(json["final"], json["converged"].get<bool>() && json["warnings"].empty() && json["absorption"].empty());
   EXPECT_TRUE(json["adequate"].get<bool>());
-  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions", "adequacy"}) EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"final", "product", "mode", "absorption", "runs", "sampler", "provenance", "refinement", "hyperparameters", "regions", "adequacy"})
+    EXPECT_TRUE(json.contains(key)) << key;
   ASSERT_EQ(json["parameters"].size(), 3u);  // the two, and how far past the finest mesh
-  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"}) EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
+  for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"})
+    EXPECT_TRUE(json["parameters"][0].contains(key)) << key;
   const std::array<double, 2> truth{true_density, true_speed};
   for (std::size_t k = 0; k < 2; ++k) {
     const auto& p = json["parameters"][k];
@@ -123,7 +127,8 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   const NetcdfReader file(dir / "a" / "posterior.nc");
   EXPECT_EQ(file.shape("posterior/density"), (std::vector<std::size_t>{4, 4000}));
   EXPECT_EQ(file.dimensions("posterior/density"), (std::vector<std::string>{"chain", "draw"}));
-  for (const char* variable : {"sample_stats/lp", "log_likelihood/records", "posterior_predictive/strain", "observed_data/strain", "prior/density"}) EXPECT_TRUE(file.has(variable)) << variable;
+  for (const char* variable : {"sample_stats/lp", "log_likelihood/records", "posterior_predictive/strain", "observed_data/strain", "prior/density"})
+    EXPECT_TRUE(file.has(variable)) << variable;
   EXPECT_FALSE(fs::exists(dir / "a" / "posterior.journal"));
 
   const auto again = run(dir, "sample case.toml --out a");
@@ -133,7 +138,8 @@ TEST(SampleVerb, FindsTheTruthAndWritesWhatTheContractAsks) {
   const auto other = run(dir, "sample case.toml --out a --set parameter.density.prior=normal --set parameter.density.mean=13300 --set parameter.density.sd=30");
   EXPECT_EQ(other.status, 2);
   EXPECT_THAT(other.said, HasSubstr("parameter.density"));
-  const auto fresh = run(dir, "sample case.toml --out a --fresh --set parameter.density.prior=normal --set parameter.density.mean=13300 --set parameter.density.sd=30");
+  const auto fresh =
+      run(dir, "sample case.toml --out a --fresh --set parameter.density.prior=normal --set parameter.density.mean=13300 --set parameter.density.sd=30");
   EXPECT_EQ(fresh.status, 0) << fresh.said;
   EXPECT_GE(read_json(dir / "a" / "posterior.json")["runs"]["reused"].get<int>(), 24);
   EXPECT_LT(read_json(dir / "a" / "posterior.json")["parameters"][0]["sd"].get<double>(), 31);
@@ -153,7 +159,8 @@ TEST(SampleVerb, LateRecordsAreToldAndAnUncertainTriggerTakesThemIn) {
   const Json json = read_json(dir / "clock" / "posterior.json");
   EXPECT_THAT(json["warnings"].dump(), Not(HasSubstr("All records look")));
   const std::array<double, 2> truth{true_density, true_speed};
-  for (std::size_t k = 0; k < 2; ++k) EXPECT_LT(std::abs(json["parameters"][k]["mean"].get<double>() - truth[k]), 3 * json["parameters"][k]["sd"].get<double>()) << json["parameters"][k];
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_LT(std::abs(json["parameters"][k]["mean"].get<double>() - truth[k]), 3 * json["parameters"][k]["sd"].get<double>()) << json["parameters"][k];
   // Sound speed makes up for the clock where that is taken for known.
   EXPECT_GT(std::abs(told["parameters"][1]["mean"].get<double>() - true_speed), 3 * told["parameters"][1]["sd"].get<double>());
 }
@@ -174,10 +181,12 @@ TEST(SampleVerb, KilledAmongItsRunsItGoesOnToTheSameDraws) {
   goes_on_to_the_same_draws(dir, {}, {0.05, 0.4});
 }
 
-// Few rounds and a check of many runs: the true model does not lie where the emulator says, which is then taught anew. Killed once and again while that goes on.
+// Few rounds and a check of many runs: the true model does not lie where the emulator says, which is then taught anew. Killed once and again while that goes
+// on.
 TEST(SampleVerb, KilledInARefinementItGoesOnToTheSameDraws) {
   const auto dir = folder("sample_killed_refining");
-  const std::vector<std::string> options{"--set", "emulator.rounds=1", "--set", "emulator.check_coarse=16", "--set", "emulator.check_fine=16", "--set", "recordings.noise=4e-5"};
+  const std::vector<std::string> options{"--set", "emulator.rounds=1",      "--set", "emulator.check_coarse=16",
+                                         "--set", "emulator.check_fine=16", "--set", "recordings.noise=4e-5"};
   const auto whole = run(dir, "sample case.toml --out whole" + line_of(options));
   ASSERT_EQ(whole.status, 0) << whole.said;
   const Json json = read_json(dir / "whole" / "posterior.json");

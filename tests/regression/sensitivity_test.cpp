@@ -14,8 +14,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string more = "[parameter.tensile_cutoff]\nmin = 5e4\nmax = 3e5\n[parameter.density]\nmin = 12500\nmax = 14000\n[campaign]\nruns = 12\nfloor = false\n"
-                         "[surrogate]\ncompare = []\n[sensitivity]\nsamples = 64\ntrajectories = 4\n";
+const std::string more =
+    "[parameter.tensile_cutoff]\nmin = 5e4\nmax = 3e5\n[parameter.density]\nmin = 12500\nmax = 14000\n[campaign]\nruns = 12\nfloor = false\n"
+    "[surrogate]\ncompare = []\n[sensitivity]\nsamples = 64\ntrajectories = 4\n";
 
 const calomel::Json& quantity(const calomel::Json& json, const std::string& name) {
   for (const auto& q : json["quantities"])
@@ -61,7 +62,8 @@ TEST(SensitivityVerb, TotalsAreThoseOfSimulationsAndNothingElseIsMadeAnew) {
   EXPECT_EQ(theta, runs.doubles("theta"));
   ASSERT_EQ(energy.size(), 12u);
   for (const std::size_t i : {0u, 7u}) {
-    const std::string at = " --set material.mercury.tensile_cutoff=" + number_text(theta[2 * i]) + " --set material.mercury.density=" + number_text(theta[2 * i + 1]);
+    const std::string at =
+        " --set material.mercury.tensile_cutoff=" + number_text(theta[2 * i]) + " --set material.mercury.density=" + number_text(theta[2 * i + 1]);
     ASSERT_EQ(run(dir, "simulate case.toml --out alone" + at).status, 0);
     const auto alone = read_json(dir / "alone" / "simulate.json");
     EXPECT_EQ(energy[i], alone["dissipated_J"].get<double>());
@@ -73,7 +75,9 @@ TEST(SensitivityVerb, TotalsAreThoseOfSimulationsAndNothingElseIsMadeAnew) {
 }
 
 TEST(SensitivityVerb, WithoutACutoffTheTimeAtItIsSaidNotToVary) {
-  const auto dir = folder_with("sensitivity_linear", {{"case.toml", with(slice_case, "law = \"riemer\"", "law = \"linear\"") + with(more, "[parameter.tensile_cutoff]\nmin = 5e4\nmax = 3e5\n", "") + "run_totals = true\n"}});
+  const auto dir =
+      folder_with("sensitivity_linear", {{"case.toml", with(slice_case, "law = \"riemer\"", "law = \"linear\"") +
+                                                           with(more, "[parameter.tensile_cutoff]\nmin = 5e4\nmax = 3e5\n", "") + "run_totals = true\n"}});
   const auto made = run(dir, "sensitivity case.toml");
   ASSERT_EQ(made.status, 0) << made.said;
   EXPECT_THAT(made.said, HasSubstr("sensitivity: time_at_cutoff: it is 0 s in all 12 runs: it does not vary"));
@@ -85,8 +89,11 @@ TEST(SensitivityVerb, WithoutACutoffTheTimeAtItIsSaidNotToVary) {
 }
 
 TEST(SensitivityVerb, TotalsOfAnotherModelAreRefused) {
-  const auto dir = folder_with("sensitivity_outside", {{"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[parameter.a]\nmin = 0\nmax = 1\nprior = \"uniform\"\n"
-                                                                     "[output]\nsensors = [\"A\"]\ntime = { start = 0.0, step = 1e-3, count = 4 }\n[sensitivity]\nrun_totals = true\n"}});
+  const auto dir =
+      folder_with("sensitivity_outside",
+                  {{"case.toml",
+                    "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[parameter.a]\nmin = 0\nmax = 1\nprior = \"uniform\"\n"
+                    "[output]\nsensors = [\"A\"]\ntime = { start = 0.0, step = 1e-3, count = 4 }\n[sensitivity]\nrun_totals = true\n"}});
   const auto refused = run(dir, "check case.toml");
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.said, HasSubstr("only runs on a mesh keep an energy balance"));

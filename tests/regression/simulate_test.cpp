@@ -208,7 +208,9 @@ TEST(Simulate, ANominalValueThatHasNoEffectIsToldWithTheKeyThatHas) {
   const auto dir = folder_with("nominal", {{"case.toml", slice_case + "[parameter.density]\nmin = 13000.0\nmax = 13600.0\n"}});
   const auto asked = run(dir, "simulate case.toml --out asked --set parameter.density.nominal=13100.0");
   EXPECT_EQ(asked.status, 2);
-  for (const char* part : {"--set parameter.density.nominal=13100", "parameter.density.nominal = 13100", "has no effect", "--set material.mercury.density=13100"}) EXPECT_THAT(asked.said, HasSubstr(part));
+  for (const char* part :
+       {"--set parameter.density.nominal=13100", "parameter.density.nominal = 13100", "has no effect", "--set material.mercury.density=13100"})
+    EXPECT_THAT(asked.said, HasSubstr(part));
   EXPECT_FALSE(fs::exists(dir / "asked" / "simulate.nc"));
   // In the file it may be meant for other stages: a warning with its place, and the run.
   std::ofstream(dir / "case.toml", std::ios::app) << "nominal = 13100.0\n";

@@ -73,7 +73,8 @@ Vibration vibrate(int through, int along, const LinearElastic& moduli) {
   // Amplitudes of the three rows at that frequency, strain relative to deflection as the theory has it.
   const auto amplitude = [&](std::span<const double> y) {
     Eigen::MatrixXd a(Eigen::Index(y.size()), 3);
-    for (Eigen::Index i = 0; i < a.rows(); ++i) a.row(i) << 1, std::cos(2 * M_PI * v.frequency * out.times[std::size_t(i)]), std::sin(2 * M_PI * v.frequency * out.times[std::size_t(i)]);
+    for (Eigen::Index i = 0; i < a.rows(); ++i)
+      a.row(i) << 1, std::cos(2 * M_PI * v.frequency * out.times[std::size_t(i)]), std::sin(2 * M_PI * v.frequency * out.times[std::size_t(i)]);
     const Eigen::Vector3d c = solve_symmetric(a.transpose() * a, Eigen::VectorXd(a.transpose() * Eigen::Map<const Eigen::VectorXd>(y.data(), a.rows())));
     return std::hypot(c[1], c[2]);
   };
@@ -99,10 +100,24 @@ TEST(Bending, FreePlateSwingsAtTheReferenceFrequencyWithTheRightSurfaceStrain) {
     errors.push_back(v.frequency / reference_frequency - 1);
     if (through == 2) {
       const auto spoiled = vibrate(2, 40, LinearElastic::from_young(1.03 * young, poisson));
-      verify({.item = "Bending", .quantity = "free plate 100 x 5 mm, f1, 2 elements", .unit = "Hz", .reference = reference_frequency, .source = "Timoshenko", .measured = v.frequency,
-              .tolerance = 0.01 * reference_frequency, .order = observed_order({1, 0.5}, errors), .control = "modulus +3 %", .control_value = spoiled.frequency});
-      verify({.item = "Bending", .quantity = "its surface strain, 2 elements", .reference = 1, .source = "beam theory", .measured = v.surface_strain, .tolerance = 0.02,
-              .control = "strain at the element's centre", .control_value = v.centre_strain});
+      verify({.item = "Bending",
+              .quantity = "free plate 100 x 5 mm, f1, 2 elements",
+              .unit = "Hz",
+              .reference = reference_frequency,
+              .source = "Timoshenko",
+              .measured = v.frequency,
+              .tolerance = 0.01 * reference_frequency,
+              .order = observed_order({1, 0.5}, errors),
+              .control = "modulus +3 %",
+              .control_value = spoiled.frequency});
+      verify({.item = "Bending",
+              .quantity = "its surface strain, 2 elements",
+              .reference = 1,
+              .source = "beam theory",
+              .measured = v.surface_strain,
+              .tolerance = 0.02,
+              .control = "strain at the element's centre",
+              .control_value = v.centre_strain});
     }
     // One element carries (1 + 2) times the rotary inertia of its layer, lumped at the faces: 1.5 % in frequency, for the record.
     EXPECT_NEAR(v.frequency, reference_frequency, (through == 1 ? 0.02 : 0.01) * reference_frequency) << through;

@@ -72,17 +72,39 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
     rows_absent("no reference solutions");
     GTEST_SKIP() << "the reference solutions are not here: " << folder;
   }
-  const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}), fine = misfit({"geometry.element_size=0.0005"});
-  const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"}), slower = misfit({"geometry.element_size=0.0005", "material.mercury.sound_speed=1420"});
+  const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}),
+               fine = misfit({"geometry.element_size=0.0005"});
+  const Misfit tied = misfit({"geometry.element_size=0.001", "geometry.wetted=tied"}),
+               slower = misfit({"geometry.element_size=0.0005", "material.mercury.sound_speed=1420"});
   const Misfit cycled = misfit({"geometry.element_size=0.001", "solver.subcycles=4"});
   const double order = drawn_order("box slice", {2, 1, 0.5}, {coarse.mean, middle.mean, fine.mean});
-  verify({.item = "Whole base model", .quantity = "linear box slice, 8 gauges over 0.5 ms, 1 mm, mean relative L2", .reference = 0, .source = "independent finite differences, own error 0.5 %",
-          .measured = middle.mean, .tolerance = 0.05, .order = std::log2(coarse.mean / middle.mean), .control = "tied", .control_value = tied.mean});
-  verify({.item = "Whole base model", .quantity = "the same, 0.5 mm", .reference = 0, .source = "the same", .measured = fine.mean, .tolerance = 0.02, .order = order,
-          .control = "sound speed -2 %", .control_value = slower.mean});
+  verify({.item = "Whole base model",
+          .quantity = "linear box slice, 8 gauges over 0.5 ms, 1 mm, mean relative L2",
+          .reference = 0,
+          .source = "independent finite differences, own error 0.5 %",
+          .measured = middle.mean,
+          .tolerance = 0.05,
+          .order = std::log2(coarse.mean / middle.mean),
+          .control = "tied",
+          .control_value = tied.mean});
+  verify({.item = "Whole base model",
+          .quantity = "the same, 0.5 mm",
+          .reference = 0,
+          .source = "the same",
+          .measured = fine.mean,
+          .tolerance = 0.02,
+          .order = order,
+          .control = "sound speed -2 %",
+          .control_value = slower.mean});
   EXPECT_EQ(cycled.subcycles, 3);
-  verify({.item = "Whole base model", .quantity = "1 mm, mercury away from the steel every 3rd step", .reference = 0, .source = "the same", .measured = cycled.mean, .tolerance = 0.05,
-          .control = "tied", .control_value = tied.mean});
+  verify({.item = "Whole base model",
+          .quantity = "1 mm, mercury away from the steel every 3rd step",
+          .reference = 0,
+          .source = "the same",
+          .measured = cycled.mean,
+          .tolerance = 0.05,
+          .control = "tied",
+          .control_value = tied.mean});
   EXPECT_LT(middle.mean, 0.45 * coarse.mean);
 }
 
@@ -142,8 +164,14 @@ TEST(BoxSlice, NullRecordIsMetAsCloselyAsItsOwnCodeWould) {
   const Misfit got = null_misfit("0.001", null_truth);
   auto spoiled = null_truth;
   spoiled["sound_speed"] *= 0.9;
-  verify({.item = "Null record", .quantity = "mean of 8 energies, 1 mm, 11 gauges over 0.47 ms, mean relative L2", .reference = 0, .source = "another code's record at 0.5 mm", .measured = got.mean,
-          .tolerance = 0.16, .control = "sound speed -10 %", .control_value = null_misfit("0.001", spoiled).mean});
+  verify({.item = "Null record",
+          .quantity = "mean of 8 energies, 1 mm, 11 gauges over 0.47 ms, mean relative L2",
+          .reference = 0,
+          .source = "another code's record at 0.5 mm",
+          .measured = got.mean,
+          .tolerance = 0.16,
+          .control = "sound speed -10 %",
+          .control_value = null_misfit("0.001", spoiled).mean});
   measured("worst_gauge", got.worst);
 }
 

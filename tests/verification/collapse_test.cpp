@@ -1,7 +1,7 @@
-// A cavity closes: mercury that has given way, stretched evenly by e0 and without strength, flies at V against a rigid wall. A front of speed S leaves the wall,
-// behind it the liquid is at rest under p: rho S V = p, S (e0 + p/K) = V, so p = K/2 (sqrt(e0^2 + 4 rho V^2/K) - e0) (Rankine and Hugoniot). The motion's energy is
-// more than what is stored, rho V^2/2 > p^2/2K: closing is inelastic. Without its own viscosity each element swings
-// back: on a mesh of any size a quarter of the displacement behind the front is missing.
+// A cavity closes: mercury that has given way, stretched evenly by e0 and without strength, flies at V against a rigid wall. A front of speed S leaves the
+// wall, behind it the liquid is at rest under p: rho S V = p, S (e0 + p/K) = V, so p = K/2 (sqrt(e0^2 + 4 rho V^2/K) - e0) (Rankine and Hugoniot). The motion's
+// energy is more than what is stored, rho V^2/2 > p^2/2K: closing is inelastic. Without its own viscosity each element swings back: on a mesh of any size a
+// quarter of the displacement behind the front is missing.
 #include <fmt/format.h>
 
 #include "tests/verification/rows.hpp"
@@ -47,12 +47,27 @@ double lost() {
 TEST(Collapse, IsInelasticAsTheFrontSays) {
   const Front front;
   const double coarse = closing(25, 0.5).dissipated, fine = closing(100, 0.5).dissipated;
-  verify({.item = "Closing cavity", .quantity = "energy lost, 1 mm", .unit = "J", .reference = lost(), .source = "Rankine and Hugoniot", .measured = fine, .tolerance = 0.01 * lost(),
-          .order = observed_order({4, 1}, {coarse / lost() - 1, fine / lost() - 1}), .control = "without the viscosity of closing", .control_value = closing(100, 0).dissipated});
+  verify({.item = "Closing cavity",
+          .quantity = "energy lost, 1 mm",
+          .unit = "J",
+          .reference = lost(),
+          .source = "Rankine and Hugoniot",
+          .measured = fine,
+          .tolerance = 0.01 * lost(),
+          .order = observed_order({4, 1}, {coarse / lost() - 1, fine / lost() - 1}),
+          .control = "without the viscosity of closing",
+          .control_value = closing(100, 0).dissipated});
   const auto compressed = [&](double b) { return row_of(closing(100, b), 0).back(); };
   const double place = -0.04 * front.pressure / modulus;
-  verify({.item = "Closing cavity", .quantity = "displacement behind the front", .unit = "m", .reference = place, .source = "the same", .measured = compressed(0.5), .tolerance = 1e-3 * std::abs(place),
-          .control = "without it", .control_value = compressed(0)});
+  verify({.item = "Closing cavity",
+          .quantity = "displacement behind the front",
+          .unit = "m",
+          .reference = place,
+          .source = "the same",
+          .measured = compressed(0.5),
+          .tolerance = 1e-3 * std::abs(place),
+          .control = "without it",
+          .control_value = compressed(0)});
 }
 
 TEST(Collapse, DoesNotDependOnWhatIsKept) {

@@ -56,8 +56,15 @@ double frequency(int through, double softening) {
 TEST(Corner, TheSofteningRestoresTheConvergenceThatAReentrantEdgeTakes) {
   for (const int through : {2, 3, 5}) {
     const double corrected = frequency(through, reentrant_softening) / limit - 1, plain = frequency(through, 0) / limit - 1;
-    verify({.item = "Inner corner", .quantity = fmt::format("L-shaped frame, {} elements through its legs", through), .unit = "Hz", .reference = limit, .source = "extrapolated, 5 to 20 elements",
-            .measured = limit * (1 + corrected), .tolerance = (through == 5 ? 1e-3 : 4e-3) * limit, .control = "without the correction", .control_value = limit * (1 + plain)});
+    verify({.item = "Inner corner",
+            .quantity = fmt::format("L-shaped frame, {} elements through its legs", through),
+            .unit = "Hz",
+            .reference = limit,
+            .source = "extrapolated, 5 to 20 elements",
+            .measured = limit * (1 + corrected),
+            .tolerance = (through == 5 ? 1e-3 : 4e-3) * limit,
+            .control = "without the correction",
+            .control_value = limit * (1 + plain)});
     EXPECT_GT(plain, 2.5 * std::abs(corrected));  // control: without it the frame is too stiff
   }
 }
@@ -90,6 +97,14 @@ TEST(Corner, WetBendingWithoutACornerConvergesAtSecondOrder) {
   const double tied = wet(0.00125, false);  // control: half a layer of mercury hangs on the wall
   EXPECT_GT(std::abs(tied / fine - 1), 0.01);
   const double order = std::log2((coarse - middle) / (middle - fine));
-  verify({.item = "Inner corner", .quantity = "wet wall without a corner, 0.83 mm", .unit = "Hz", .reference = fine, .source = "the same at 0.42 mm", .measured = middle, .tolerance = 2e-4 * fine,
-          .order = order, .control = "tied", .control_value = tied});
+  verify({.item = "Inner corner",
+          .quantity = "wet wall without a corner, 0.83 mm",
+          .unit = "Hz",
+          .reference = fine,
+          .source = "the same at 0.42 mm",
+          .measured = middle,
+          .tolerance = 2e-4 * fine,
+          .order = order,
+          .control = "tied",
+          .control_value = tied});
 }

@@ -38,7 +38,12 @@ struct HeatedBox {
 TEST(Energy, IsKeptInTheLinearCase) {
   const HeatedBox box;
   const auto s = box.run();
-  verify({.item = "Energy", .quantity = "linear, nothing dissipates, greatest dE over E", .reference = 0, .source = "1/2 v- M v+ + stored", .measured = s.energy_balance_error, .tolerance = 1e-6,
+  verify({.item = "Energy",
+          .quantity = "linear, nothing dissipates, greatest dE over E",
+          .reference = 0,
+          .source = "1/2 v- M v+ + stored",
+          .measured = s.energy_balance_error,
+          .tolerance = 1e-6,
           .control = "averaged velocities, see below"});
   EXPECT_GT(s.steps, 400);
   EXPECT_EQ(s.dissipated, 0);
@@ -64,14 +69,26 @@ TEST(Energy, DissipationAndRadiationAreCounted) {
   box.setup.liquid.viscosity = 2000;
   box.setup.hourglass = 0;
   const auto s = box.run();
-  verify({.item = "Energy", .quantity = "linear, viscosity and rear face, greatest dE over E", .reference = 0, .source = "balance", .measured = s.energy_balance_error, .tolerance = 1e-6,
-          .control = "either entry left out (the lesser)", .control_value = std::min(s.dissipated, std::abs(s.radiated)) / s.energy_in});
+  verify({.item = "Energy",
+          .quantity = "linear, viscosity and rear face, greatest dE over E",
+          .reference = 0,
+          .source = "balance",
+          .measured = s.energy_balance_error,
+          .tolerance = 1e-6,
+          .control = "either entry left out (the lesser)",
+          .control_value = std::min(s.dissipated, std::abs(s.radiated)) / s.energy_in});
   EXPECT_GT(s.dissipated, 1e-2 * s.energy_in);
   EXPECT_GT(std::abs(s.radiated), 1e-2 * s.energy_in);
   box.setup.hourglass = 0.005;  // whose springs are damped too
   const auto with_hourglass = box.run();
-  verify({.item = "Energy", .quantity = "the same with hourglass springs", .reference = 0, .source = "balance", .measured = with_hourglass.energy_balance_error, .tolerance = 1e-6,
-          .control = "their share left out", .control_value = with_hourglass.hourglass_share});
+  verify({.item = "Energy",
+          .quantity = "the same with hourglass springs",
+          .reference = 0,
+          .source = "balance",
+          .measured = with_hourglass.energy_balance_error,
+          .tolerance = 1e-6,
+          .control = "their share left out",
+          .control_value = with_hourglass.hourglass_share});
 }
 
 TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
@@ -88,13 +105,26 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
     errors.push_back(error);
   }
   EXPECT_GT(before, 1e-9);  // the cutoff is reached
-  verify({.item = "Energy", .quantity = "with the cutoff, step 0.9 of the stable one, greatest dE over E", .reference = 0, .source = "balance", .measured = errors[0], .tolerance = 1e-3,
-          .order = std::log2(errors[1] / errors[2]), .control = "averaged velocities, see below"});
+  verify({.item = "Energy",
+          .quantity = "with the cutoff, step 0.9 of the stable one, greatest dE over E",
+          .reference = 0,
+          .source = "balance",
+          .measured = errors[0],
+          .tolerance = 1e-3,
+          .order = std::log2(errors[1] / errors[2]),
+          .control = "averaged velocities, see below"});
   box.setup.collapse_viscosity = 0.5;
   const double inelastic = box.run(0.45).energy_balance_error;
   const auto small = box.run(0.225);
-  verify({.item = "Energy", .quantity = "the same, closing inelastically, step 0.225", .reference = 0, .source = "balance", .measured = small.energy_balance_error, .tolerance = 1e-3,
-          .order = std::log2(inelastic / small.energy_balance_error), .control = "what that dissipates left out", .control_value = small.dissipated / small.energy_in});
+  verify({.item = "Energy",
+          .quantity = "the same, closing inelastically, step 0.225",
+          .reference = 0,
+          .source = "balance",
+          .measured = small.energy_balance_error,
+          .tolerance = 1e-3,
+          .order = std::log2(inelastic / small.energy_balance_error),
+          .control = "what that dissipates left out",
+          .control_value = small.dissipated / small.energy_in});
 }
 
 // The energy that central differences keep has 1/2 v- M v+ for its kinetic part. With the mean of both velocities it swings: 1/8 dt^2 a M a is missing, which
@@ -128,6 +158,12 @@ TEST(Energy, AveragedVelocitiesMakeItSwing) {
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
     return (*high - *low) / *high;
   };
-  verify({.item = "Energy", .quantity = "mercury alone, a step of pressure, swing", .reference = 0, .source = "1/2 v- M v+ + stored", .measured = swing(kept), .tolerance = 1e-6,
-          .control = "kinetic energy of averaged velocities", .control_value = swing(averaged)});
+  verify({.item = "Energy",
+          .quantity = "mercury alone, a step of pressure, swing",
+          .reference = 0,
+          .source = "1/2 v- M v+ + stored",
+          .measured = swing(kept),
+          .tolerance = 1e-6,
+          .control = "kinetic energy of averaged velocities",
+          .control_value = swing(averaged)});
 }

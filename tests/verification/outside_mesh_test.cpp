@@ -18,7 +18,6 @@ using namespace calomel::testing;
 
 namespace {
 
-
 ForwardCase target(const std::string& kind, double end) {
   ForwardCase c;
   auto& g = c.geometry;

@@ -51,8 +51,14 @@ TEST(Patch, LinearFieldsLeaveInnerNodesOfADistortedPatchAtRest) {
     const RunSetup setup = linear_setup(0, 0);
     const double share = inner_share(mesh, accelerations(solver, setup, linear(mesh, gradient)));
     const auto bent = field(mesh, [](const Vec3& x) { return Vec3{0.1 * x[0] * x[0], 0, 0}; });
-    verify({.item = "Patch and modes", .quantity = std::string("net force within a distorted patch, ") + (region == Region::steel ? "steel" : "mercury"), .reference = 0,
-            .source = "linear field (Irons)", .measured = share, .tolerance = 1e-10, .control = "quadratic field", .control_value = inner_share(mesh, accelerations(solver, setup, bent))});
+    verify({.item = "Patch and modes",
+            .quantity = std::string("net force within a distorted patch, ") + (region == Region::steel ? "steel" : "mercury"),
+            .reference = 0,
+            .source = "linear field (Irons)",
+            .measured = share,
+            .tolerance = 1e-10,
+            .control = "quadratic field",
+            .control_value = inner_share(mesh, accelerations(solver, setup, bent))});
   }
 }
 
@@ -85,8 +91,10 @@ TEST(Patch, CentreGradientsInPlaceOfMeanOnesWouldFail) {
         force.segment<3>(3 * mesh.elements[e][std::size_t(a)]) += stress * b;
       }
     }
-    if (mean) EXPECT_LT(inner_share(mesh, force), 1e-9);
-    else EXPECT_GT(inner_share(mesh, force), 1e-3);
+    if (mean)
+      EXPECT_LT(inner_share(mesh, force), 1e-9);
+    else
+      EXPECT_GT(inner_share(mesh, force), 1e-3);
   }
 }
 
@@ -97,8 +105,13 @@ TEST(Patch, RigidMotionsLeaveNoForceAnywhere) {
     const RunSetup setup = linear_setup(0, 0);
     const Eigen::Matrix3d spin = gradient - gradient.transpose();
     const double scale = accelerations(solver, setup, linear(mesh, gradient + gradient.transpose())).cwiseAbs().maxCoeff();
-    verify({.item = "Patch and modes", .quantity = std::string("force of a rigid rotation, ") + (region == Region::steel ? "steel" : "mercury"), .reference = 0, .source = "exact",
-            .measured = accelerations(solver, setup, linear(mesh, spin)).cwiseAbs().maxCoeff() / scale, .tolerance = 1e-10, .control = "a stretch of a hundredth of it",
+    verify({.item = "Patch and modes",
+            .quantity = std::string("force of a rigid rotation, ") + (region == Region::steel ? "steel" : "mercury"),
+            .reference = 0,
+            .source = "exact",
+            .measured = accelerations(solver, setup, linear(mesh, spin)).cwiseAbs().maxCoeff() / scale,
+            .tolerance = 1e-10,
+            .control = "a stretch of a hundredth of it",
             .control_value = accelerations(solver, setup, linear(mesh, 0.01 * (gradient + gradient.transpose()))).cwiseAbs().maxCoeff() / scale});
     const auto shift = field(mesh, [](const Vec3&) { return Vec3{1e-5, -2e-5, 3e-5}; });
     EXPECT_LT(accelerations(solver, setup, shift).cwiseAbs().maxCoeff(), 1e-10 * scale);
@@ -112,9 +125,12 @@ TEST(Patch, MercuryCarriesNoShear) {
     const Mesh mesh = distorted(region);
     const ExplicitSolver solver(mesh, steel());
     const RunSetup setup = linear_setup(0, 0);
-    const double ratio = accelerations(solver, setup, linear(mesh, isochoric)).cwiseAbs().maxCoeff() / accelerations(solver, setup, linear(mesh, gradient)).cwiseAbs().maxCoeff();
-    if (region == Region::mercury) EXPECT_LT(ratio, 1e-10);
-    else EXPECT_GT(ratio, 0.1);  // control
+    const double ratio = accelerations(solver, setup, linear(mesh, isochoric)).cwiseAbs().maxCoeff() /
+                         accelerations(solver, setup, linear(mesh, gradient)).cwiseAbs().maxCoeff();
+    if (region == Region::mercury)
+      EXPECT_LT(ratio, 1e-10);
+    else
+      EXPECT_GT(ratio, 0.1);  // control
   }
 }
 
@@ -148,12 +164,20 @@ TEST(SteelElement, HasSixZeroEnergyModesAndNoMore) {
     EXPECT_LT((k - k.transpose()).norm(), 1e-10 * k.norm());
     const Eigen::VectorXd values = symmetric_eigenvalues(0.5 * (k + k.transpose()));
     for (int i = 0; i < 24; ++i) {
-      if (i < 6) EXPECT_LT(std::abs(values[i]), 1e-9 * values[23]) << i;
-      else EXPECT_GT(values[i], 1e-3 * values[23]) << i;
+      if (i < 6)
+        EXPECT_LT(std::abs(values[i]), 1e-9 * values[23]) << i;
+      else
+        EXPECT_GT(values[i], 1e-3 * values[23]) << i;
     }
     const auto soft = [&](double share) { return double((values.array().abs() < share * values[23]).count()); };
-    verify({.item = "Patch and modes", .quantity = std::string("modes without energy of a steel element, ") + (skewed ? "skewed" : "rectangular"), .reference = 6, .source = "rigid motions",
-            .measured = soft(1e-9), .tolerance = 0, .control = "one-point element: hourglass modes free", .control_value = 18});
+    verify({.item = "Patch and modes",
+            .quantity = std::string("modes without energy of a steel element, ") + (skewed ? "skewed" : "rectangular"),
+            .reference = 6,
+            .source = "rigid motions",
+            .measured = soft(1e-9),
+            .tolerance = 0,
+            .control = "one-point element: hourglass modes free",
+            .control_value = 18});
   }
 }
 
@@ -208,7 +232,8 @@ TEST(SteelElement, StripUnderAnEndMomentDeflectsExactlyWithOneElementThroughItsT
     for (const auto& face : faces_at(mesh, 0, length))
       for (const NodeId n : face.nodes) {
         double low = 1e9, high = -1e9;
-        for (const NodeId m : face.nodes) low = std::min(low, mesh.nodes[std::size_t(m)][2] - h / 2), high = std::max(high, mesh.nodes[std::size_t(m)][2] - h / 2);
+        for (const NodeId m : face.nodes)
+          low = std::min(low, mesh.nodes[std::size_t(m)][2] - h / 2), high = std::max(high, mesh.nodes[std::size_t(m)][2] - h / 2);
         const bool top = mesh.nodes[std::size_t(n)][2] - h / 2 > (low + high) / 2;
         f[3 * n] += moment * 12 / (h * h * h) * (width / 2) * (high - low) * (top ? low + 2 * high : 2 * low + high) / 6;
       }
@@ -221,8 +246,14 @@ TEST(SteelElement, StripUnderAnEndMomentDeflectsExactlyWithOneElementThroughItsT
     const Eigen::VectorXd u = solve_symmetric(k, f);
     const double theory = -moment * length * length / 2 / (young / (1 - poisson * poisson) * h * h * h / 12);
     const double error = u[3 * nearest(mesh, {length, 0, 0}) + 2] / theory - 1;
-    verify({.item = "Bending", .quantity = fmt::format("strip under an end moment, {} through it, relative error", through), .reference = 0, .source = "M L^2 / 2 E' I", .measured = error,
-            .tolerance = 1e-8, .control = "no plane-strain factor", .control_value = u[3 * nearest(mesh, {length, 0, 0}) + 2] / (theory / (1 - poisson * poisson)) - 1});
+    verify({.item = "Bending",
+            .quantity = fmt::format("strip under an end moment, {} through it, relative error", through),
+            .reference = 0,
+            .source = "M L^2 / 2 E' I",
+            .measured = error,
+            .tolerance = 1e-8,
+            .control = "no plane-strain factor",
+            .control_value = u[3 * nearest(mesh, {length, 0, 0}) + 2] / (theory / (1 - poisson * poisson)) - 1});
     // Control: Young's modulus without the plane-strain factor is far off.
     EXPECT_GT(std::abs(u[3 * nearest(mesh, {length, 0, 0}) + 2] / (theory / (1 - poisson * poisson)) - 1), 0.05);
   }

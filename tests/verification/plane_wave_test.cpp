@@ -67,11 +67,25 @@ TEST(PlaneWave, SpeedAndOrderInBothMaterials) {
     spoiled.steel.lambda *= 1.02, spoiled.steel.mu *= 1.02;
     const Transit faster = transit(region, 400, c, spoiled);
     EXPECT_GT(faster.speed, 1.005 * c);
-    verify({.item = "Plane wave", .quantity = "speed in " + name + ", 1 mm", .unit = "m/s", .reference = c, .source = "sqrt(modulus / density)", .measured = fine.speed, .tolerance = 0.001 * c,
-            .control = "modulus +2 %", .control_value = faster.speed});
+    verify({.item = "Plane wave",
+            .quantity = "speed in " + name + ", 1 mm",
+            .unit = "m/s",
+            .reference = c,
+            .source = "sqrt(modulus / density)",
+            .measured = fine.speed,
+            .tolerance = 0.001 * c,
+            .control = "modulus +2 %",
+            .control_value = faster.speed});
     // The front is 10 mm wide: lumped linear elements lag by (h / sd)^2 travel / 24 sd, 0.8 % at 1 mm; central differences take part of it back.
-    verify({.item = "Plane wave", .quantity = "pulse in " + name + " after 20 widths, 1 mm, relative L2", .reference = 0, .source = "d'Alembert", .measured = fine.error, .tolerance = 0.008,
-            .order = order, .control = "modulus +2 %", .control_value = faster.error});
+    verify({.item = "Plane wave",
+            .quantity = "pulse in " + name + " after 20 widths, 1 mm, relative L2",
+            .reference = 0,
+            .source = "d'Alembert",
+            .measured = fine.error,
+            .tolerance = 0.008,
+            .order = order,
+            .control = "modulus +2 %",
+            .control_value = faster.error});
   }
 }
 
@@ -130,19 +144,43 @@ TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
     const double r = exact_reflection(speed);
     const auto got = reflection(0.002, speed, 1, 1);
     const auto coarse = reflection(0.004, speed, 1, 1), soft = reflection(0.002, speed, 0.9, 1);
-    verify({.item = "Mercury to steel", .quantity = fmt::format("R, c = {:.0f} m/s", speed), .reference = r, .source = "impedances; tabulated 0.3925, 0.3907", .measured = got.reflected,
-            .tolerance = 0.01 * r, .order = observed_order({4, 2}, {coarse.reflected - r, got.reflected - r}), .control = "steel 10 % softer",
+    verify({.item = "Mercury to steel",
+            .quantity = fmt::format("R, c = {:.0f} m/s", speed),
+            .reference = r,
+            .source = "impedances; tabulated 0.3925, 0.3907",
+            .measured = got.reflected,
+            .tolerance = 0.01 * r,
+            .order = observed_order({4, 2}, {coarse.reflected - r, got.reflected - r}),
+            .control = "steel 10 % softer",
             .control_value = soft.reflected});
-    verify({.item = "Mercury to steel", .quantity = fmt::format("T, c = {:.0f} m/s", speed), .reference = 1 + r, .source = "impedances", .measured = got.transmitted,
-            .tolerance = 0.01 * (1 + r), .control = "steel 10 % softer", .control_value = soft.transmitted});
+    verify({.item = "Mercury to steel",
+            .quantity = fmt::format("T, c = {:.0f} m/s", speed),
+            .reference = 1 + r,
+            .source = "impedances",
+            .measured = got.transmitted,
+            .tolerance = 0.01 * (1 + r),
+            .control = "steel 10 % softer",
+            .control_value = soft.transmitted});
   }
   // The wave passes from mercury that takes every third step to such as takes every step, and back.
   const double r = exact_reflection(1450);
   const auto cycled = reflection(0.002, 1450, 1, 1, false, 3), soft = reflection(0.002, 1450, 0.9, 1, false, 3);
-  verify({.item = "Mercury to steel", .quantity = "R, c = 1450 m/s, 3 sub-cycles", .reference = r, .source = "impedances", .measured = cycled.reflected, .tolerance = 0.01 * r,
-          .control = "steel 10 % softer", .control_value = soft.reflected});
-  verify({.item = "Mercury to steel", .quantity = "T, c = 1450 m/s, 3 sub-cycles", .reference = 1 + r, .source = "impedances", .measured = cycled.transmitted, .tolerance = 0.01 * (1 + r),
-          .control = "steel 10 % softer", .control_value = soft.transmitted});
+  verify({.item = "Mercury to steel",
+          .quantity = "R, c = 1450 m/s, 3 sub-cycles",
+          .reference = r,
+          .source = "impedances",
+          .measured = cycled.reflected,
+          .tolerance = 0.01 * r,
+          .control = "steel 10 % softer",
+          .control_value = soft.reflected});
+  verify({.item = "Mercury to steel",
+          .quantity = "T, c = 1450 m/s, 3 sub-cycles",
+          .reference = 1 + r,
+          .source = "impedances",
+          .measured = cycled.transmitted,
+          .tolerance = 0.01 * (1 + r),
+          .control = "steel 10 % softer",
+          .control_value = soft.transmitted});
   const auto tied = reflection(0.002, 1450, 1, 1, true);  // at normal incidence slip makes no difference
   EXPECT_NEAR(tied.reflected, reflection(0.002, 1450, 1, 1).reflected, 1e-6);
 }

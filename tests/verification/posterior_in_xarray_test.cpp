@@ -23,7 +23,8 @@ std::filesystem::path written() {
   std::vector<double> theta;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < 8; ++j) theta.push_back(r.quantities.values[10 * i + 2 + j]);
-  for (const std::string name : {"log_likelihood", "posterior_predictive"}) groups.push_back({name, r.quantities.chains, r.quantities.draws, schools, {{"y", "", {"school"}, theta}}});
+  for (const std::string name : {"log_likelihood", "posterior_predictive"})
+    groups.push_back({name, r.quantities.chains, r.quantities.draws, schools, {{"y", "", {"school"}, theta}}});
   groups.push_back({"prior", 1, 3, {}, {{"mu", "", {}, {1, 2, 3}}}});
   groups.push_back({"observed_data", 0, 0, schools, {{"y", "", {"school"}, data["y"].get<std::vector<double>>()}}});
   const auto path = scratch("xarray") / "posterior.nc";
@@ -53,7 +54,8 @@ TEST(PosteriorFile, OpensInXarrayGroupByGroupWithChainAndDrawFirst) {
   EXPECT_TRUE(well) << text;
   EXPECT_EQ(text,
             "posterior {'chain': 4, 'draw': 50} 10\nunconstrained_posterior {'chain': 4, 'draw': 50} 10\nsample_stats {'chain': 4, 'draw': 50} 5\n"
-            "log_likelihood {'chain': 4, 'draw': 50, 'school': 8} 1\nposterior_predictive {'chain': 4, 'draw': 50, 'school': 8} 1\nprior {'chain': 1, 'draw': 3} 1\nobserved_data {'school': 8} 1\n");
+            "log_likelihood {'chain': 4, 'draw': 50, 'school': 8} 1\nposterior_predictive {'chain': 4, 'draw': 50, 'school': 8} 1\nprior {'chain': 1, 'draw': "
+            "3} 1\nobserved_data {'school': 8} 1\n");
   const auto [complaint, turned_well] = output_of(command("turned"));
   EXPECT_FALSE(turned_well);
   EXPECT_THAT(complaint, ::testing::HasSubstr("('draw', 'chain')"));

@@ -1,5 +1,5 @@
-// Samplers on posteriors with published reference draws: every sampler of the registry on every posterior, the densities and their gradients, and controls that must fail.
-// Rule: at the 5, 25, 50, 75 and 95 % reference quantiles |z| < 4 (reference_scores.hpp). One seed, no second try.
+// Samplers on posteriors with published reference draws: every sampler of the registry on every posterior, the densities and their gradients, and controls that
+// must fail. Rule: at the 5, 25, 50, 75 and 95 % reference quantiles |z| < 4 (reference_scores.hpp). One seed, no second try.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -82,7 +82,8 @@ TEST_P(ReferenceDensity, KeepsOrDropsTheLogOfTheDerivativeOfItsTransformation) {
   for (int n = 0; n < 20; ++n) {
     std::vector<double> x = p.centre;
     for (double& v : x) v += p.deviation * random.normal();
-    // ln of the product of dq/dx over coordinates that are transformed: ln q for q = e^x, ln q (1 - q) for a logit. They are told from the names, which say the transformation.
+    // ln of the product of dq/dx over coordinates that are transformed: ln q for q = e^x, ln q (1 - q) for a logit. They are told from the names, which say the
+    // transformation.
     double expected = 0;
     for (std::size_t k = 0; k < x.size(); ++k) {
       const auto& name = density->coordinates()[k];
@@ -120,18 +121,20 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
   std::vector<double> x{alpha, beta, gamma, delta, u, v, 0.3, 0.4};
   for (double& value : x) value = std::log(value);
   const auto normal = [](double value, double mean, double sd) { return -0.5 * std::pow((value - mean) / sd, 2); };
-  const double priors = normal(alpha, 1, 0.5) + normal(gamma, 1, 0.5) + normal(beta, 0.05, 0.05) + normal(delta, 0.05, 0.05) + normal(x[4], std::log(10), 1) + normal(x[5], std::log(10), 1) +
-                        normal(x[6], -1, 1) + normal(x[7], -1, 1) + x[0] + x[1] + x[2] + x[3];
+  const double priors = normal(alpha, 1, 0.5) + normal(gamma, 1, 0.5) + normal(beta, 0.05, 0.05) + normal(delta, 0.05, 0.05) + normal(x[4], std::log(10), 1) +
+                        normal(x[5], std::log(10), 1) + normal(x[6], -1, 1) + normal(x[7], -1, 1) + x[0] + x[1] + x[2] + x[3];
   EXPECT_NEAR(lotka_volterra(data, 10)->log_density(x), priors - 4 * (x[6] + x[7]), 1e-9);
 }
 
-/// Lengths that keep all posteriors together within a minute of one core, ensembles being long enough for R-hat, which takes each walker for a chain; a sampler without a line of its own has its defaults.
+/// Lengths that keep all posteriors together within a minute of one core, ensembles being long enough for R-hat, which takes each walker for a chain; a sampler
+/// without a line of its own has its defaults.
 SamplerOptions options_of(const std::string& kind, const std::string& posterior) {
   SamplerOptions o = default_sampler_options(kind);
   const bool dear = posterior == "mixture", wide = posterior == "eight_schools";
   if (kind == "dram") o.warmup = dear ? 3000 : 10000, o.draws = 5000, o.thin = dear ? 1 : wide ? 20 : 8;
   if (kind == "nuts") o.warmup = 1000, o.draws = 2500, o.thin = 1;
-  if (kind == "ensemble") o.warmup = 1000, o.draws = posterior == "kid_scores" ? 400 : 1000, o.thin = 10, o.dispersion = reference_posterior(posterior).dispersion;
+  if (kind == "ensemble")
+    o.warmup = 1000, o.draws = posterior == "kid_scores" ? 400 : 1000, o.thin = 10, o.dispersion = reference_posterior(posterior).dispersion;
   if (kind == "smc") o.draws = dear ? 500 : 1000;
   if (kind == "delayed_acceptance") o.warmup = 500, o.draws = dear ? 1000 : 3000, o.delayed_acceptance.first_stage = dear ? 10 : 20;
   return o;
@@ -153,7 +156,8 @@ TEST_P(EverySampler, FollowsTheReference) {
   EXPECT_EQ(s.checked, 5 * file["reference"].size());
   EXPECT_LT(std::abs(s.worst), 4) << s.where;
   RecordProperty("worst_z", std::to_string(s.worst));
-  std::printf("  %zu quantiles, worst z %.2f (%s); %zu evaluations in %.1f s; %s\n", s.checked, s.worst, s.where.c_str(), r.summary.evaluations, r.summary.wall_s, verdict.message.c_str());
+  std::printf("  %zu quantiles, worst z %.2f (%s); %zu evaluations in %.1f s; %s\n", s.checked, s.worst, s.where.c_str(), r.summary.evaluations,
+              r.summary.wall_s, verdict.message.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheRegistry, EverySampler, Combine(ValuesIn(samplers().names()), ValuesIn(posterior_names())),
@@ -175,7 +179,8 @@ TEST_P(Control, AFlatterDensityIsTold) {
 }
 INSTANTIATE_TEST_SUITE_P(Published, Control, ValuesIn(posterior_names()), [](const auto& info) { return info.param; });
 
-/// Where the data are few. On the others' hundreds of data the Jacobian moves a quantile by less than a twentieth of a deviation, which 10 000 reference draws cannot tell.
+/// Where the data are few. On the others' hundreds of data the Jacobian moves a quantile by less than a twentieth of a deviation, which 10 000 reference draws
+/// cannot tell.
 class FewData : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(FewData, TellADroppedJacobian) {
@@ -184,7 +189,8 @@ TEST_P(FewData, TellADroppedJacobian) {
   if (file.is_null()) GTEST_SKIP() << "the reference posteriors are not here: " << p.file;
   EXPECT_GT(worst_of_wrong(p, *p.make(file["data"], Jacobian::dropped), file), 4);
 }
-INSTANTIATE_TEST_SUITE_P(Published, FewData, ValuesIn(std::vector<std::string>{"eight_schools", "lotka_volterra"}), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Published, FewData, ValuesIn(std::vector<std::string>{"eight_schools", "lotka_volterra"}),
+                         [](const auto& info) { return info.param; });
 
 }  // namespace
 }  // namespace calomel::testing

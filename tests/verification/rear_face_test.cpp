@@ -62,8 +62,14 @@ TEST(RearFace, UniformlyHeatedMercuryBeforeItStaysAtRest) {
   const auto launched = solver.solve(s, rows, o);
   const auto u = row_of(launched, 0);
   const double speed = (u[120] - u[20]) / 1e-4;
-  verify({.item = "Rear face", .quantity = "motion of uniformly heated mercury before it, over the free drift p0 t / 2 rho c", .reference = 0, .source = "rest", .measured = greatest / free_drift,
-          .tolerance = 1e-12, .control = "total pressure on the face", .control_value = (u[120] - u[20]) / free_drift});
+  verify({.item = "Rear face",
+          .quantity = "motion of uniformly heated mercury before it, over the free drift p0 t / 2 rho c",
+          .reference = 0,
+          .source = "rest",
+          .measured = greatest / free_drift,
+          .tolerance = 1e-12,
+          .control = "total pressure on the face",
+          .control_value = (u[120] - u[20]) / free_drift});
   EXPECT_NEAR(speed, p0 / (2 * z), 0.01 * p0 / (2 * z));
 }
 
@@ -75,12 +81,21 @@ TEST(RearFace, ReflectsNothingAtNormalIncidence) {
     if (!open) mesh.rear.clear();
     RunSetup s = linear_setup(0.2 / mercury_speed, 0.2 / mercury_speed);
     s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * std::exp(-0.5 * std::pow((x[0] - 0.1) / sd, 2)), 0, 0}; });
-    s.initial_velocity = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * mercury_speed * (x[0] - 0.1) / (sd * sd) * std::exp(-0.5 * std::pow((x[0] - 0.1) / sd, 2)), 0, 0}; });
+    s.initial_velocity = field(mesh, [&](const Vec3& x) {
+      return Vec3{1e-6 * mercury_speed * (x[0] - 0.1) / (sd * sd) * std::exp(-0.5 * std::pow((x[0] - 0.1) / sd, 2)), 0, 0};
+    });
     const auto [before, after] = first_and_last_energy(mesh, s);
-    if (open) reflected = after / before;
+    if (open)
+      reflected = after / before;
     else {
       EXPECT_NEAR(after / before, 1, 0.02);
-      verify({.item = "Rear face", .quantity = "reflected energy, normal incidence", .reference = 0, .source = "none", .measured = reflected, .tolerance = 1e-3, .control = "free face",
+      verify({.item = "Rear face",
+              .quantity = "reflected energy, normal incidence",
+              .reference = 0,
+              .source = "none",
+              .measured = reflected,
+              .tolerance = 1e-3,
+              .control = "free face",
               .control_value = after / before});
     }
   }
@@ -112,6 +127,12 @@ TEST(RearFace, ReflectsAtFortyFiveDegreesAsAPlaneWaveConditionDoes) {
   const auto [before, after] = first_and_last_energy(mesh, s);
   const double got = std::sqrt(after / before), theory = (1 - std::sqrt(0.5)) / (1 + std::sqrt(0.5));
   // The packet's envelope spreads the angle by k_x sd = 9 wave lengths, some 3 degrees: 5 % is allowed.
-  verify({.item = "Rear face", .quantity = "reflection at 45 degrees, size", .reference = theory, .source = "(1 - cos theta) / (1 + cos theta)", .measured = got, .tolerance = 0.05 * theory,
-          .control = "theory at 50 degrees", .control_value = (1 - std::cos(50 * M_PI / 180)) / (1 + std::cos(50 * M_PI / 180))});
+  verify({.item = "Rear face",
+          .quantity = "reflection at 45 degrees, size",
+          .reference = theory,
+          .source = "(1 - cos theta) / (1 + cos theta)",
+          .measured = got,
+          .tolerance = 0.05 * theory,
+          .control = "theory at 50 degrees",
+          .control_value = (1 - std::cos(50 * M_PI / 180)) / (1 + std::cos(50 * M_PI / 180))});
 }

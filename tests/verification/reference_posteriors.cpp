@@ -162,7 +162,8 @@ struct Mixture {
   [[nodiscard]] double evaluate(std::span<const double> x, std::span<double> g) const {
     double q[5];
     constrain(x, q);
-    const double gap = std::exp(x[1]), ln_theta = -std::log1p(std::exp(-x[4])), ln_rest = -std::log1p(std::exp(x[4])), power = 4 + jacobian;  // Beta's powers, and theta (1 - theta)
+    const double gap = std::exp(x[1]), ln_theta = -std::log1p(std::exp(-x[4])), ln_rest = -std::log1p(std::exp(x[4])),
+                 power = 4 + jacobian;  // Beta's powers, and theta (1 - theta)
     const double ln_w1 = ln_theta - x[2], ln_w2 = ln_rest - x[3];
     double by_mu[2] = {}, by_ln_sigma[2] = {}, firsts = 0;
     double sum = log_normal(q[0], 0, 2, by_mu[0]) + log_normal(q[1], 0, 2, by_mu[1]) + jacobian * (x[1] + x[2] + x[3]) + power * (ln_theta + ln_rest);
@@ -220,8 +221,9 @@ struct Populations {
   }
 };
 
-/// ln y_k(t) ~ N(ln z_k(t), sigma_k) of hare and lynx pelts, ln y_k(0) alike, z by Lotka and Volterra's equations; alpha, gamma ~ N(1, 0.5), beta, delta ~ N(0.05, 0.05), all positive, ln z(0) ~
-/// N(ln 10, 1), ln sigma ~ N(-1, 1); Carpenter 2018, Stan case study on predators and prey. x: ln of alpha, beta, gamma, delta, z(0), sigma.
+/// ln y_k(t) ~ N(ln z_k(t), sigma_k) of hare and lynx pelts, ln y_k(0) alike, z by Lotka and Volterra's equations; alpha, gamma ~ N(1, 0.5), beta, delta ~
+/// N(0.05, 0.05), all positive, ln z(0) ~ N(ln 10, 1), ln sigma ~ N(-1, 1); Carpenter 2018, Stan case study on predators and prey. x: ln of alpha, beta, gamma,
+/// delta, z(0), sigma.
 struct LotkaVolterra {
   Numbers times, first;
   std::vector<std::array<double, 2>> y;
@@ -332,12 +334,19 @@ std::unique_ptr<LogDensity> lotka_volterra(const Json& data, int steps) { return
 
 const std::vector<ReferencePosterior>& reference_posteriors() {
   static const std::vector<ReferencePosterior> all{
-      {"eight_schools", "eight schools, non-centred", "eight_schools-eight_schools_noncentered.json", Numbers(10, 0.0), 1, 2, eight_schools, flatter<eight_schools>},
+      {"eight_schools", "eight schools, non-centred", "eight_schools-eight_schools_noncentered.json", Numbers(10, 0.0), 1, 2, eight_schools,
+       flatter<eight_schools>},
       {"kid_scores", "kidiq, interaction", "kidiq-kidscore_interaction.json", {0, 0, 1, 0, 3}, 1, 2, kid_scores, flatter<kid_scores>},
       {"autoregression", "autoregression of order 5", "arK-arK.json", {0, 0, 0, 0, 0, 0, -1}, 1, 2, autoregression, flatter<autoregression>},
       {"mixture", "mixture with ordered means", "low_dim_gauss_mix-low_dim_gauss_mix.json", {-2.7, 1.7, 0, 0, 0.5}, 0.1, 2, mixture, flatter<mixture>},
-      {"lotka_volterra", "Lotka-Volterra, hare and lynx", "hudson_lynx_hare-lotka_volterra.json",
-       {std::log(0.5), std::log(0.03), std::log(0.8), std::log(0.03), std::log(30.0), std::log(5.0), std::log(0.3), std::log(0.3)}, 0.1, 1, hare_and_lynx, coarse_hare_and_lynx}};
+      {"lotka_volterra",
+       "Lotka-Volterra, hare and lynx",
+       "hudson_lynx_hare-lotka_volterra.json",
+       {std::log(0.5), std::log(0.03), std::log(0.8), std::log(0.03), std::log(30.0), std::log(5.0), std::log(0.3), std::log(0.3)},
+       0.1,
+       1,
+       hare_and_lynx,
+       coarse_hare_and_lynx}};
   return all;
 }
 

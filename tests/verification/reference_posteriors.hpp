@@ -1,6 +1,6 @@
 #pragma once
-/// Five posteriors with published reference draws (stan-dev/posteriordb: 10 chains of 1000 nearly independent draws each), written from their published definitions, in
-/// unconstrained coordinates with the Jacobians of the transformations and with exact gradients.
+/// Five posteriors with published reference draws (stan-dev/posteriordb: 10 chains of 1000 nearly independent draws each), written from their published
+/// definitions, in unconstrained coordinates with the Jacobians of the transformations and with exact gradients.
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,9 +14,9 @@ namespace calomel::testing {
 enum class Jacobian { kept, dropped };
 
 struct ReferencePosterior {
-  std::string name;    ///< eight_schools
-  std::string title;   ///< "eight schools, non-centred"
-  std::string file;    ///< of data and reference: {data, reference: {quantity: {quantiles: {"0.05": value}}}}
+  std::string name;            ///< eight_schools
+  std::string title;           ///< "eight schools, non-centred"
+  std::string file;            ///< of data and reference: {data, reference: {quantity: {quantiles: {"0.05": value}}}}
   std::vector<double> centre;  ///< (d), about which chains start
   double deviation = 1;        ///< of the density's shape as far as a sampler is told, the same for every coordinate
   double dispersion = 2;       ///< deviations by which walkers of an ensemble start off: less than chains where some would stay in a lesser mode

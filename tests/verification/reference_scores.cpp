@@ -42,7 +42,9 @@ Scores scores(const Draws& draws, const Json& reference) {
 
 SamplerStart start_of(const ReferencePosterior& posterior) {
   const auto d = Eigen::Index(posterior.centre.size());
-  return {.mean = Eigen::Map<const Eigen::VectorXd>(posterior.centre.data(), d), .covariance = posterior.deviation * posterior.deviation * Eigen::MatrixXd::Identity(d, d), .points = {}};
+  return {.mean = Eigen::Map<const Eigen::VectorXd>(posterior.centre.data(), d),
+          .covariance = posterior.deviation * posterior.deviation * Eigen::MatrixXd::Identity(d, d),
+          .points = {}};
 }
 
 SamplerResult sample(const LogDensity& density, const LogDensity& stand_in, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {

@@ -14,12 +14,12 @@ std::filesystem::path reference_path(const ReferencePosterior& posterior);
 Json reference_file(const ReferencePosterior& posterior);
 
 struct Scores {
-  double worst = 0;           ///< the greatest |z|, with its sign; infinite where all draws lie on one side of a quantile
-  std::string where;          ///< "tau at 0.05"
-  std::size_t checked = 0;    ///< quantiles
+  double worst = 0;         ///< the greatest |z|, with its sign; infinite where all draws lie on one side of a quantile
+  std::string where;        ///< "tau at 0.05"
+  std::size_t checked = 0;  ///< quantiles
 };
-/// At the 5, 25, 50, 75 and 95 % quantiles q of the reference, z = (p^ - p) / sqrt(p (1 - p) (1 / ESS + 1e-4)), p^ the share of draws below q, ESS the effective sample size of the indicator x <= q,
-/// 1e-4 for the reference's own 10 000 draws.
+/// At the 5, 25, 50, 75 and 95 % quantiles q of the reference, z = (p^ - p) / sqrt(p (1 - p) (1 / ESS + 1e-4)), p^ the share of draws below q, ESS the
+/// effective sample size of the indicator x <= q, 1e-4 for the reference's own 10 000 draws.
 Scores scores(const Draws& draws, const Json& reference);
 
 /// Centre and deviations of the starts; point starts are drawn about it by run_sampler.

@@ -16,7 +16,8 @@ namespace {
 struct Box {
   explicit Box(bool plane_strain, double size) {
     GeometryOptions g;
-    g.kind = "box", g.length = 0.08, g.width = 0.05, g.height = 0.04, g.wall = 0.004, g.plane_strain = plane_strain, g.half = !plane_strain, g.element_size = size;
+    g.kind = "box", g.length = 0.08, g.width = 0.05, g.height = 0.04, g.wall = 0.004, g.plane_strain = plane_strain, g.half = !plane_strain,
+    g.element_size = size;
     mesh = make_mesh(g);
     ProfileOptions profile;
     profile.center = {0, 0.02}, profile.widths = {0.03, 0.015};
@@ -108,8 +109,14 @@ TEST(Reproducibility, SinglePrecisionIsCloseInTheLinearCase) {
   const double d = difference(box.run(1, "single"), box.run(1, "double"));
   Box lighter(true, 0.002);
   lighter.setup.liquid_density *= 1 - 1e-3;
-  verify({.item = "Reproducibility", .quantity = "single against double precision, linear", .reference = 0, .source = "the same", .measured = d, .tolerance = 2e-5,
-          .control = "density of the liquid -0.1 %", .control_value = difference(lighter.run(1, "double"), box.run(1, "double"))});
+  verify({.item = "Reproducibility",
+          .quantity = "single against double precision, linear",
+          .reference = 0,
+          .source = "the same",
+          .measured = d,
+          .tolerance = 2e-5,
+          .control = "density of the liquid -0.1 %",
+          .control_value = difference(lighter.run(1, "double"), box.run(1, "double"))});
   EXPECT_GT(d, 1e-9);  // and it is single precision
 }
 

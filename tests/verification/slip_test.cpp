@@ -45,8 +45,10 @@ TEST(Slip, MercuryKeepsItsTangentialVelocityAndTiedMercuryDoesNot) {
     double liquid_error = 0, steel_motion = 0;
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       const auto u = hexahedron::point(m.displacement[n]);
-      if (m.liquid[n]) liquid_error = std::max(liquid_error, (u - time * hexahedron::point(v)).norm() / time);
-      else steel_motion = std::max(steel_motion, u.norm() / time);
+      if (m.liquid[n])
+        liquid_error = std::max(liquid_error, (u - time * hexahedron::point(v)).norm() / time);
+      else
+        steel_motion = std::max(steel_motion, u.norm() / time);
     }
     lost[slip ? 0 : 1] = liquid_error / hexahedron::point(v).norm();
     if (slip) {
@@ -55,7 +57,14 @@ TEST(Slip, MercuryKeepsItsTangentialVelocityAndTiedMercuryDoesNot) {
       EXPECT_GT(steel_motion, 0.1);
     }
   }
-  verify({.item = "Slip", .quantity = "tangential velocity lost along a wall", .reference = 0, .source = "none", .measured = lost[0], .tolerance = 1e-10, .control = "tied", .control_value = lost[1]});
+  verify({.item = "Slip",
+          .quantity = "tangential velocity lost along a wall",
+          .reference = 0,
+          .source = "none",
+          .measured = lost[0],
+          .tolerance = 1e-10,
+          .control = "tied",
+          .control_value = lost[1]});
 }
 
 TEST(Slip, NormalMotionIsCommonAndMomentumIsKept) {

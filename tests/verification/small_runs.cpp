@@ -123,7 +123,8 @@ std::vector<Vec3> final_displacement(const Mesh& mesh, const SolveSummary& s) {
 Eigen::VectorXd masses(const Mesh& mesh, const RunSetup& setup) {
   Eigen::VectorXd m = Eigen::VectorXd::Zero(Eigen::Index(mesh.nodes.size()));
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-    for (const NodeId n : mesh.elements[e]) m[n] += (mesh.region[e] == Region::steel ? setup.steel_density : setup.liquid_density) * hexahedron::volume(hexahedron::corners(mesh, e)) / 8;
+    for (const NodeId n : mesh.elements[e])
+      m[n] += (mesh.region[e] == Region::steel ? setup.steel_density : setup.liquid_density) * hexahedron::volume(hexahedron::corners(mesh, e)) / 8;
   return m;
 }
 

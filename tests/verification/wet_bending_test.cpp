@@ -80,8 +80,8 @@ double solver_frequency(double h, double half, double depth, int n, double stiff
 
 }  // namespace
 
-// 0.1 % is allowed, as (k h)^2 / 12 of half a wave in 32 elements. The mercury's hourglass springs, 0.0005 of K, are K k^2 / (rho w^2), up to 280 times, stiffer
-// than the flow: a coefficient of 0.005 puts 0.06 to 0.41 % on the same frequencies.
+// 0.1 % is allowed, as (k h)^2 / 12 of half a wave in 32 elements. The mercury's hourglass springs, 0.0005 of K, are K k^2 / (rho w^2), up to 280 times,
+// stiffer than the flow: a coefficient of 0.005 puts 0.06 to 0.41 % on the same frequencies.
 TEST(WetBending, FlexuralWavesUnderMercuryAreThoseOfTheElasticLayer) {
   struct Case {
     double h, half, tabulated;

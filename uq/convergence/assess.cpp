@@ -69,7 +69,8 @@ std::string chain_numbers(const std::vector<std::size_t>& chains) {
 std::vector<std::size_t> still_chains(ChainDraws x) {
   std::vector<std::size_t> still;
   for (std::size_t c = 0; c < x.chains; ++c)
-    if (const auto v = x.values.subspan(c * x.draws(), x.draws()); v.size() > 1 && std::all_of(v.begin(), v.end(), [&](double u) { return u == v[0]; })) still.push_back(c);
+    if (const auto v = x.values.subspan(c * x.draws(), x.draws()); v.size() > 1 && std::all_of(v.begin(), v.end(), [&](double u) { return u == v[0]; }))
+      still.push_back(c);
   return still;
 }
 
@@ -130,7 +131,8 @@ std::vector<std::size_t> slow_energies(const SamplingFacts& facts, const Converg
 
 std::string slow_energy_sentence(const std::vector<std::size_t>& low, const SamplingFacts& facts, const std::string& name) {
   return fmt::format(
-      "the energy changes too slowly in {} {} (E-BFMI {:.2f}), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and {} is the parameter known "
+      "the energy changes too slowly in {} {} (E-BFMI {:.2f}), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and {} is "
+      "the parameter known "
       "worst; infer it on a logarithmic scale or give it a prior that bounds it",
       low.size() > 1 ? "chains" : "chain", chain_numbers(low), facts.e_bfmi[low[0]], name);
 }
@@ -170,12 +172,14 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
   const double kept = double(std::max<std::size_t>(1, facts.transitions));
   if (double(facts.divergences) > telling_share * kept)
     return fmt::format(
-        "{} is not known ({}) and {} of {} trajectories diverged: the density bends more sharply somewhere than their steps can follow, as in a funnel, or ends at an edge; "
+        "{} is not known ({}) and {} of {} trajectories diverged: the density bends more sharply somewhere than their steps can follow, as in a funnel, or "
+        "ends at an edge; "
         "raise sampler.nuts.target to 0.95, or infer {} on a logarithmic scale",
         name, numbers(s), facts.divergences, facts.transitions, name);
   if (double(facts.cut) > 0.1 * kept)
     return fmt::format(
-        "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; double "
+        "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; "
+        "double "
         "sampler.warmup, so that it is learnt, or raise sampler.nuts.depth",
         name, numbers(s), 100 * double(facts.cut) / kept);
   // Effective sizes grow with the draws; R-hat - 1 of many chains that are short falls with them.
@@ -183,12 +187,14 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
   const double needed = 1.2 * lacking * double(draws.draws), step = needed < 1000 ? 100 : 1000, rounded = std::ceil(needed / step) * step;
   if (facts.kind == "smc")
     return fmt::format(
-        "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so that they move more, and set "
+        "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so "
+        "that they move more, and set "
         "sampler.draws = {:.0f}",
         name, numbers(s), std::max(rounded, 2 * double(draws.draws)));
   if (facts.kind == "delayed_acceptance" && facts.acceptance && *facts.acceptance < 0.2)
     return fmt::format(
-        "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical noise; give the emulator more runs "
+        "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical "
+        "noise; give the emulator more runs "
         "(emulator.rounds), or take sampler.kind = \"dram\", whose check by the true model tells by how much they differ",
         name, numbers(s), 100 * (1 - *facts.acceptance));
   if (facts.acceptance && *facts.acceptance < 0.05)
@@ -208,16 +214,17 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
         "{} mixes slowly ({}) along the narrow ridge that it forms with {} (correlation {:.3f}); give one of the two a prior from elsewhere, or let the "
         "proposal learn the ridge: start from the covariance of calibrate --method map and double sampler.warmup",
         name, numbers(s), draws.names[partner], strongest);
-  if (const auto low = slow_energies(facts, limits); !low.empty())
-    return slow_energy_sentence(low, facts, name);
+  if (const auto low = slow_energies(facts, limits); !low.empty()) return slow_energy_sentence(low, facts, name);
   if (s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess)
     return fmt::format(
         "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
         "bound it where values are impossible",
         name, numbers(s));
   if (s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess)
-    return fmt::format("{} differs a little between {} ({}), each of which has draws enough: they have not forgotten where they began; double sampler.warmup and set sampler.draws = {:.0f}", name,
-                       draws.walkers > 1 ? "walkers" : "chains", numbers(s), rounded);
+    return fmt::format(
+        "{} differs a little between {} ({}), each of which has draws enough: they have not forgotten where they began; double sampler.warmup and set "
+        "sampler.draws = {:.0f}",
+        name, draws.walkers > 1 ? "walkers" : "chains", numbers(s), rounded);
   if (s.r_hat < 1.05)
     return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
                        needed, rounded, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
@@ -255,8 +262,8 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   else
     c.message = fmt::format("converged: {} is the least well known, with {}", worst->name, numbers(*worst));
   if (c.converged && facts.divergences > 0)
-    c.message += fmt::format("; {} of {} trajectories diverged: draws may be missing where the density bends sharply, raise sampler.nuts.target to 0.95 to see", facts.divergences,
-                             facts.transitions);
+    c.message += fmt::format("; {} of {} trajectories diverged: draws may be missing where the density bends sharply, raise sampler.nuts.target to 0.95 to see",
+                             facts.divergences, facts.transitions);
   return c;
 }
 

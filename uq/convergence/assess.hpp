@@ -45,9 +45,9 @@ struct Convergence {
 };
 
 /// Summaries of all parameters and the verdict. Not converged: the message names the worst parameter, the likely cause, in this order of suspicion:
-/// draws that are not finite or do not move; chains that still drift; chains in different modes; trajectories that diverge, or that end too early; hardly any proposal
-/// accepted; a narrow ridge between two parameters; energies that change too slowly; rare visits to the tails; too few draws; and what to do about it. Divergences of a
-/// converged run are told behind the sentence.
+/// draws that are not finite or do not move; chains that still drift; chains in different modes; trajectories that diverge, or that end too early; hardly any
+/// proposal accepted; a narrow ridge between two parameters; energies that change too slowly; rare visits to the tails; too few draws; and what to do about it.
+/// Divergences of a converged run are told behind the sentence.
 Convergence assess(const Draws& draws, const SamplingFacts& facts = {}, const ConvergenceLimits& limits = {});
 
 /// {parameters: [{name, mean, sd, q05, q50, q95, r_hat, ess_bulk, ess_tail, mcse_mean, mcse_sd, mcse_q05, mcse_q50, mcse_q95}], converged, message}, and

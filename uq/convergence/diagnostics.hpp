@@ -23,9 +23,9 @@ struct ChainDraws {
 double split_r_hat(ChainDraws x);
 
 /// Effective sample size of the mean: S / tau, tau from autocorrelations combined over halves of chains (equation 10), summed in pairs while these are
-/// positive and made monotone (Geyer 1992, section 3.3). Above the number of draws where they alternate; at most S log10 S. Walkers that move together are not independent
-/// of one another from one draw to the next, which their own autocorrelations do not tell: given is the smaller of that size and var(x) over the variance of the mean
-/// that follows from the autocorrelations of the walkers' mean (Goodman and Weare 2010, section 3).
+/// positive and made monotone (Geyer 1992, section 3.3). Above the number of draws where they alternate; at most S log10 S. Walkers that move together are not
+/// independent of one another from one draw to the next, which their own autocorrelations do not tell: given is the smaller of that size and var(x) over the
+/// variance of the mean that follows from the autocorrelations of the walkers' mean (Goodman and Weare 2010, section 3).
 double ess_mean(ChainDraws x);
 /// The same of the normal scores of the ranks: how well the bulk is known.
 double ess_bulk(ChainDraws x);

@@ -14,23 +14,28 @@ namespace calomel {
 
 namespace {
 
-constexpr double reach = 1.0;                        ///< half width of the first box of a number, over its distance from off to first order
-constexpr double widths = 6;                         ///< the same in standard deviations to first order
-constexpr double least_width = 0.1;                  ///< the same over the standard deviation of the number's prior
-constexpr double farthest_shift = 0.7;               ///< of the base parameters' box by what the first order says, in its half widths
-constexpr int spare_of_cheap = 3;                    ///< runs over coefficients to begin with where runs cost little and a box is drawn in: with the base model's two a box about a law with a step is drawn in to the wrong place
-constexpr double zoom = 0.4, box_in_deviations = 8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower boxes the deviations come out too small
-constexpr double rough = 2, rough_beside_errors = 0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
-constexpr double sets_in = 0.02;                     ///< of a share: below off by this its law has set in
+constexpr double reach = 1.0;           ///< half width of the first box of a number, over its distance from off to first order
+constexpr double widths = 6;            ///< the same in standard deviations to first order
+constexpr double least_width = 0.1;     ///< the same over the standard deviation of the number's prior
+constexpr double farthest_shift = 0.7;  ///< of the base parameters' box by what the first order says, in its half widths
+constexpr int spare_of_cheap = 3;  ///< runs over coefficients to begin with where runs cost little and a box is drawn in: with the base model's two a box about
+                                   ///< a law with a step is drawn in to the wrong place
+constexpr double zoom = 0.4,
+                 box_in_deviations =
+                     8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower boxes the deviations come out too small
+constexpr double rough = 2,
+                 rough_beside_errors =
+                     0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
+constexpr double sets_in = 0.02;  ///< of a share: below off by this its law has set in
 // Of the search for a cheap model's fit.
 constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2;
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;
-constexpr double start_width = 0.3;                  ///< half width of a further start of a cheap model, over a number's range
-constexpr int most_rounds = 16;                      ///< of the second box: most of them are a few runs about the answer
-constexpr double steady = 3, steady_share = 0.1;     ///< change of a log Bayes factor in a round, and that over itself, below which it stays
-constexpr int stays_enough = 2;                      ///< rounds in a row
-constexpr double standing = 1;                       ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
+constexpr double start_width = 0.3;               ///< half width of a further start of a cheap model, over a number's range
+constexpr int most_rounds = 16;                   ///< of the second box: most of them are a few runs about the answer
+constexpr double steady = 3, steady_share = 0.1;  ///< change of a log Bayes factor in a round, and that over itself, below which it stays
+constexpr int stays_enough = 2;                   ///< rounds in a row
+constexpr double standing = 1;  ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
@@ -41,14 +46,16 @@ double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
   return log_evidence(p, modes[0]);
 }
 
-/// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is narrower than the box.
+/// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is
+/// narrower than the box.
 void reach_back(PosteriorInputs& in) {
   for (std::size_t k = 0; k < in.centre.size(); ++k) {
     const Parameter& p = in.parameters[k];
     const auto deviation = prior_deviation(p, in.centre[k]);
     if (!deviation) continue;
     const bool lognormal = p.prior == "lognormal";
-    const double known = lognormal ? std::exp(*p.mu) : *p.mean, sd = p.coordinate_width(lognormal ? *p.sigma * known : *p.sd, known);  // of the box's coordinate
+    const double known = lognormal ? std::exp(*p.mu) : *p.mean,
+                 sd = p.coordinate_width(lognormal ? *p.sigma * known : *p.sd, known);  // of the box's coordinate
     if (sd > in.half_width[k]) continue;
     const double from = p.coordinate(in.centre[k]), to = p.coordinate(known);
     const double middle = 0.5 * (from + to);
@@ -69,7 +76,8 @@ Side side_of(const AddedParameter& a, double estimate, double sd) {
   return {estimate, std::max({reach * away, widths * deviation, least})};
 }
 
-/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from one about the middle of the numbers' ranges.
+/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from one about the middle of the numbers'
+/// ranges.
 FittedCandidate fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base) {
   std::optional<FittedCandidate> best;
   double most = 0;
@@ -97,10 +105,16 @@ FittedCandidate fit_from_two(const PosteriorInputs& planned, const PosteriorFit&
   return std::move(*best);
 }
 
-/// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the best. That is done with
-/// the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records far better than the model the former say little. The better one counts.
+/// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid
+/// about the best. That is done with the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records
+/// far better than the model the former say little. The better one counts.
 FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& worth) {
-  DirectSearch search{.design_runs = design_runs, .design_runs_a_parameter = design_runs_a_parameter, .descents = descents, .iterations = iterations, .tolerance = tolerance, .starts = {planned.centre}};
+  DirectSearch search{.design_runs = design_runs,
+                      .design_runs_a_parameter = design_runs_a_parameter,
+                      .descents = descents,
+                      .iterations = iterations,
+                      .tolerance = tolerance,
+                      .starts = {planned.centre}};
   std::vector<double> off = base.modes[0].at.theta;
   for (std::size_t k = off.size(); k < planned.parameters.size(); ++k) off.push_back(*planned.parameters[k].nominal);
   search.starts.push_back(std::move(off));
@@ -149,7 +163,9 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value that did best
     plan.added.push_back(group.shapes[i]);
     const Parameter& p = group.shapes[i].parameter;
-    sides.push_back({question.shapes[i], p.sigma ? *p.sigma : p.sd ? p.coordinate_width(*p.sd, question.shapes[i]) : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
+    sides.push_back({question.shapes[i], p.sigma ? *p.sigma
+                                         : p.sd  ? p.coordinate_width(*p.sd, question.shapes[i])
+                                                 : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
   }
   Eigen::VectorXd u = fit.modes[0].at.u;
   const auto& free = fit.posterior->free();
@@ -158,11 +174,13 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   reach_back(in);
   for (std::size_t i = 0; i < plan.added.size(); ++i) {
     in.parameters.push_back(plan.added[i].parameter);
-    if (Parameter& p = in.parameters.back(); !plan.added[i].share_of.empty()) p.max = *p.nominal - sets_in, p.nominal.reset();  // the base model's runs lie beyond the step
+    if (Parameter& p = in.parameters.back(); !plan.added[i].share_of.empty())
+      p.max = *p.nominal - sets_in, p.nominal.reset();  // the base model's runs lie beyond the step
     in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
   }
   const auto d = Eigen::Index(in.parameters.size());
-  in.emulator.coarse_runs = 0, in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;  // by its own number of coefficients
+  in.emulator.coarse_runs = 0,
+  in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;  // by its own number of coefficients
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear(), in.go_on = {};
   for (const auto& r : fit.runs) {
@@ -204,7 +222,9 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   PosteriorInputs& in = plan.inputs;
   if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_two(in, base);
   const std::size_t own = in.known_dimension;
-  const auto is_rough = [&](const PosteriorFit& f) { return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace()); };
+  const auto is_rough = [&](const PosteriorFit& f) {
+    return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace());
+  };
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
   double last = log_bayes_factor(fit, base);

@@ -31,7 +31,10 @@ Diagnosis DiagnosisEngine::run() {
   if (out_.mixed_up.empty())
     explain();
   else
-    out_.verdict = {.kind = VerdictKind::unknown, .mechanisms = {}, .ranking = judge(out_.evidence, {}).ranking, .reason = "gauges look mixed up, and nothing was asked of mechanisms"};
+    out_.verdict = {.kind = VerdictKind::unknown,
+                    .mechanisms = {},
+                    .ranking = judge(out_.evidence, {}).ranking,
+                    .reason = "gauges look mixed up, and nothing was asked of mechanisms"};
   hold_out_verdict();
   locate_all();
   describe_missing();
@@ -122,7 +125,8 @@ void DiagnosisEngine::ask_all() {
   out_.skipped.insert(out_.skipped.end(), answers.skipped.begin(), answers.skipped.end());
   for (const auto& q : asked_)
     if (q.worth.log_bayes_factor > worth_fitting)
-      say(fmt::format("{}: log Bayes factor {:.3g} to first order, p {:.2g}", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor, q.p_value));
+      say(fmt::format("{}: log Bayes factor {:.3g} to first order, p {:.2g}", label(q, in_.groups, in_.base.problem.shape), q.worth.log_bayes_factor,
+                      q.p_value));
 }
 
 /// Whether all records are late together, which no mechanism is: the beam's profile, as a longer pulse, would come nearest.
@@ -174,7 +178,8 @@ void DiagnosisEngine::keep(HeldOutFit with, Alternative& c) {
   c.held_out_worth = std::move(with.worth), c.held_out_history = std::move(with.history);
 }
 
-/// Of what is named, each fold by the explanation that says most without the gauges that judge. What has no fit of its own, as a fault of a gauge, foretells no other gauge: nothing changes with it.
+/// Of what is named, each fold by the explanation that says most without the gauges that judge. What has no fit of its own, as a fault of a gauge, foretells no
+/// other gauge: nothing changes with it.
 void DiagnosisEngine::hold_out_verdict() {
   std::vector<double> after = held_out_->base().misfit, best(after.size(), 0.0);
   for (const auto& c : out_.candidates)
@@ -223,7 +228,8 @@ std::vector<std::string> Diagnosis::unsettled() const {
   if (verdict.mechanisms.empty()) {
     if (!base.settled) return {"base"};
     const auto all = by_evidence();
-    const bool left_out = spent && verdict.kind == VerdictKind::unknown && !all.empty() && gate_not_passed(evidence, all, 0) == Gate::fitted;  // what comes nearest
+    const bool left_out =
+        spent && verdict.kind == VerdictKind::unknown && !all.empty() && gate_not_passed(evidence, all, 0) == Gate::fitted;  // what comes nearest
     return left_out ? std::vector{all[0].name} : std::vector<std::string>{};
   }
   std::vector<std::string> names;
@@ -232,8 +238,6 @@ std::vector<std::string> Diagnosis::unsettled() const {
   return names;
 }
 
-Diagnosis diagnose(const DiagnosisInputs& in) {
-  return DiagnosisEngine(in).run();
-}
+Diagnosis diagnose(const DiagnosisInputs& in) { return DiagnosisEngine(in).run(); }
 
 }  // namespace calomel

@@ -41,8 +41,10 @@ double residual_rms(const Problem& problem, const std::vector<double>& history) 
 
 Json fit_of(const Problem& problem, const std::vector<double>& history, double compared, double held_out) {
   const Score s = score(problem, history);
-  return {{"accuracy", number(s.accuracy)}, {"mae", number(s.mae)}, {"nrmse", number(s.nrmse)}, {"compared_nrmse", number(compared)}, {"heldout_nrmse", number(held_out)},
-          {"residual_rms", number(residual_rms(problem, history))}, {"unit", problem.mae_unit}};
+  return {{"accuracy", number(s.accuracy)},    {"mae", number(s.mae)},
+          {"nrmse", number(s.nrmse)},          {"compared_nrmse", number(compared)},
+          {"heldout_nrmse", number(held_out)}, {"residual_rms", number(residual_rms(problem, history))},
+          {"unit", problem.mae_unit}};
 }
 
 /// |history - record| / |record| of each observation on the grid that is compared; NaN where there is no history.
@@ -77,7 +79,9 @@ Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters)
 Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& groups) {
   for (const auto& g : groups)
     for (const auto& a : g.added)
-      if (a.inverse && e.name.ends_with(a.parameter.name)) return {e.name, e.mean >= a.parameter.min && e.mean <= a.parameter.max ? 1 / e.mean : std::numeric_limits<double>::quiet_NaN(), e.sd / (e.mean * e.mean)};
+      if (a.inverse && e.name.ends_with(a.parameter.name))
+        return {e.name, e.mean >= a.parameter.min && e.mean <= a.parameter.max ? 1 / e.mean : std::numeric_limits<double>::quiet_NaN(),
+                e.sd / (e.mean * e.mean)};
   return e;
 }
 
@@ -87,15 +91,14 @@ Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& group
   Json list = estimates_json(told);
   for (std::size_t i = 0; i < c.numbers.size(); ++i) {
     const PlainNumber plain = plain_number(c, c.numbers[i], groups);
-    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations), list[i]["told_by_records"] = c.numbers[i].told;
+    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations),
+    list[i]["told_by_records"] = c.numbers[i].told;
   }
   return list;
 }
 
 /// The explanation that the verdict names, the first of them, or null.
-const Alternative* named_of(const Diagnosis& d) {
-  return d.verdict.mechanisms.empty() ? nullptr : d.alternative(d.verdict.mechanisms[0]);
-}
+const Alternative* named_of(const Diagnosis& d) { return d.verdict.mechanisms.empty() ? nullptr : d.alternative(d.verdict.mechanisms[0]); }
 
 Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
   const LocatedMismatch& l = d.location;
@@ -111,8 +114,14 @@ Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
       region["position"] = {at[0], at[1], at[2]};
     }
   }
-  return {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", matrix_json(l.map)}, {"map_q_values", matrix_json(l.map_q_values)}, {"band_map", matrix_json(l.band_map)},
-          {"band_map_q_values", matrix_json(l.band_map_q_values)}, {"region", region}};
+  return {{"sensors", sensors},
+          {"windows", windows},
+          {"bands", bands},
+          {"map", matrix_json(l.map)},
+          {"map_q_values", matrix_json(l.map_q_values)},
+          {"band_map", matrix_json(l.band_map)},
+          {"band_map_q_values", matrix_json(l.band_map_q_values)},
+          {"region", region}};
 }
 
 Json by_scale_json(const EvidenceByScale& all) {
@@ -126,8 +135,18 @@ Json missing_json(const std::optional<MissingTerms>& m) {
   if (!m) return {};
   Json terms = Json::array();
   for (const auto& t : m->terms)
-    terms.push_back({{"what", t.what}, {"place", t.place}, {"unit", t.unit}, {"mean", number(t.value)}, {"sd", number(t.sd)}, {"value", plain_term(t)}, {"log_bayes_factor", number(t.log_bayes_factor)}});
-  return {{"terms", terms}, {"asked", m->asked}, {"misfit_before", number(m->misfit_before)}, {"misfit_after", number(m->misfit_after)}, {"sentence", plain_missing(*m)}};
+    terms.push_back({{"what", t.what},
+                     {"place", t.place},
+                     {"unit", t.unit},
+                     {"mean", number(t.value)},
+                     {"sd", number(t.sd)},
+                     {"value", plain_term(t)},
+                     {"log_bayes_factor", number(t.log_bayes_factor)}});
+  return {{"terms", terms},
+          {"asked", m->asked},
+          {"misfit_before", number(m->misfit_before)},
+          {"misfit_after", number(m->misfit_after)},
+          {"sentence", plain_missing(*m)}};
 }
 
 }  // namespace
@@ -135,7 +154,11 @@ Json missing_json(const std::optional<MissingTerms>& m) {
 Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provenance& provenance) {
   Json ranking = Json::array();
   for (const auto& r : d.verdict.ranking) {
-    Json entry{{"name", r.name}, {"probability", number(r.probability)}, {"log_evidence", number(r.log_evidence)}, {"parameters", Json::array()}, {"heldout_gain", 0.0}};
+    Json entry{{"name", r.name},
+               {"probability", number(r.probability)},
+               {"log_evidence", number(r.log_evidence)},
+               {"parameters", Json::array()},
+               {"heldout_gain", 0.0}};
     for (const auto& c : d.candidates)
       if (c.explanation.name == r.name) {
         entry["parameters"] = numbers_json(c, in.groups);
@@ -146,7 +169,8 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
         entry["heldout_gain"] = number(c.held_out_gain);
         entry["log_bayes_factor"] = number(c.explanation.log_bayes_factor), entry["first_order_log_bayes_factor"] = number(c.first_log_bayes_factor);
         entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
-        entry["by_discrepancy"] = by_scale_json(c.explanation.by_scale), entry["discrepancy"] = number(mean_scale(c.explanation.by_scale)), entry["farthest"] = number(c.explanation.farthest);
+        entry["by_discrepancy"] = by_scale_json(c.explanation.by_scale), entry["discrepancy"] = number(mean_scale(c.explanation.by_scale)),
+        entry["farthest"] = number(c.explanation.farthest);
         entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
         entry["base_parameters"] = by_name(c.base_parameters);
         if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
@@ -166,19 +190,29 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
   const std::vector<double>& after_history = named ? named->history : d.base_history;
   const auto before = misfits_of(d.base, d.base_history), after = misfits_of(d.base, after_history);
   const auto out_before = misfits_of(d.base, d.held_out_history), out_after = misfits_of(d.base, named ? named->held_out_history : d.held_out_history);
-  const PlainSummary summary = plain_summary(d, in.groups, {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after, in.base.problem.observations.size() == 1 ? "stretches of the record" : "gauges"});
+  const PlainSummary summary = plain_summary(
+      d, in.groups,
+      {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after, in.base.problem.observations.size() == 1 ? "stretches of the record" : "gauges"});
   Json gauges = Json::array();
   for (std::size_t i = 0; i < before.size(); ++i)
-    gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])}, {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},
-                      {"condition", in.base.problem.shape.conditions[in.base.problem.observations[i].condition]}, {"before", number(before[i])}, {"after", number(after[i])}, {"heldout_before", number(out_before[i])},
+    gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])},
+                      {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},
+                      {"condition", in.base.problem.shape.conditions[in.base.problem.observations[i].condition]},
+                      {"before", number(before[i])},
+                      {"after", number(after[i])},
+                      {"heldout_before", number(out_before[i])},
                       {"heldout_after", number(out_after[i])}});
   Json conditions = Json::array();
-  for (const auto& c : d.held_out_conditions) conditions.push_back({{"name", c.name}, {"heldout_before", number(c.before)}, {"heldout_after", number(c.after)}});
+  for (const auto& c : d.held_out_conditions)
+    conditions.push_back({{"name", c.name}, {"heldout_before", number(c.before)}, {"heldout_after", number(c.after)}});
   Json absorbed = Json::array();
   for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
-    if (std::abs(d.handbook_pulls[k]) > absorbing) absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
+    if (std::abs(d.handbook_pulls[k]) > absorbing)
+      absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
   Json mixed_up = Json::array();
-  for (const auto& m : d.mixed_up) mixed_up.push_back({{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"factor", number(m.factor)}, {"text", plain_mixed_up(m)}});
+  for (const auto& m : d.mixed_up)
+    mixed_up.push_back(
+        {{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"factor", number(m.factor)}, {"text", plain_mixed_up(m)}});
   return {{"verdict", text(d.verdict.kind)},
           {"mechanisms", d.verdict.mechanisms},
           {"reason", d.verdict.reason},
@@ -187,19 +221,31 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provena
           {"next_step", summary.next_step},
           {"ranking", ranking},
           {"location", location_json(d, in)},
-          {"fit", {{"before", fit_of(in.base.problem, d.base_history, mean_of(before), d.held_out_before)}, {"after", fit_of(in.base.problem, after_history, mean_of(after), d.held_out_after)}}},
+          {"fit",
+           {{"before", fit_of(in.base.problem, d.base_history, mean_of(before), d.held_out_before)},
+            {"after", fit_of(in.base.problem, after_history, mean_of(after), d.held_out_after)}}},
           {"gauges", gauges},
           {"conditions", conditions},
-          {"base_parameters", {{"before", by_name(d.base_parameters)}, {"after", by_name(named ? named->base_parameters : d.base_parameters)},
-                               {"handbook", handbook_json(d, in.base.parameters)}}},
+          {"base_parameters",
+           {{"before", by_name(d.base_parameters)},
+            {"after", by_name(named ? named->base_parameters : d.base_parameters)},
+            {"handbook", handbook_json(d, in.base.parameters)}}},
           {"absorbed", absorbed},
           {"missing", missing_json(d.missing)},
           {"separating_measurement", d.separating},
           {"mixed_up", mixed_up},
           {"dead_gauges", d.dead},
-          {"late", d.late ? Json{{"late_s", number(d.late->late)}, {"sd_s", number(d.late->sd)}, {"log_bayes_factor", number(d.late->log_bayes_factor)}, {"text", plain_late(*d.late)}} : Json()},
-          {"evidence", {{"values", number(d.evidence.values)}, {"chi2", number(d.evidence.chi2)}, {"discrepancy", number(mean_scale(d.evidence.by_scale))},
-                        {"by_discrepancy", by_scale_json(d.evidence.by_scale)}, {"local", d.evidence.local ? Json{{"log_evidence", number(*d.evidence.local)}, {"gauges", d.likeliest_place}} : Json()}}},
+          {"late", d.late ? Json{{"late_s", number(d.late->late)},
+                                 {"sd_s", number(d.late->sd)},
+                                 {"log_bayes_factor", number(d.late->log_bayes_factor)},
+                                 {"text", plain_late(*d.late)}}
+                          : Json()},
+          {"evidence",
+           {{"values", number(d.evidence.values)},
+            {"chi2", number(d.evidence.chi2)},
+            {"discrepancy", number(mean_scale(d.evidence.by_scale))},
+            {"by_discrepancy", by_scale_json(d.evidence.by_scale)},
+            {"local", d.evidence.local ? Json{{"log_evidence", number(*d.evidence.local)}, {"gauges", d.likeliest_place}} : Json()}}},
           {"runs", d.runs},
           {"skipped", d.skipped},
           {"base_fit", fit_json(d.base, in.base.parameters)},

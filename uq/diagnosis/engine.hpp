@@ -30,9 +30,10 @@ class DiagnosisEngine {
   Diagnosis run();
 
  private:
-  static constexpr int most_linearised = 4;             ///< times that many small numbers are linearised anew
-  static constexpr double worth_fitting = 3;            ///< log Bayes factor to first order
-  static constexpr double hopeless = 2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
+  static constexpr int most_linearised = 4;   ///< times that many small numbers are linearised anew
+  static constexpr double worth_fitting = 3;  ///< log Bayes factor to first order
+  static constexpr double hopeless =
+      2 * Gates{}.lead;  ///< log Bayes factors below the best so far: twice the lead that a name needs, as first order is not exact
 
   /// A history as it is kept, and as it is reckoned with.
   static std::vector<double> kept(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
@@ -118,12 +119,12 @@ class DiagnosisEngine {
   void describe_missing();
 
   const DiagnosisInputs& in_;
-  const std::size_t own_;  ///< the case's own parameters
+  const std::size_t own_;               ///< the case's own parameters
   std::vector<ParameterGroup> groups_;  ///< those that are offered, and behind them the parts of single gauges that are fitted
   Diagnosis out_;
   Eigen::MatrixXd places_;
-  std::vector<Question> asked_;               ///< most telling first
-  std::map<std::string, Fitted> fits_;        ///< of candidates by name
+  std::vector<Question> asked_;         ///< most telling first
+  std::map<std::string, Fitted> fits_;  ///< of candidates by name
   std::optional<HeldOut> held_out_;
   int runs_ = 0;
   bool ended_ = false;  ///< by the budget, the fit under way: the fits that are kept hold their run function, which outlives fit()

@@ -18,7 +18,11 @@ constexpr std::size_t gauges_tried = 2;  ///< beside the one that says most to f
 
 /// What is known of an explanation before its fit: a group by itself, or on top of what was fitted already.
 Alternative begun(const ParameterGroup& group, const Question& q, const Alternative* on_top_of) {
-  Alternative c{.groups = {group.name}, .places = {{group.name, group.place}}, .first_log_bayes_factor = q.worth.log_bayes_factor, .choice = q.choice, .p_value = q.p_value};
+  Alternative c{.groups = {group.name},
+                .places = {{group.name, group.place}},
+                .first_log_bayes_factor = q.worth.log_bayes_factor,
+                .choice = q.choice,
+                .p_value = q.p_value};
   c.explanation.numerical = group.numerical;
   if (on_top_of) {
     c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
@@ -40,19 +44,21 @@ void DiagnosisEngine::fit_terms() {
     if (groups_[q.group].linear) fit_linear(q, nullptr, 0);
 }
 
-/// The groups of many small numbers once more, in place of what they are worth about none: they are the dearest to follow, so what could lead them is fitted before.
+/// The groups of many small numbers once more, in place of what they are worth about none: they are the dearest to follow, so what could lead them is fitted
+/// before.
 void DiagnosisEngine::follow_terms() {
   for (const auto& q : asked_) {
     if (!groups_[q.group].linear) continue;
-    const auto about_none = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == groups_[q.group].name; });
+    const auto about_none =
+        std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return c.explanation.name == groups_[q.group].name; });
     if (about_none == out_.candidates.end() || !may_lead(about_none->explanation.log_bayes_factor)) continue;
     out_.candidates.erase(about_none);
     fit_linear(q);
   }
 }
 
-/// A group whose effect is linear in its numbers, as one more term of the errors, beside the base model's parameters or beside those of what was fitted already: about no numbers, and where it may
-/// lead, at most `rounds` times about those that come out, until they stay.
+/// A group whose effect is linear in its numbers, as one more term of the errors, beside the base model's parameters or beside those of what was fitted
+/// already: about no numbers, and where it may lead, at most `rounds` times about those that come out, until they stay.
 void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of, int rounds) {
   Linearised about;
   about.q = q, about.rest = Eigen::VectorXd::Zero(q.effects.rows());
@@ -63,7 +69,8 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
     if (about.stays || round == rounds) break;
     if (runs_ + more > in_.options.max_runs) {
       out_.spent = true;
-      skip(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_, in_.options.max_runs));
+      skip(fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", c->explanation.name, more, runs_,
+                       in_.options.max_runs));
       break;
     }
     if (!linearise(about, on_top_of)) {
@@ -75,17 +82,19 @@ void DiagnosisEngine::fit_linear(const Question& q, const Alternative* on_top_of
   if (!c) return;
   if (groups_[q.group].linear) {
     const PosteriorFit& below = on_top_of ? fits_.at(on_top_of->explanation.name).fit : out_.base;
-    const LinearBeside beside{.fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .effects = about.q.effects, .rest = about.rest};
+    const LinearBeside beside{
+        .fit = below, .without = about.without, .with = about.with, .directions = about.q.directions, .effects = about.q.effects, .rest = about.rest};
     Foretold& f = c->explanation.foretold.emplace();
     f.misfit_before = on_top_of ? on_top_of->explanation.misfit : out_.evidence.misfit;
     std::tie(f.beginning_before, f.beginning) = held_out_->beginning(beside);
     if (held_out_->possible()) f.gauges_before = held_out_->misfit_by(below), keep(held_out_->by(beside), *c);
   }
   c->runs = runs_ - before;
-  if (!c->settled && c->runs > 0 && c->message.empty()) c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);
+  if (!c->settled && c->runs > 0 && c->message.empty())
+    c->message = about.stays ? "it stands on a fit that has not settled" : fmt::format("its numbers still moved after {} runs", c->runs);
   if (c->runs > 0 || on_top_of)
-    say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name, c->explanation.log_bayes_factor, c->explanation.chi2,
-                    out_.evidence.values, out_.evidence.chi2, c->runs));
+    say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c->explanation.name,
+                    c->explanation.log_bayes_factor, c->explanation.chi2, out_.evidence.values, out_.evidence.chi2, c->runs));
   out_.candidates.push_back(std::move(*c));
 }
 
@@ -124,7 +133,8 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
   c.explanation.base_pull = root_mean_square(pulls(m.at.theta));
   c.base_parameters = own_parameters(with, tempered_moments(with, m, in_.base.seed));
   c.settled = on_top_of ? on_top_of->settled : out_.base.settled;  // on whose emulator it stands
-  // The numbers themselves: what is left of the residual at this mode in their directions, with the parameters where they are, for the mode already has its freedom.
+  // The numbers themselves: what is left of the residual at this mode in their directions, with the parameters where they are, for the mode already has its
+  // freedom.
   const LogPosterior unmoved = below.under(plain);
   FirstOrder worth = FirstOrderModel(unmoved, m).worth(q.directions);
   worth.value = numbers_beside(unmoved, m.at, q.directions, with.likeliest(m.at));
@@ -132,7 +142,8 @@ std::optional<Alternative> DiagnosisEngine::linear_fit(Linearised& about, const 
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const AddedParameter& a = group.added[q.numbers[i]];
     const double value = *a.parameter.nominal + worth.value[Eigen::Index(i)];
-    c.numbers.push_back({(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, tempered(worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)])});
+    c.numbers.push_back(
+        {(c.sensor.empty() ? "" : c.sensor + '.') + a.parameter.name, value, tempered(worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)])});
     c.explanation.farthest = std::max(c.explanation.farthest, implausibility(a, value, c.numbers.back().sd));
   }
   c.history = kept(below.history(m.at.u, m.at.beyond) + about.rest + q.effects * worth.value);
@@ -162,8 +173,9 @@ Question DiagnosisEngine::of_its_own(Question q) {
   return q;
 }
 
-/// A fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number: linearised anew until the numbers stay, on the emulator of what it stands beside, which knows all but
-/// this gauge. Where that does not explain the records, asks for a number outside its range, or the model is searched without an emulator, by a fit of its own; the better one is kept.
+/// A fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number: linearised anew until the numbers stay, on the emulator
+/// of what it stands beside, which knows all but this gauge. Where that does not explain the records, asks for a number outside its range, or the model is
+/// searched without an emulator, by a fit of its own; the better one is kept.
 void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of) {
   const Question own = of_its_own(q);
   const std::size_t before = out_.candidates.size();
@@ -171,13 +183,16 @@ void DiagnosisEngine::fit_fault(const Question& q, const Alternative* on_top_of)
   const std::size_t linearised = out_.candidates.size();
   if (linearised > before) {
     const Alternative& c = out_.candidates.back();
-    if (c.settled && std::isfinite(c.explanation.farthest) && c.explanation.log_bayes_factor > worth_fitting && c.explanation.chi2 < greatest_plausible(out_.evidence)) return;
+    if (c.settled && std::isfinite(c.explanation.farthest) && c.explanation.log_bayes_factor > worth_fitting &&
+        c.explanation.chi2 < greatest_plausible(out_.evidence))
+      return;
   }
   fit(own, on_top_of);
   if (linearised == before || out_.candidates.size() == linearised) return;
   const Explanation& now = out_.candidates.back().explanation;
   Alternative& kept = out_.candidates[linearised - 1];
-  if (now.fitted && (kept.runs == 0 || !std::isfinite(kept.explanation.farthest) || now.log_bayes_factor > kept.explanation.log_bayes_factor)) std::swap(kept, out_.candidates.back());
+  if (now.fitted && (kept.runs == 0 || !std::isfinite(kept.explanation.farthest) || now.log_bayes_factor > kept.explanation.log_bayes_factor))
+    std::swap(kept, out_.candidates.back());
   out_.candidates.pop_back();
 }
 
@@ -198,10 +213,12 @@ Alternative DiagnosisEngine::to_first_order(const Question& q) const {
   Alternative c = begun(group, q, nullptr);
   c.sensor = group.sensor, c.explanation.of_a_gauge = !c.sensor.empty();
   const double worth = q.worth.log_bayes_factor;
-  c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit, c.explanation.base_pull = out_.evidence.base_pull;
+  c.explanation.log_bayes_factor = worth, c.explanation.chi2 = out_.evidence.chi2, c.explanation.misfit = out_.evidence.misfit,
+  c.explanation.base_pull = out_.evidence.base_pull;
   for (std::size_t i = 0; i < q.numbers.size(); ++i) {
     const auto& a = group.added[q.numbers[i]];
-    c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)], tempered(q.worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)]), out_.base_parameters));
+    c.numbers.push_back(told(a, *a.parameter.nominal + q.worth.value[Eigen::Index(i)],
+                             tempered(q.worth.sd[Eigen::Index(i)], q.directions.prior_sd[Eigen::Index(i)]), out_.base_parameters));
   }
   c.explanation.by_scale = out_.evidence.by_scale;  // it leaves what the base model leaves
   for (auto& s : c.explanation.by_scale) s.log_evidence = worth + std::min(0.0, s.log_evidence);
@@ -209,8 +226,8 @@ Alternative DiagnosisEngine::to_first_order(const Question& q) const {
   return c;
 }
 
-/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records, the best of them in any case. What
-/// the budget leaves out keeps what it is worth to first order, so that nothing is named as if it had no rival.
+/// Those that could still lead, or stand in the way of what leads, by what they are worth to first order; where the base model does not explain the records,
+/// the best of them in any case. What the budget leaves out keeps what it is worth to first order, so that nothing is named as if it had no rival.
 void DiagnosisEngine::fit_leaders() {
   int fitted = 0;
   bool best_asked = false, gauge_asked = false;
@@ -238,8 +255,8 @@ void DiagnosisEngine::fit_leaders() {
   }
 }
 
-/// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault. Likewise the laws of a mechanism, of
-/// which the best is kept.
+/// The gauge that does not read true, and others in its place that could be as likely: two gauges that part may leave it open which of them is at fault.
+/// Likewise the laws of a mechanism, of which the best is kept.
 void DiagnosisEngine::fit_best_of(const Question& q) {
   const std::string& name = groups_[q.group].name;
   const auto key = [](const Alternative& a) { return a.sensor.empty() ? a.places.begin()->second : a.sensor; };
@@ -258,11 +275,13 @@ void DiagnosisEngine::fit_best_of(const Question& q) {
   if (all.empty()) return;
   const auto worth = [](const Alternative& a) { return a.explanation.log_bayes_factor; };
   // One that no runs were left for stays what it is worth to first order where that leads the fitted ones: none of these is named as if it were the best.
-  const double fitted = std::accumulate(all.begin(), all.end(), -std::numeric_limits<double>::infinity(), [&](double most, const auto& a) { return a.explanation.fitted ? std::max(most, worth(a)) : most; });
+  const double fitted = std::accumulate(all.begin(), all.end(), -std::numeric_limits<double>::infinity(),
+                                        [&](double most, const auto& a) { return a.explanation.fitted ? std::max(most, worth(a)) : most; });
   const auto rank = [&](const Alternative& a) { return std::pair(a.explanation.fitted || (out_.spent && worth(a) > fitted + Gates{}.lead), worth(a)); };
   const auto best = std::max_element(all.begin(), all.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   for (const auto& other : all)
-    if (&other != &*best && other.explanation.fitted && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead) best->other_sensors.push_back(other.sensor);
+    if (&other != &*best && other.explanation.fitted && !other.sensor.empty() && worth(*best) - worth(other) < Gates{}.lead)
+      best->other_sensors.push_back(other.sensor);
   if (auto made = fits.extract(key(*best))) fits_.emplace(name, std::move(made.mapped()));
   out_.candidates.push_back(std::move(*best));
 }
@@ -283,7 +302,8 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
   CandidatePlan plan = plan_candidate(*inputs, *below, groups_, q);
   added.insert(added.end(), plan.added.begin(), plan.added.end());
   if (runs_ + first_runs(plan) > in_.options.max_runs) {
-    skip(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_, in_.options.max_runs));
+    skip(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_,
+                     in_.options.max_runs));
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
@@ -301,7 +321,8 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
   };
   const int before = runs_;
   try {
-    FittedCandidate fitted = fit_candidate(plan, out_.base, [&](std::optional<double> worth) { return (!worth || may_lead(*worth + c.choice)) && runs_ < in_.options.max_runs; });
+    FittedCandidate fitted =
+        fit_candidate(plan, out_.base, [&](std::optional<double> worth) { return (!worth || may_lead(*worth + c.choice)) && runs_ < in_.options.max_runs; });
     const PosteriorFit& fit = fitted.fit;
     const LocalMode& full = fit.modes[0];
     const LogPosterior& posterior = *fit.posterior;
@@ -324,9 +345,13 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
     c.history = kept(fit.history_at_mode());
     c.explanation.misfit = misfit(values(c.history));
     c.settled = fitted.stands;
-    if (ended_) skip(fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", c.explanation.name, in_.options.max_runs));
+    if (ended_)
+      skip(fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", c.explanation.name,
+                       in_.options.max_runs));
     out_.spent = out_.spent || (!c.settled && (ended_ || runs_ >= in_.options.max_runs));
-    c.message = fitted.stands && !fit.settled ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine) : fit.message;
+    c.message = fitted.stands && !fit.settled
+                    ? fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", fit.rounds.back().coarse, fit.rounds.back().fine)
+                    : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
     if (ended_) skip(c.explanation.name + ": " + e.what());
@@ -341,13 +366,14 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
     c.message = e.what();
   }
   c.runs = runs_ - before;
-  say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c.explanation.name, c.explanation.log_bayes_factor, c.explanation.chi2,
-                  out_.evidence.values, out_.evidence.chi2, c.runs));
+  say(fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", c.explanation.name,
+                  c.explanation.log_bayes_factor, c.explanation.chi2, out_.evidence.values, out_.evidence.chi2, c.runs));
   out_.candidates.push_back(std::move(c));
 }
 
-/// Where nothing is named: the physics that leads among what was fitted, and on top of it what then says most. A fault of a gauge comes first only where no physics has the evidence, and second after
-/// all physics. Where physics is named: a gauge at fault beside it, which nothing that the physics leaves looks like.
+/// Where nothing is named: the physics that leads among what was fitted, and on top of it what then says most. A fault of a gauge comes first only where no
+/// physics has the evidence, and second after all physics. Where physics is named: a gauge at fault beside it, which nothing that the physics leaves looks
+/// like.
 void DiagnosisEngine::fit_pair() {
   const bool named = out_.verdict.kind == VerdictKind::named;
   if (!named && out_.verdict.kind != VerdictKind::unknown) return;
@@ -355,8 +381,10 @@ void DiagnosisEngine::fit_pair() {
     const bool fitted = fits_.contains(c.explanation.name) && !c.explanation.numerical;
     return fitted && (gauges || c.sensor.empty()) && c.explanation.log_bayes_factor >= (gauges ? worth_fitting : Gates{}.log_bayes_factor);
   };
-  auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, false) && (!named || c.explanation.name == out_.verdict.mechanisms[0]); });
-  if (first == out_.candidates.end() && !named) first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, true); });
+  auto first = std::find_if(out_.candidates.begin(), out_.candidates.end(),
+                            [&](const auto& c) { return may_be_first(c, false) && (!named || c.explanation.name == out_.verdict.mechanisms[0]); });
+  if (first == out_.candidates.end() && !named)
+    first = std::find_if(out_.candidates.begin(), out_.candidates.end(), [&](const auto& c) { return may_be_first(c, true); });
   if (first == out_.candidates.end()) return;
   const Alternative below = *first;
   const Fitted& f = fits_.at(below.explanation.name);

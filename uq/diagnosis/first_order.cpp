@@ -34,7 +34,11 @@ FirstOrderModel::FirstOrderModel(const LogPosterior& posterior, const LocalMode&
   const auto log_terms = posterior.density(mode.at).log_terms;
   const auto values = double(posterior.values());
   for (std::size_t i = 0; i < posterior.hypotheses(); ++i) {
-    Errors e{.log_norm = log_terms[i], .freedom = posterior.freedom(i), .jacobian = posterior.whiten(jacobian, mode.at, i), .residual = posterior.whitened_residual(mode.at, i), .factor = {}};
+    Errors e{.log_norm = log_terms[i],
+             .freedom = posterior.freedom(i),
+             .jacobian = posterior.whiten(jacobian, mode.at, i),
+             .residual = posterior.whitened_residual(mode.at, i),
+             .factor = {}};
     e.log_norm += penalty_of_errors(e.residual.squaredNorm(), e.freedom, values);
     errors_.push_back(std::move(e));
   }
@@ -82,7 +86,8 @@ FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
     const double chi2 = e.residual.squaredNorm();
     const Eigen::VectorXd b = e.jacobian.transpose() * e.residual + slope_;
     without.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(e.factor, b), e.freedom, values) - e.factor.half_log_determinant());
-    with.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) - factor.half_log_determinant());
+    with.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) -
+                   factor.half_log_determinant());
     if (with[i] > with[best]) best = i;
   }
   const Errors& e = errors_[best];
@@ -101,8 +106,15 @@ FirstOrderModel::Expected FirstOrderModel::expected(const Block& concealed, Eige
     const Errors& e = errors_[i];
     const auto& [d, factor] = block.errors[i];
     const Eigen::VectorXd r = concealed.errors[i].d.col(k), b = e.jacobian.transpose() * r;
-    out.errors_.push_back({.log_norm = e.log_norm, .freedom = e.freedom, .values = double(posterior_.values()), .noise = e.noise, .chi2 = r.squaredNorm(), .with = quadratic(factor, joined(b, d.transpose() * r)),
-                           .without = quadratic(e.factor, b), .half_log_det_with = factor.half_log_determinant(), .half_log_det_without = e.factor.half_log_determinant()});
+    out.errors_.push_back({.log_norm = e.log_norm,
+                           .freedom = e.freedom,
+                           .values = double(posterior_.values()),
+                           .noise = e.noise,
+                           .chi2 = r.squaredNorm(),
+                           .with = quadratic(factor, joined(b, d.transpose() * r)),
+                           .without = quadratic(e.factor, b),
+                           .half_log_det_with = factor.half_log_determinant(),
+                           .half_log_det_without = e.factor.half_log_determinant()});
   }
   return out;
 }

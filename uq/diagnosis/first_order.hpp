@@ -20,7 +20,8 @@ struct FirstOrder {
   Eigen::VectorXd shift;        ///< of the fit's coordinates (u of the free parameters, k) that goes with it, (dimension)
 };
 
-/// Numbers beside parameters that stay where they are, (1 + D^T D)^-1 D^T r, of the records less the prediction at `at`, under hypothesis j about the errors, (n).
+/// Numbers beside parameters that stay where they are, (1 + D^T D)^-1 D^T r, of the records less the prediction at `at`, under hypothesis j about the errors,
+/// (n).
 [[nodiscard]] Eigen::VectorXd numbers_beside(const LogPosterior& posterior, const LogPosterior::Point& at, const AddedDirections& directions, std::size_t j);
 
 /// A fit about its mode: linear in its coordinates delta, under every hypothesis j about the errors, of weight w_j. Of n numbers mu with prior N(0, P) and
@@ -28,10 +29,10 @@ struct FirstOrder {
 ///
 ///   log Z_j(D) = log w_j L_j(r) + b^T A^-1 b / 2 - log det A / 2,  A = [H + J^T J, J^T D; D^T J, 1 + D^T D],  b = [J^T r + g; D^T r],
 ///
-/// and log B = log sum_j Z_j(D) - log sum_j Z_j(no columns): numbers that explain the residual also bring back the hypotheses without a discrepancy. (Student's t
-/// where the errors' scale was learnt from few squares: b^T A^-1 b / 2 is then what the lesser chi-squared gains.) value, sd and shift are those of the likeliest
-/// hypothesis with D. H and g are those that make the mode a mode with the covariance that it has; H is at least the inverse variance of the emulator's box,
-/// beyond which nothing is linear.
+/// and log B = log sum_j Z_j(D) - log sum_j Z_j(no columns): numbers that explain the residual also bring back the hypotheses without a discrepancy. (Student's
+/// t where the errors' scale was learnt from few squares: b^T A^-1 b / 2 is then what the lesser chi-squared gains.) value, sd and shift are those of the
+/// likeliest hypothesis with D. H and g are those that make the mode a mode with the covariance that it has; H is at least the inverse variance of the
+/// emulator's box, beyond which nothing is linear.
 class FirstOrderModel {
  public:
   /// Both outlive the object.
@@ -43,14 +44,15 @@ class FirstOrderModel {
   /// Directions in the units of every hypothesis, made once for many questions.
   struct Block {
     struct One {
-      Eigen::MatrixXd d;          ///< whitened, in units of the priors, (size, n)
-      Cholesky factor;            ///< of A
+      Eigen::MatrixXd d;  ///< whitened, in units of the priors, (size, n)
+      Cholesky factor;    ///< of A
     };
     std::vector<One> errors;
   };
   [[nodiscard]] Block block(const AddedDirections& directions) const;
 
-  /// log B of a block for records that differ from the mode by `strength` prior deviations of one number, and by noise of the first hypothesis as it is expected.
+  /// log B of a block for records that differ from the mode by `strength` prior deviations of one number, and by noise of the first hypothesis as it is
+  /// expected.
   class Expected {
    public:
     [[nodiscard]] double log_bayes_factor(double strength) const;
@@ -70,11 +72,11 @@ class FirstOrderModel {
  private:
   /// One hypothesis about the errors.
   struct Errors {
-    double log_norm, freedom;   ///< log w_j and the density at residual 0
-    Eigen::MatrixXd jacobian;   ///< whitened, (size, dimension)
-    Eigen::VectorXd residual;   ///< whitened, of the records
-    double noise = 0;           ///< chi-squared of noise of the first hypothesis, as expected
-    Cholesky factor;            ///< of H + J^T J
+    double log_norm, freedom;  ///< log w_j and the density at residual 0
+    Eigen::MatrixXd jacobian;  ///< whitened, (size, dimension)
+    Eigen::VectorXd residual;  ///< whitened, of the records
+    double noise = 0;          ///< chi-squared of noise of the first hypothesis, as expected
+    Cholesky factor;           ///< of H + J^T J
   };
 
   const LogPosterior& posterior_;

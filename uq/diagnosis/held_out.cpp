@@ -10,9 +10,9 @@ namespace calomel {
 
 namespace {
 
-constexpr double on_face = 1e-4;  ///< [m] of the outermost gauge of a face
+constexpr double on_face = 1e-4;    ///< [m] of the outermost gauge of a face
 constexpr double of_target = 1e-3;  ///< [m] of the target's own outermost plane: gauges' places are those of the case
-constexpr std::size_t parts = 4;  ///< of a record that is the only one
+constexpr std::size_t parts = 4;    ///< of a record that is the only one
 
 using Gauges = std::vector<std::size_t>;  ///< observations
 
@@ -80,7 +80,8 @@ LogPosterior part_of(const PosteriorFit& fit, const std::vector<WeightedErrors>&
   for (const auto& h : hypotheses)
     parts.push_back({Eigen::MatrixXd(h.errors.covariance()(rows, rows)), Eigen::VectorXd(h.errors.data()(rows)), h.errors.freedom(), h.log_weight});
   const LogPosterior& all = *fit.posterior;
-  return {all.box(), all.emulator(), Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), parts, Eigen::MatrixXd(fit.noise(rows, rows)), all.priors(), all.beyond_prior()};
+  return {all.box(),    all.emulator(),    Eigen::MatrixXd(fit.coefficients(rows, Eigen::all)), parts, Eigen::MatrixXd(fit.noise(rows, rows)),
+          all.priors(), all.beyond_prior()};
 }
 
 namespace {
@@ -107,7 +108,9 @@ LocalMode mode_of_part(const LogPosterior& part, const PosteriorFit& whole) {
 PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold) {
   const LogPosterior part = part_of(fit, errors.hypotheses, rows_without(fold, fit.errors->grid()));
   const LocalMode m = mode_of_part(part, fit);
-  return {.log_evidence = log_evidence(part, m), .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond), .history = fit.history(m.at.u, m.at.beyond)};
+  return {.log_evidence = log_evidence(part, m),
+          .prediction = fit.coefficients * part.emulator().features(m.at.u, m.at.beyond),
+          .history = fit.history(m.at.u, m.at.beyond)};
 }
 
 namespace {
@@ -144,7 +147,8 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
     if (rows.empty()) continue;
     const auto& o = problem.observations[i];
     const auto& windows = grid.windows(i);
-    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0), first = std::size_t(rows.front()) - grid.offset(i), last = std::size_t(rows.back()) - grid.offset(i);
+    const std::size_t at = problem.shape.at(o.condition, o.sensor, 0), first = std::size_t(rows.front()) - grid.offset(i),
+                      last = std::size_t(rows.back()) - grid.offset(i);
     const double infinity = std::numeric_limits<double>::infinity();
     const double begin = first == 0 ? -infinity : 0.5 * (windows[first - 1].time + windows[first].time);
     const double end = last + 1 == windows.size() ? infinity : 0.5 * (windows[last].time + windows[last + 1].time);
@@ -153,7 +157,8 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
   }
 }
 
-HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const GaugePlaces& places) : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), places)) {
+HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const GaugePlaces& places)
+    : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), places)) {
   base_fit_ = left_out(base);
   std::ranges::fill(base_fit_.worth, 0.0);
 }

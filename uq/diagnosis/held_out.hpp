@@ -13,11 +13,11 @@ namespace calomel {
 /// Values of the grid that are held out together: whole records, or a stretch of one.
 struct Fold {
   std::vector<Eigen::Index> rows;  ///< ascending
-  double records = 0;  ///< how many, parts counted as such
+  double records = 0;              ///< how many, parts counted as such
 };
 
-/// Gauges of one face of the target are held out together, where they sit on three faces or more; else, and where there are no faces, each alone, with all that it recorded. A single
-/// record is held out in four parts of its time.
+/// Gauges of one face of the target are held out together, where they sit on three faces or more; else, and where there are no faces, each alone, with all that
+/// it recorded. A single record is held out in four parts of its time.
 [[nodiscard]] std::vector<Fold> folds_by_face(const Problem& problem, const Decimation& grid, const GaugePlaces& places);
 
 /// Those of whole observations.
@@ -50,9 +50,9 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
 
 /// What an explanation says of records that it was not shown.
 struct HeldOutFit {
-  std::vector<double> misfit;  ///< (folds)
-  std::vector<double> worth;   ///< (folds) log Bayes factor over the base model by the records that are left
-  std::vector<double> history; ///< (values of the model): each gauge by the fit without it
+  std::vector<double> misfit;   ///< (folds)
+  std::vector<double> worth;    ///< (folds) log Bayes factor over the base model by the records that are left
+  std::vector<double> history;  ///< (values of the model): each gauge by the fit without it
 };
 
 /// Numbers beside a fit whose effect on the model's values is rest + effects . numbers.

@@ -9,8 +9,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double still = 0.5;                   ///< root mean square of their moves, in standard deviations
-constexpr double step = 2, least_step = 0.25;   ///< of a number, over its standard deviation, and over its prior's
+constexpr double still = 0.5;                  ///< root mean square of their moves, in standard deviations
+constexpr double step = 2, least_step = 0.25;  ///< of a number, over its standard deviation, and over its prior's
 
 }  // namespace
 

@@ -45,7 +45,8 @@ Eigen::MatrixXd cosine_rows(const Decimation& grid, std::size_t i, int band) {
     if (const double share = double(m) / double(count); share >= double(band) / bands && share < double(band + 1) / bands) shares.push_back(share);
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(Eigen::Index(shares.size()), Eigen::Index(grid.size()));
   for (std::size_t r = 0; r < shares.size(); ++r)
-    for (std::size_t k = 0; k < count; ++k) rows(Eigen::Index(r), Eigen::Index(grid.offset(i) + k)) = std::cos(std::numbers::pi * (double(k) + 0.5) * shares[r]);
+    for (std::size_t k = 0; k < count; ++k)
+      rows(Eigen::Index(r), Eigen::Index(grid.offset(i) + k)) = std::cos(std::numbers::pi * (double(k) + 0.5) * shares[r]);
   return rows;
 }
 

@@ -9,16 +9,24 @@
 
 namespace calomel {
 
-/// A part of the residual against its covariance, NaN where nothing was recorded: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, chi-squared with k degrees of freedom where nothing is missing.
+/// A part of the residual against its covariance, NaN where nothing was recorded: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, chi-squared with k degrees
+/// of freedom where nothing is missing.
 struct ResidualPart {
-  double score = 0;    ///< q / k
-  double q_value = 1;  ///< by Benjamini and Yekutieli (2001, Ann. Stat. 29, 1165) over all parts: false discoveries among those as small, however the parts depend
+  double score = 0;  ///< q / k
+  double q_value =
+      1;  ///< by Benjamini and Yekutieli (2001, Ann. Stat. 29, 1165) over all parts: false discoveries among those as small, however the parts depend
 };
 
 struct LocatedMismatch {
-  struct Sensor : ResidualPart { std::string name; };
-  struct Window : ResidualPart { double begin = 0, end = 0; };  ///< [s]
-  struct Band : ResidualPart { double low = 0, high = 0; };     ///< [Hz]
+  struct Sensor : ResidualPart {
+    std::string name;
+  };
+  struct Window : ResidualPart {
+    double begin = 0, end = 0;
+  };  ///< [s]
+  struct Band : ResidualPart {
+    double low = 0, high = 0;
+  };  ///< [Hz]
   std::vector<Sensor> sensors;
   std::vector<Window> windows;
   std::vector<Band> bands;
@@ -26,8 +34,8 @@ struct LocatedMismatch {
   Eigen::MatrixXd map_q_values;  ///< of those
   Eigen::MatrixXd band_map;      ///< (observations, bands): score of each gauge in each band
   Eigen::MatrixXd band_map_q_values;
-  std::string first_sensor;  ///< where the residual is first seen (q below 0.05); empty: nowhere
-  double first_time = 0;     ///< [s]
+  std::string first_sensor;           ///< where the residual is first seen (q below 0.05); empty: nowhere
+  double first_time = 0;              ///< [s]
   std::size_t first_observation = 0;  ///< of the problem's, where there is such a gauge
 };
 

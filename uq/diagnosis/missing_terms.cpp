@@ -54,8 +54,10 @@ class Telling {
       with.push_back(&q);
       FirstOrder worth = first_order_.worth(joined(with));
       const Parameter& number = in_.groups[q.group].added[0].parameter;
-      const double gain = worth.log_bayes_factor - worth_.log_bayes_factor - std::log(double(questions_.size())), value = *number.nominal + worth.value[worth.value.size() - 1];
-      if (gain > most && value >= number.min && value <= number.max) most = gain, best = &q, with_best = std::move(worth);  // what no law allows is no description
+      const double gain = worth.log_bayes_factor - worth_.log_bayes_factor - std::log(double(questions_.size())),
+                   value = *number.nominal + worth.value[worth.value.size() - 1];
+      if (gain > most && value >= number.min && value <= number.max)
+        most = gain, best = &q, with_best = std::move(worth);  // what no law allows is no description
     }
     if (!best) return false;
     taken_.push_back(best), worth_ = std::move(with_best);

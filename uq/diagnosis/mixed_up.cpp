@@ -14,7 +14,9 @@ constexpr double clock_share = 0.01;  ///< of the record's length: prior standar
 constexpr double unlike = 0.7, alike = 0.9;
 constexpr double far_larger = 5;  ///< a bridge that is taken for another makes 4, a decimal point 10
 
-Eigen::VectorXd part(const Decimation& grid, const Eigen::VectorXd& v, std::size_t i) { return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())); }
+Eigen::VectorXd part(const Decimation& grid, const Eigen::VectorXd& v, std::size_t i) {
+  return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
+}
 
 /// Correlation sum(record simulation) / |record| |simulation| of the record of one observation with the simulation of another; 0 where they have other times.
 double correlation(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation, std::size_t record, std::size_t gauge) {
@@ -39,7 +41,8 @@ std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, co
   for (std::size_t i = 0; i < n; ++i) {
     const double own = correlation(grid, records, simulation, i, i), factor = part(grid, records, i).norm() / part(grid, simulation, i).norm();
     const bool other_size = own >= alike && std::max(factor, 1 / factor) > far_larger;
-    if (own <= -alike || other_size) out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = std::abs(own), .factor = factor});
+    if (own <= -alike || other_size)
+      out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = std::abs(own), .factor = factor});
     if (own >= unlike || own <= -alike) continue;
     for (std::size_t j = i + 1; j < n; ++j) {
       const double like = std::min(correlation(grid, records, simulation, i, j), correlation(grid, records, simulation, j, i));
@@ -68,7 +71,8 @@ AddedDirections lateness(const Problem& problem, const Decimation& grid, const E
   Eigen::VectorXd late(history.size());
   for (Eigen::Index first = 0; first < history.size(); first += Eigen::Index(t.size()))
     std::ranges::copy(change_when_late({history.data() + first, t.size()}, t), late.data() + first);
-  return {.by_number = grid.apply(Eigen::MatrixXd(late)), .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (grid.record_time().back() - grid.record_time().front()))};
+  return {.by_number = grid.apply(Eigen::MatrixXd(late)),
+          .prior_sd = Eigen::VectorXd::Constant(1, clock_share * (grid.record_time().back() - grid.record_time().front()))};
 }
 
 std::optional<LateRecords> late_records(const Problem& problem, const PosteriorFit& fit) {

@@ -1,5 +1,6 @@
 #pragma once
-/// A diagnosis in plain English, for a reader who has never heard of evidence. Every sentence about one is made here: diagnosis.json holds them, the terminal and the report show them.
+/// A diagnosis in plain English, for a reader who has never heard of evidence. Every sentence about one is made here: diagnosis.json holds them, the terminal
+/// and the report show them.
 #include <span>
 #include <string>
 #include <vector>
@@ -35,7 +36,8 @@ struct PlainNumber {
 /// The wall of a place with the stretch that was fitted, "front, 10.3 to 25.5 mm"; the place itself where the numbers have no ends.
 [[nodiscard]] std::string fitted_place(const std::string& mechanism, const std::string& place, const std::vector<Estimate>& numbers);
 
-/// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record: what to measure to tell them apart.
+/// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record: what to measure to tell
+/// them apart.
 [[nodiscard]] std::string separating_measurement(const Diagnosis& d, const Problem& problem);
 
 /// Why the entry of the ranking is what the verdict says or not, and what would have to be otherwise.

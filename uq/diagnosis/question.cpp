@@ -15,15 +15,15 @@ namespace calomel {
 namespace {
 
 constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group of many numbers of one kind
-constexpr int shapes_tried = 9;  ///< values over its prior
-constexpr double rounding = 1e-5;  ///< of the histories: an effect smaller than this is none
+constexpr int shapes_tried = 9;                           ///< values over its prior
+constexpr double rounding = 1e-5;                         ///< of the histories: an effect smaller than this is none
 
 /// What a number does at one strength.
 struct Effect {
   std::size_t group, number;  ///< indices
   double strength;
   std::vector<double> shapes;  ///< values of the group's
-  Eigen::VectorXd change;     ///< (values) per unit; empty: nothing that shows
+  Eigen::VectorXd change;      ///< (values) per unit; empty: nothing that shows
 };
 
 std::string label(const ParameterGroup& g) { return g.place.empty() ? g.name : g.name + " (" + g.place + ")"; }
@@ -89,7 +89,11 @@ class Asking {
     q.worth = first_order_.worth(q.directions);
     return q;
   }
-  void add(Question q) { out_.questions.push_back(answered(std::move(q))); }
+  /// Unless nothing that is compared shows it, as of a gauge without a record.
+  void add(Question q) {
+    q = answered(std::move(q));
+    if ((q.directions.by_number.array() != 0).any()) out_.questions.push_back(std::move(q));
+  }
   /// The part of a change that one gauge shows.
   [[nodiscard]] Eigen::VectorXd of_sensor(Eigen::VectorXd change, std::size_t sensor) const {
     const ModelShape& shape = in_.problem.shape;
@@ -200,7 +204,9 @@ void Asking::add_over_scales(Question q) {
 
 void Asking::keep_the_best() {
   auto& all = out_.questions;
-  const auto sort = [&] { std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; }); };
+  const auto sort = [&] {
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.worth.log_bayes_factor > b.worth.log_bayes_factor; });
+  };
   sort();
   std::vector<Question> best;
   for (auto& q : all)
@@ -258,13 +264,15 @@ std::vector<ParameterGroup> with_idle_numbers_as_shapes(std::vector<ParameterGro
     std::vector<AddedParameter> deciding, idle;
     for (auto& a : g.added) {
       bool acts = false;
-      for (std::size_t i = 0; i < a.strengths.size(); ++i, ++record) acts = acts || !records[record].done || (records[record].history() - zero).norm() > rounding * zero.norm();
+      for (std::size_t i = 0; i < a.strengths.size(); ++i, ++record)
+        acts = acts || !records[record].done || (records[record].history() - zero).norm() > rounding * zero.norm();
       (acts ? deciding : idle).push_back(a);
     }
     if (deciding.empty()) continue;
     for (auto& a : idle) {
       a.strengths.clear();
-      for (int i = 0; i < shapes_tried; ++i) a.strengths.push_back(std::clamp(Prior(a.parameter).quantile((i + 0.5) / shapes_tried), a.parameter.min, a.parameter.max));
+      for (int i = 0; i < shapes_tried; ++i)
+        a.strengths.push_back(std::clamp(Prior(a.parameter).quantile((i + 0.5) / shapes_tried), a.parameter.min, a.parameter.max));
       g.shapes.push_back(std::move(a));
     }
     g.added = std::move(deciding);

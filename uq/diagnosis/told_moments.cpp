@@ -7,7 +7,9 @@
 
 namespace calomel {
 
-Moments tempered_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) { return sampled_moments(posterior.to_the_power(1 / Gates{}.temperature), mode, seed); }
+Moments tempered_moments(const LogPosterior& posterior, const LocalMode& mode, std::uint64_t seed) {
+  return sampled_moments(posterior.to_the_power(1 / Gates{}.temperature), mode, seed);
+}
 
 double tempered(double sd, double prior_sd) {
   const double of_prior = 1 / (prior_sd * prior_sd);

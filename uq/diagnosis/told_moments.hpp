@@ -1,5 +1,6 @@
 #pragma once
-/// The numbers of a fit as a diagnosis tells them: under the likelihood to the power that its probabilities take the evidences to. On coarse meshes and an emulator it is that much too sure.
+/// The numbers of a fit as a diagnosis tells them: under the likelihood to the power that its probabilities take the evidences to. On coarse meshes and an
+/// emulator it is that much too sure.
 #include <cstdint>
 
 #include "inverse/posterior/posterior_fit.hpp"

@@ -28,17 +28,19 @@ double log_part(const EvidenceByScale& e, const Belongs& belongs) {
 /// Of the square of a misfit, what is gone.
 double share_gone(double after, double before) { return 1 - after * after / (before * before); }
 
-/// Probabilities of the explanations before the records, over that of all names together: singles share alike, and each pair has what it would if all there could be were there.
+/// Probabilities of the explanations before the records, over that of all names together: singles share alike, and each pair has what it would if all there
+/// could be were there.
 std::vector<double> priors_of(const std::vector<Explanation>& all, const Gates& g) {
   const auto is_pair = [](const Explanation& e) { return e.name.find('+') != std::string::npos; };
-  const double fitted = double(std::count_if(all.begin(), all.end(), is_pair)), singles = double(all.size()) - fitted, pairs = std::max(1.0, singles * (singles - 1) / 2);
+  const double fitted = double(std::count_if(all.begin(), all.end(), is_pair)), singles = double(all.size()) - fitted,
+               pairs = std::max(1.0, singles * (singles - 1) / 2);
   std::vector<double> out;
   for (const auto& e : all) out.push_back(is_pair(e) ? g.prior_pairs / pairs : (fitted > 0 ? 1 - g.prior_pairs : 1) / singles);
   return out;
 }
 
-/// Probabilities by the tempered evidences. "None" claims that nothing is left out, a name that what it leaves is small beside what it accounts for; whatever needs more of
-/// a discrepancy, the base model or an explanation, is "unknown": half of what that has before the records is the base model's.
+/// Probabilities by the tempered evidences. "None" claims that nothing is left out, a name that what it leaves is small beside what it accounts for; whatever
+/// needs more of a discrepancy, the base model or an explanation, is "unknown": half of what that has before the records is the base model's.
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
   const std::vector<double> of_name = priors_of(all, g);
   const double of_names = 1 - g.prior_none - g.prior_unknown, of_base = all.empty() ? 1 : 0.5;
@@ -91,10 +93,14 @@ double greatest_remainder(const BaseEvidence& base, const Gates& gates) {
 
 std::string text(VerdictKind kind) {
   switch (kind) {
-    case VerdictKind::none: return "none";
-    case VerdictKind::named: return "named";
-    case VerdictKind::ambiguous: return "ambiguous";
-    case VerdictKind::unknown: return "unknown";
+    case VerdictKind::none:
+      return "none";
+    case VerdictKind::named:
+      return "named";
+    case VerdictKind::ambiguous:
+      return "ambiguous";
+    case VerdictKind::unknown:
+      return "unknown";
   }
   return "unknown";
 }
@@ -120,17 +126,20 @@ bool not_told_apart(const BaseEvidence& base, const Explanation& a, const Explan
   return same_class(a, b) || (!a.numerical && !b.numerical && std::abs(evidence_of_name(base, a, g) - evidence_of_name(base, b, g)) < g.lead);
 }
 
-/// Of the square of the misfit of what was left out of the fit, what is gone with it: of gauges, of many small numbers of the beginning of the records as much. Nothing where nothing was left out.
+/// Of the square of the misfit of what was left out of the fit, what is gone with it: of gauges, of many small numbers of the beginning of the records as much.
+/// Nothing where nothing was left out.
 std::optional<double> share_foretold(const BaseEvidence& base, const Explanation& e) {
   if (!e.foretold) return e.held_out ? std::optional(share_gone(*e.held_out, base.held_out)) : std::nullopt;
   const double beginning = share_gone(e.foretold->beginning, e.foretold->beginning_before);
   return e.held_out ? 0.5 * (beginning + share_gone(*e.held_out, e.foretold->gauges_before)) : beginning;
 }
 
-/// A numerical alternative that explains as much as a physical explanation, or more: no record tells the two apart, or its evidence is not behind by the lead that a name needs. Null: there is none.
+/// A numerical alternative that explains as much as a physical explanation, or more: no record tells the two apart, or its evidence is not behind by the lead
+/// that a name needs. Null: there is none.
 const Explanation* numerical_rival(const BaseEvidence& base, const std::vector<Explanation>& all, const Explanation& e, const Gates& g) {
   const double own = evidence_of_name(base, e, g);
-  const auto at = std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.numerical && &x != &e && (same_class(e, x) || own - evidence_of_name(base, x, g) < g.lead); });
+  const auto at = std::find_if(all.begin(), all.end(),
+                               [&](const auto& x) { return x.numerical && &x != &e && (same_class(e, x) || own - evidence_of_name(base, x, g) < g.lead); });
   return at == all.end() ? nullptr : &*at;
 }
 
@@ -155,7 +164,8 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
   if (e.chi2 > plausible && share < least_explained(g)) return share < g.explained ? Gate::explained : Gate::remainder;
-  // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them predicts.
+  // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them
+  // predicts.
   const auto foretold = share_foretold(base, e);
   if (!foretold && !(e.misfit < g.misfit * base.misfit)) return Gate::misfit;
   const double of_records = share_gone(e.misfit, e.foretold ? e.foretold->misfit_before : base.misfit);
@@ -173,8 +183,9 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
   const bool base_adequate = base.chi2 <= greatest_plausible(base, g);
   const auto otherwise = [&](const std::string& why) {
     v.kind = base_adequate ? VerdictKind::none : VerdictKind::unknown;
-    v.reason = base_adequate ? fmt::format("{} (chi-squared {:.4g} for {:.0f} values)", base_fits, base.chi2, base.values)
-                             : fmt::format("the base model does not explain the records (chi-squared {:.4g} for {:.0f} values), and {}", base.chi2, base.values, why);
+    v.reason = base_adequate
+                   ? fmt::format("{} (chi-squared {:.4g} for {:.0f} values)", base_fits, base.chi2, base.values)
+                   : fmt::format("the base model does not explain the records (chi-squared {:.4g} for {:.0f} values), and {}", base.chi2, base.values, why);
     return v;
   };
   const auto unknown = [&](const std::string& why) {
@@ -184,14 +195,19 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
   if (all.empty()) return otherwise("nothing was offered that could");
   const Explanation& best = all[0];
   const auto next = std::find_if(all.begin() + 1, all.end(), [&](const auto& e) { return !same_class(best, e); });
-  const double own = evidence_of_name(base, best, g), lead = next == all.end() ? own : own - evidence_of_name(base, *next, g), explained = share_explained(base, best, g).value_or(0);
+  const double own = evidence_of_name(base, best, g), lead = next == all.end() ? own : own - evidence_of_name(base, *next, g),
+               explained = share_explained(base, best, g).value_or(0);
   switch (gate_not_passed(base, all, 0, g)) {
     case Gate::fitted:
       if (best.log_bayes_factor >= g.log_bayes_factor)
-        return unknown(fmt::format("{} comes nearest, with a log Bayes factor of {:.3g} to first order, but was not fitted in the true model: raise diagnosis.leaders or diagnosis.max_runs", best.name, best.log_bayes_factor));
+        return unknown(
+            fmt::format("{} comes nearest, with a log Bayes factor of {:.3g} to first order, but was not fitted in the true model: raise diagnosis.leaders or "
+                        "diagnosis.max_runs",
+                        best.name, best.log_bayes_factor));
       [[fallthrough]];
     case Gate::evidence:
-      return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name, best.log_bayes_factor, g.log_bayes_factor));
+      return otherwise(fmt::format("nothing that was offered does: the best, {}, has a log Bayes factor of {:.3g}, below {:.3g}", best.name,
+                                   best.log_bayes_factor, g.log_bayes_factor));
     case Gate::numerical:
       return unknown(fmt::format("numerics: {} explains the records better than any physics that was offered", best.name));
     case Gate::numerical_rival:
@@ -199,16 +215,25 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     case Gate::explained:
       return unknown(fmt::format("{} comes nearest, but explains only {:.0f} % of what the base model leaves", best.name, 100 * explained));
     case Gate::remainder:
-      return unknown(fmt::format("{} comes nearest, but with it the records are still not explained: it leaves {:.0f} % of what the base model leaves (chi-squared {:.4g} for {:.0f} values)", best.name,
-                                 100 * (1 - explained), best.chi2, base.values));
+      return unknown(
+          fmt::format("{} comes nearest, but with it the records are still not explained: it leaves {:.0f} % of what the base model leaves (chi-squared {:.4g} "
+                      "for {:.0f} values)",
+                      best.name, 100 * (1 - explained), best.chi2, base.values));
     case Gate::misfit:
-      return unknown(fmt::format("{} has the evidence, but with it the records are not nearer: their misfit is {:.3g} % and was {:.3g} %", best.name, 100 * best.misfit, 100 * base.misfit));
+      return unknown(fmt::format("{} has the evidence, but with it the records are not nearer: their misfit is {:.3g} % and was {:.3g} %", best.name,
+                                 100 * best.misfit, 100 * base.misfit));
     case Gate::held_out:
       if (best.foretold)
-        return unknown(fmt::format("{} has the evidence, but what was left out of the fit gains too little by it: the misfit of {}the first quarter of all records is {:.3g} % and was {:.3g} %", best.name,
-                                   best.held_out ? fmt::format("gauges is {:.3g} % and was {:.3g} %, that of ", 100 * *best.held_out, 100 * best.foretold->gauges_before) : "", 100 * best.foretold->beginning, 100 * best.foretold->beginning_before));
-      return unknown(fmt::format("{} has the evidence, but gauges that were left out of the fit gain too little by it: their misfit is {:.3g} % and was {:.3g} %, where that of the records is {:.3g} % and was {:.3g} %", best.name,
-                                 100 * *best.held_out, 100 * base.held_out, 100 * best.misfit, 100 * base.misfit));
+        return unknown(fmt::format(
+            "{} has the evidence, but what was left out of the fit gains too little by it: the misfit of {}the first quarter of all records is {:.3g} % and "
+            "was {:.3g} %",
+            best.name,
+            best.held_out ? fmt::format("gauges is {:.3g} % and was {:.3g} %, that of ", 100 * *best.held_out, 100 * best.foretold->gauges_before) : "",
+            100 * best.foretold->beginning, 100 * best.foretold->beginning_before));
+      return unknown(
+          fmt::format("{} has the evidence, but gauges that were left out of the fit gain too little by it: their misfit is {:.3g} % and was {:.3g} %, where "
+                      "that of the records is {:.3g} % and was {:.3g} %",
+                      best.name, 100 * *best.held_out, 100 * base.held_out, 100 * best.misfit, 100 * base.misfit));
     case Gate::plausible:
       return unknown(fmt::format("{} would explain the records with a number {:.2g} standard deviations beyond what is plausible", best.name, best.farthest));
     case Gate::handbook:
@@ -223,7 +248,8 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
     if (&e != &best && not_told_apart(base, best, e, g)) v.mechanisms.push_back(e.name);
   v.mechanisms.insert(v.mechanisms.begin(), best.name);
   v.kind = v.mechanisms.size() == 1 ? VerdictKind::named : VerdictKind::ambiguous;
-  v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * explained, best.log_bayes_factor, lead);
+  v.reason = fmt::format("{} explains {:.0f} % of what the base model leaves (log Bayes factor {:.3g}, lead {:.3g})", best.name, 100 * explained,
+                         best.log_bayes_factor, lead);
   return v;
 }
 

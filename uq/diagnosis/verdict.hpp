@@ -21,7 +21,8 @@ using EvidenceByScale = std::vector<ScaleEvidence>;
 /// Scale of the discrepancy that the records ask for: its mean over these hypotheses.
 [[nodiscard]] double mean_scale(const EvidenceByScale& e);
 
-/// What many small numbers foretell of what they were not shown: with so many anything that leaves a target moving is imitated, but not foretold. Misfits as in Explanation.
+/// What many small numbers foretell of what they were not shown: with so many anything that leaves a target moving is imitated, but not foretold. Misfits as in
+/// Explanation.
 struct Foretold {
   double misfit_before = 0;     ///< of the records by what the numbers stand on, the base model or another explanation
   double gauges_before = 0;     ///< of gauges left out by the same
@@ -31,29 +32,29 @@ struct Foretold {
 
 /// What is known of one explanation beside the base model.
 struct Explanation {
-  std::string name;                   ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
+  std::string name;  ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
-  bool of_a_gauge = false;            ///< a fault of one gauge, which predicts nothing of the others
-  double log_bayes_factor = 0;        ///< against the base model, under the same errors
-  EvidenceByScale by_scale;           ///< the same, scale by scale of a discrepancy
-  double chi2 = 0;                    ///< with it, without any discrepancy
-  std::optional<double> base_chi2 = {};  ///< the base model's under the same covariance, its emulator's noise included; none: the base model's own is under it
-  double misfit = 0;                  ///< with it, |history - record| / |record|, mean over the gauges
-  std::optional<double> held_out;     ///< the same of what was left out of the fit; where that was made
+  bool of_a_gauge = false;                ///< a fault of one gauge, which predicts nothing of the others
+  double log_bayes_factor = 0;            ///< against the base model, under the same errors
+  EvidenceByScale by_scale;               ///< the same, scale by scale of a discrepancy
+  double chi2 = 0;                        ///< with it, without any discrepancy
+  std::optional<double> base_chi2 = {};   ///< the base model's under the same covariance, its emulator's noise included; none: the base model's own is under it
+  double misfit = 0;                      ///< with it, |history - record| / |record|, mean over the gauges
+  std::optional<double> held_out;         ///< the same of what was left out of the fit; where that was made
   std::optional<Foretold> foretold = {};  ///< of many small numbers
-  double farthest = 0;                ///< of its numbers, in prior standard deviations from their middle
-  double base_pull = 0;               ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
-  bool fitted = false;                ///< in the true model; else to first order only
-  std::vector<std::string> same_as;   ///< others that no record of these gauges tells from it
+  double farthest = 0;                    ///< of its numbers, in prior standard deviations from their middle
+  double base_pull = 0;                   ///< root mean square of the base parameters' distances from the handbook, in its standard deviations
+  bool fitted = false;                    ///< in the true model; else to first order only
+  std::vector<std::string> same_as;       ///< others that no record of these gauges tells from it
 };
 
 /// The base model.
 struct BaseEvidence {
-  double values = 0;       ///< compared
-  double chi2 = 0;         ///< at its best, without any discrepancy
-  double misfit = 0;       ///< |history - record| / |record|, mean over the gauges
-  double held_out = 0;     ///< the same of what was left out of the fit
-  EvidenceByScale by_scale;  ///< its evidence, scale by scale of a discrepancy
+  double values = 0;                 ///< compared
+  double chi2 = 0;                   ///< at its best, without any discrepancy
+  double misfit = 0;                 ///< |history - record| / |record|, mean over the gauges
+  double held_out = 0;               ///< the same of what was left out of the fit
+  EvidenceByScale by_scale;          ///< its evidence, scale by scale of a discrepancy
   std::optional<double> local = {};  ///< log evidence with a discrepancy in one place alone, over that of the whole mixture; none: the gauges have no places
   double base_pull = 0;
 };
@@ -61,20 +62,23 @@ struct BaseEvidence {
 /// Numbers of the rule, frozen before cases are judged.
 struct Gates {
   double log_bayes_factor = 7;
-  double lead = 5;              ///< of evidence_of_name over that of the next explanation that is not of the same class
-  double explained = 0.5;       ///< of what chi-squared has above that of nothing missing: what explains less, and is not enough, is told by that and not by what it leaves
-  double null_chi2 = 0.65;      ///< chi-squared over values where nothing is missing, as the errors are wide
-  double adequate = 0.01;       ///< p-value of chi-squared of an adequate fit, at least
-  double remainder = 1.0 / 4;   ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
-  double misfit = 1;            ///< of the records with a name over that without it: it has to be below, where nothing was left out of the fit
-  double held_out = 0.4;        ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least. What imitates an effect does not predict them
+  double lead = 5;  ///< of evidence_of_name over that of the next explanation that is not of the same class
+  double explained =
+      0.5;  ///< of what chi-squared has above that of nothing missing: what explains less, and is not enough, is told by that and not by what it leaves
+  double null_chi2 = 0.65;  ///< chi-squared over values where nothing is missing, as the errors are wide
+  double adequate = 0.01;   ///< p-value of chi-squared of an adequate fit, at least
+  double remainder =
+      1.0 / 4;            ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
+  double misfit = 1;      ///< of the records with a name over that without it: it has to be below, where nothing was left out of the fit
+  double held_out = 0.4;  ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least.
+                          ///< What imitates an effect does not predict them
   double farthest = 3;
-  double handbook = 2;          ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
-  double temperature = 2;       ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
+  double handbook = 2;     ///< root mean square of the base parameters' distances from it, in its standard deviations, that is not implausible
+  double temperature = 2;  ///< log evidences are divided by it before they become probabilities: Laplace on an emulator is that much too sure
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
-  double prior_pairs = 0.2;     ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
-  double believed = 0.9;        ///< probability of what is named or not told apart, more than
-  int revision = 8;             ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  double prior_pairs = 0.2;  ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
+  double believed = 0.9;     ///< probability of what is named or not told apart, more than
+  int revision = 8;  ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
@@ -83,7 +87,8 @@ std::string text(VerdictKind kind);
 struct Ranked {
   std::string name;  ///< "none", "unknown", or an explanation's
   double probability = 0;
-  double log_evidence = 0;  ///< over the base model's whole: "none" without a discrepancy, a name with no more than it may leave, "unknown" the base model and all explanations with more
+  double log_evidence = 0;  ///< over the base model's whole: "none" without a discrepancy, a name with no more than it may leave, "unknown" the base model and
+                            ///< all explanations with more
 };
 
 struct Verdict {
@@ -93,8 +98,8 @@ struct Verdict {
   std::string reason;                   ///< one sentence
 };
 
-/// Log evidence of an explanation with no more of a discrepancy than a name may leave, over that of the base model's whole: by this explanations are held against one another.
-/// With any discrepancy one that explains half of what another explains may be worth as much.
+/// Log evidence of an explanation with no more of a discrepancy than a name may leave, over that of the base model's whole: by this explanations are held
+/// against one another. With any discrepancy one that explains half of what another explains may be worth as much.
 [[nodiscard]] double evidence_of_name(const BaseEvidence& base, const Explanation& e, const Gates& gates = {});
 
 /// The greatest evidence_of_name first.

@@ -25,8 +25,10 @@ struct PowerOptions {
     v("noise", noise, {.range = above(0), .doc = "sd of a gauge's noise in one pulse, in the sensors' unit"});
     v("noise_time", noise_time, {.unit = "s", .range = at_least(0), .doc = "its correlation time"});
     v("energy_sd", energy_sd, {.range = between(0, 0.5), .doc = "relative sd of the energy from pulse to pulse"});
-    v("gauges", gauges, {.range = between(0, 100), .doc = "further gauges that are tried, one at a time, spread over what the case's own leave open of the outer surface"});
-    v("energies", energies, {.range = above(0), .doc = "further beam powers that are tried, one at a time, as multiples of the case's own; of a case with one condition"});
+    v("gauges", gauges,
+      {.range = between(0, 100), .doc = "further gauges that are tried, one at a time, spread over what the case's own leave open of the outer surface"});
+    v("energies", energies,
+      {.range = above(0), .doc = "further beam powers that are tried, one at a time, as multiples of the case's own; of a case with one condition"});
   }
 };
 
@@ -55,10 +57,10 @@ struct PlanPower {
   double gain = 0;  ///< over the first plan: mean over its numbers of log(share needed there / here)
 };
 
-/// For each plan and each number alone, the least strength s at which records with it, noise as it is expected, would pass the gates of evidence and lead, to first order about
-/// the fit: log B of its own question at least `log_bayes_factor`, and `lead` above every other group's. `fit`: to planned records in which nothing is missing, of all
-/// observations of all plans; `questions`: about it.
-[[nodiscard]] std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, const std::vector<ParameterGroup>& groups, const std::vector<Question>& questions,
-                                           const std::vector<Plan>& plans, const Gates& gates = {});
+/// For each plan and each number alone, the least strength s at which records with it, noise as it is expected, would pass the gates of evidence and lead, to
+/// first order about the fit: log B of its own question at least `log_bayes_factor`, and `lead` above every other group's. `fit`: to planned records in which
+/// nothing is missing, of all observations of all plans; `questions`: about it.
+[[nodiscard]] std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, const std::vector<ParameterGroup>& groups,
+                                           const std::vector<Question>& questions, const std::vector<Plan>& plans, const Gates& gates = {});
 
 }  // namespace calomel

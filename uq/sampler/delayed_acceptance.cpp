@@ -11,8 +11,14 @@ namespace {
 
 class DelayedAcceptanceChain final : public MarkovChain {
  public:
-  DelayedAcceptanceChain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options, const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup)
-      : exact_(exact), options_(options), alone_(std::max(0, warmup - options.settle)), d_(Eigen::Index(cheap.dimension())), first_stage_(dram_chain(cheap, dram, covariance)), x_(d_) {
+  DelayedAcceptanceChain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options, const DramOptions& dram,
+                         const Eigen::MatrixXd& covariance, int warmup)
+      : exact_(exact),
+        options_(options),
+        alone_(std::max(0, warmup - options.settle)),
+        d_(Eigen::Index(cheap.dimension())),
+        first_stage_(dram_chain(cheap, dram, covariance)),
+        x_(d_) {
     expect(exact.dimension() == cheap.dimension(), "both densities have the same coordinates");
   }
 
@@ -45,7 +51,9 @@ class DelayedAcceptanceChain final : public MarkovChain {
     result.acceptance = log_exact == never ? 0 : log_exact_ == never ? 1 : std::exp(std::min(0.0, (log_exact - log_cheap) - (log_exact_ - log_cheap_)));
     if (u < result.acceptance) take(y, log_cheap, log_exact);
     if (!learns && log_exact_ == never)
-      throw NumericsError("the exact density is zero where the cheap one has led a chain and at its proposals; narrow the bounds to where the exact one is positive, or raise sampler.delayed_acceptance.settle");
+      throw NumericsError(
+          "the exact density is zero where the cheap one has led a chain and at its proposals; narrow the bounds to where the exact one is positive, or raise "
+          "sampler.delayed_acceptance.settle");
     return result;
   }
 
@@ -98,8 +106,8 @@ class DelayedAcceptanceChain final : public MarkovChain {
 
 }  // namespace
 
-std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options, const DramOptions& dram,
-                                                      const Eigen::MatrixXd& covariance, int warmup) {
+std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options,
+                                                      const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup) {
   return std::make_unique<DelayedAcceptanceChain>(cheap, exact, options, dram, covariance, warmup);
 }
 

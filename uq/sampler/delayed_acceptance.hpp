@@ -23,10 +23,10 @@ struct DelayedAcceptanceOptions {
 
 /// A transition lets DRAM go `first_stage` transitions from x on the cheap density p*, frozen, to y, and accepts y with
 ///   a = min(1, p(y) p*(x) / (p(x) p*(y))),
-/// one evaluation of p, none where y = x. DRAM is reversible for p*, so that the chain is for p, whatever p* is; how well p* stands in for p decides the acceptance alone.
-/// In the warm-up DRAM learns on p* alone and p is not asked, but for the last `settle` transitions, which carry the chain from p* to p.
-/// It begins where p* is positive. warmup: transitions that learn. Errors: those of dram_chain(); NumericsError where either density is NaN, naming the place.
-std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options, const DramOptions& dram,
-                                                      const Eigen::MatrixXd& covariance, int warmup);
+/// one evaluation of p, none where y = x. DRAM is reversible for p*, so that the chain is for p, whatever p* is; how well p* stands in for p decides the
+/// acceptance alone. In the warm-up DRAM learns on p* alone and p is not asked, but for the last `settle` transitions, which carry the chain from p* to p. It
+/// begins where p* is positive. warmup: transitions that learn. Errors: those of dram_chain(); NumericsError where either density is NaN, naming the place.
+std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options,
+                                                      const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup);
 
 }  // namespace calomel

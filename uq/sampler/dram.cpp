@@ -76,7 +76,15 @@ struct Moments {
 class DramChain final : public MarkovChain {
  public:
   DramChain(const LogDensity& density, const DramOptions& options, const Eigen::MatrixXd& covariance)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), x_(d_), centre_(Eigen::VectorXd::Zero(d_)), shape_(covariance), former_(covariance), older_(d_), newer_(d_) {
+      : density_(density),
+        options_(options),
+        d_(Eigen::Index(density.dimension())),
+        x_(d_),
+        centre_(Eigen::VectorXd::Zero(d_)),
+        shape_(covariance),
+        former_(covariance),
+        older_(d_),
+        newer_(d_) {
     expect(covariance.rows() == d_ && covariance.cols() == d_, "the covariance has the dimension of the density");
     if (!covariance.allFinite() || !factorise())
       throw InputError({.problem = "the covariance that the chains start from is not positive definite", .suggestion = "give one that is, or none"});

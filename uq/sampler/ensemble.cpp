@@ -13,8 +13,11 @@ namespace calomel {
 std::size_t walkers_of(const WalkerOptions& options, std::size_t d) {
   if (options.walkers == 0) return std::max<std::size_t>(8, 4 * d);
   if (options.walkers % 2 != 0 || std::size_t(options.walkers) < std::max<std::size_t>(4, 2 * d))
-    throw InputError({.problem = fmt::format("must be even, and at least {} for {} parameters: fewer walkers move in a plane of their own", std::max<std::size_t>(4, 2 * d), d),
-                      .key = "sampler.ensemble.walkers", .value = std::to_string(options.walkers), .suggestion = "take it out: four times the parameters are the default"});
+    throw InputError({.problem = fmt::format("must be even, and at least {} for {} parameters: fewer walkers move in a plane of their own",
+                                             std::max<std::size_t>(4, 2 * d), d),
+                      .key = "sampler.ensemble.walkers",
+                      .value = std::to_string(options.walkers),
+                      .suggestion = "take it out: four times the parameters are the default"});
   return std::size_t(options.walkers);
 }
 
@@ -26,8 +29,15 @@ constexpr double spread = 0.1;            ///< of g, relative
 class EnsembleChain final : public MarkovChain {
  public:
   EnsembleChain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, double dispersion)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), walkers_(walkers_of(options, density.dimension())), mean_(mean),
-        factor_(covariance_factor(covariance, density.dimension())), dispersion_(std::max(dispersion, 1e-3)), x_(d_, Eigen::Index(walkers_)), log_density_(walkers_, 0.0) {}
+      : density_(density),
+        options_(options),
+        d_(Eigen::Index(density.dimension())),
+        walkers_(walkers_of(options, density.dimension())),
+        mean_(mean),
+        factor_(covariance_factor(covariance, density.dimension())),
+        dispersion_(std::max(dispersion, 1e-3)),
+        x_(d_, Eigen::Index(walkers_)),
+        log_density_(walkers_, 0.0) {}
 
   void begin(std::span<const double> x, double log_density) override {
     expect(Eigen::Index(x.size()) == d_ && std::isfinite(log_density), "a chain begins where the density is positive");
@@ -120,8 +130,8 @@ class EnsembleChain final : public MarkovChain {
 
 }  // namespace
 
-std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
-                                            double dispersion) {
+std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
+                                            const Eigen::MatrixXd& covariance, double dispersion) {
   return std::make_unique<EnsembleChain>(density, options, mean, covariance, dispersion);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Ensembles of walkers that propose by one another's places: stretch moves (Goodman and Weare 2010, Comm. Appl. Math. Comp. Sci. 5, 65) and moves of differential evolution
-/// (ter Braak 2006, Statistics and Computing 16, 239).
+/// Ensembles of walkers that propose by one another's places: stretch moves (Goodman and Weare 2010, Comm. Appl. Math. Comp. Sci. 5, 65) and moves of
+/// differential evolution (ter Braak 2006, Statistics and Computing 16, 239).
 #include <Eigen/Core>
 #include <memory>
 
@@ -17,8 +17,12 @@ struct WalkerOptions {
 
   template <class V>
   void visit(V& v) {
-    v("walkers", walkers, {.range = between(0, 100000), .doc = "of each ensemble, an even number of at least twice the parameters; 0: four times the parameters, 8 or more. Each is a chain of the output"});
-    v("stretch", stretch, {.range = between(0, 1), .doc = "share of stretch moves; the others are differences of two other walkers, which alone leave one behind that starts far off"});
+    v("walkers", walkers,
+      {.range = between(0, 100000),
+       .doc = "of each ensemble, an even number of at least twice the parameters; 0: four times the parameters, 8 or more. Each is a chain of the output"});
+    v("stretch", stretch,
+      {.range = between(0, 1),
+       .doc = "share of stretch moves; the others are differences of two other walkers, which alone leave one behind that starts far off"});
     v("scale", scale, {.range = {.low = 1, .high = 100, .low_open = true}, .doc = "greatest stretch a; the least is 1/a"});
   }
 };
@@ -31,9 +35,9 @@ struct WalkerOptions {
 ///  - difference: y = x_k + g (x_i - x_j), g = 2.38 / sqrt(2 d) times N(1, 0.1), or 1 in one move of ten, which carries walkers between modes; accepted with
 ///    min(1, p(y) / p(x_k)).
 /// Both leave the product of the walkers' densities invariant, whatever their shape is by an affine map; nothing is learnt in the warm-up.
-/// Walkers start about `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when that is not positive definite or the number of walkers is odd or too small;
-/// NumericsError where the density is NaN, or zero wherever a walker tries to start.
-std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
-                                            double dispersion);
+/// Walkers start about `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when that is not positive definite or the number of walkers is
+/// odd or too small; NumericsError where the density is NaN, or zero wherever a walker tries to start.
+std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
+                                            const Eigen::MatrixXd& covariance, double dispersion);
 
 }  // namespace calomel

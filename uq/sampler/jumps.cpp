@@ -12,7 +12,8 @@ int ModeJumps::move(MarkovChain& chain, const LogDensity& density, RandomStream&
     const auto place = chain.position(w);
     const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(place.data(), Eigen::Index(place.size()));
     const double value = checked_log_density(density, y);
-    if (std::log(u) < value - chain.log_density(w) + mixture_.log_density(x) - mixture_.log_density(y)) chain.jump(w, {y.data(), std::size_t(y.size())}, value, part.mean());
+    if (std::log(u) < value - chain.log_density(w) + mixture_.log_density(x) - mixture_.log_density(y))
+      chain.jump(w, {y.data(), std::size_t(y.size())}, value, part.mean());
   }
   return int(chain.walkers());
 }

@@ -20,14 +20,15 @@ struct Trajectory {
 
 /// A chain promises:
 ///  - a transition draws from the given stream and from nothing else, and depends on nothing but it and the chain's state;
-///  - with learns = true (warm-up) it may change its proposal; after freeze() it leaves the density invariant exactly, or tells the points of a population that was made for
+///  - with learns = true (warm-up) it may change its proposal; after freeze() it leaves the density invariant exactly, or tells the points of a population that
+///  was made for
 ///    the density, one a transition (smc);
 ///  - restore() of what save() wrote gives a chain that goes on to the same draws.
 class MarkovChain {
  public:
   struct Transition {
-    double acceptance = 0;  ///< probability with which it moved, [0, 1]
-    int evaluations = 0;    ///< of the density that is sampled
+    double acceptance = 0;      ///< probability with which it moved, [0, 1]
+    int evaluations = 0;        ///< of the density that is sampled
     int cheap_evaluations = 0;  ///< of its cheap stand-in, where there is one
     std::optional<Trajectory> trajectory = std::nullopt;
   };
@@ -45,7 +46,9 @@ class MarkovChain {
   /// Whether its points may be set elsewhere between two transitions, by a move that leaves the density invariant.
   [[nodiscard]] virtual bool jumps() const { return false; }
   /// Sets one to x: (d), where the log density is `log_density`. centre: (d), of the mode there; what is learnt of the shape counts from it.
-  virtual void jump(std::size_t /*walker*/, std::span<const double> /*x*/, double /*log_density*/, const Eigen::VectorXd& /*centre*/) { expect(false, "only points of a chain that jumps are set elsewhere"); }
+  virtual void jump(std::size_t /*walker*/, std::span<const double> /*x*/, double /*log_density*/, const Eigen::VectorXd& /*centre*/) {
+    expect(false, "only points of a chain that jumps are set elsewhere");
+  }
   /// An estimate of ln of the integral of the density, where the sampler makes one.
   [[nodiscard]] virtual std::optional<double> log_evidence() const { return std::nullopt; }
   virtual void save(ByteWriter& out) const = 0;

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t most_descents = 16;
 constexpr int most_iterations = 200;
-constexpr double step = 1e-4;           ///< of a gradient's difference
-constexpr double first_step = 2e-3;     ///< of a curvature's, before its deviations are known
-constexpr double step_sds = 1.0 / 3;    ///< and when they are
-constexpr double widest = 1e4;          ///< variance that a curvature is believed to say
-constexpr double fall = 1;              ///< of ln p between two modes that are two
-constexpr double least_weight = 1e-5;   ///< of the greatest
+constexpr double step = 1e-4;          ///< of a gradient's difference
+constexpr double first_step = 2e-3;    ///< of a curvature's, before its deviations are known
+constexpr double step_sds = 1.0 / 3;   ///< and when they are
+constexpr double widest = 1e4;         ///< variance that a curvature is believed to say
+constexpr double fall = 1;             ///< of ln p between two modes that are two
+constexpr double least_weight = 1e-5;  ///< of the greatest
 
 double at(const LogDensity& density, const Eigen::VectorXd& x) { return density.log_density({x.data(), std::size_t(x.size())}); }
 
@@ -65,8 +65,11 @@ std::vector<Eigen::Index> tops(const Eigen::MatrixXd& design, const std::vector<
     const Eigen::VectorXd away = (scaled.colwise() - scaled.col(i)).colwise().squaredNorm();
     std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
     std::iota(order.begin(), order.end(), 0);
-    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(neighbours + 1), order.end(), [&](Eigen::Index a, Eigen::Index b) { return away[a] < away[b]; });
-    if (std::all_of(order.begin(), order.begin() + std::ptrdiff_t(neighbours + 1), [&](Eigen::Index j) { return j == i || values[std::size_t(j)] < values[std::size_t(i)]; })) found.push_back(i);
+    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(neighbours + 1), order.end(),
+                      [&](Eigen::Index a, Eigen::Index b) { return away[a] < away[b]; });
+    if (std::all_of(order.begin(), order.begin() + std::ptrdiff_t(neighbours + 1),
+                    [&](Eigen::Index j) { return j == i || values[std::size_t(j)] < values[std::size_t(i)]; }))
+      found.push_back(i);
   }
   std::stable_sort(found.begin(), found.end(), [&](Eigen::Index a, Eigen::Index b) { return values[std::size_t(a)] > values[std::size_t(b)]; });
   if (found.size() > most_descents) found.resize(most_descents);

@@ -42,10 +42,20 @@ struct Stretch {
 class NutsChain final : public MarkovChain {
  public:
   NutsChain(const LogDensity& density, const NutsOptions& options, const Eigen::MatrixXd& covariance, int warmup)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), dense_(options.metric == "dense"), windows_(warmup_windows(warmup)), x_(d_),
-        factor_(covariance_factor(covariance, density.dimension())), learnt_from_(Eigen::VectorXd::Zero(d_)), mean_(Eigen::VectorXd::Zero(d_)), squares_(Eigen::MatrixXd::Zero(d_, d_)) {
+      : density_(density),
+        options_(options),
+        d_(Eigen::Index(density.dimension())),
+        dense_(options.metric == "dense"),
+        windows_(warmup_windows(warmup)),
+        x_(d_),
+        factor_(covariance_factor(covariance, density.dimension())),
+        learnt_from_(Eigen::VectorXd::Zero(d_)),
+        mean_(Eigen::VectorXd::Zero(d_)),
+        squares_(Eigen::MatrixXd::Zero(d_, d_)) {
     if (!density.has_gradient())
-      throw InputError({.problem = "follows the gradient of the density, and this one has none", .key = "sampler.kind", .value = "\"nuts\"",
+      throw InputError({.problem = "follows the gradient of the density, and this one has none",
+                        .key = "sampler.kind",
+                        .value = "\"nuts\"",
                         .suggestion = "take \"dram\", \"ensemble\" or \"smc\", which need none"});
     if (!dense_) factor_ = covariance.diagonal().cwiseSqrt().asDiagonal();
   }
@@ -149,7 +159,8 @@ class NutsChain final : public MarkovChain {
       const double weight = log_weight(to);
       const bool divergent = !(weight > -divergent_energy);
       tried_ += 1, accepted_ += std::min(1.0, std::exp(weight));
-      return {.back = to, .front = to, .z = to.z, .momenta = to.p, .log_density = to.log_density, .log_weight = weight, .ended = divergent, .divergent = divergent};
+      return {
+          .back = to, .front = to, .z = to.z, .momenta = to.p, .log_density = to.log_density, .log_weight = weight, .ended = divergent, .divergent = divergent};
     }
     Stretch near = grow(from, depth - 1, step, random);
     if (near.ended) return near;
@@ -168,7 +179,9 @@ class NutsChain final : public MarkovChain {
   [[nodiscard]] static bool join(Stretch& all, const Stretch& more, bool forward) {
     const Stretch& earlier = forward ? all : more;
     const Stretch& later = forward ? more : all;
-    const auto turns = [](const Eigen::VectorXd& momenta, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return momenta.dot(a) <= 0 || momenta.dot(b) <= 0; };
+    const auto turns = [](const Eigen::VectorXd& momenta, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return momenta.dot(a) <= 0 || momenta.dot(b) <= 0;
+    };
     const Eigen::VectorXd momenta = all.momenta + more.momenta;
     const bool turned = turns(momenta, earlier.back.p, later.front.p) || turns(earlier.momenta + later.back.p, earlier.back.p, later.back.p) ||
                         turns(later.momenta + earlier.front.p, earlier.front.p, later.front.p);
@@ -234,14 +247,14 @@ class NutsChain final : public MarkovChain {
   std::vector<int> windows_;
   Eigen::VectorXd x_, centre_;
   double log_density_ = 0;
-  Eigen::MatrixXd factor_;  ///< L
+  Eigen::MatrixXd factor_;                                                                                      ///< L
   double step_ = 0.5, log_step_mean_ = std::log(0.5), error_mean_ = 0, anchor_ = std::log(5.0), averaged_ = 0;  ///< dual averaging
   bool seeks_step_ = true;
-  int learned_ = 0;          ///< transitions of the warm-up
-  double counted_ = 0;       ///< draws of the window
+  int learned_ = 0;              ///< transitions of the warm-up
+  double counted_ = 0;           ///< draws of the window
   Eigen::VectorXd learnt_from_;  ///< from which draws are counted
-  Eigen::VectorXd mean_;     ///< of them
-  Eigen::MatrixXd squares_;  ///< and their sums of squares
+  Eigen::VectorXd mean_;         ///< of them
+  Eigen::MatrixXd squares_;      ///< and their sums of squares
   bool frozen_ = false;
   // Of one transition.
   double energy_ = 0, accepted_ = 0, tried_ = 0;

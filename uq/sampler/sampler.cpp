@@ -27,16 +27,16 @@ const std::string two_densities = "delayed_acceptance";
 /// What a chain has done so far.
 struct ChainRecord {
   std::size_t transitions = 0, evaluations = 0, cheap_evaluations = 0;
-  std::vector<double> coordinates;                 ///< (draw, walker, d)
-  std::vector<double> log_density;                 ///< (draw, walker)
-  std::vector<double> acceptance;                  ///< (draw)
-  std::vector<double> energy, diverging, depth;    ///< (draw), empty without trajectories
-  double pending = 0;                              ///< acceptance summed over the transitions since the last kept draw
-  double pending_divergences = 0;                  ///< divergent transitions since then
-  EnergyChanges energies;                          ///< of the kept transitions
-  std::uint64_t divergences = 0, cut = 0;          ///< kept transitions
-  double log_evidence = nan;                       ///< where the sampler makes one, at the end
-  std::string state;                               ///< of its stream and its chain, after `transitions`; empty before the start
+  std::vector<double> coordinates;               ///< (draw, walker, d)
+  std::vector<double> log_density;               ///< (draw, walker)
+  std::vector<double> acceptance;                ///< (draw)
+  std::vector<double> energy, diverging, depth;  ///< (draw), empty without trajectories
+  double pending = 0;                            ///< acceptance summed over the transitions since the last kept draw
+  double pending_divergences = 0;                ///< divergent transitions since then
+  EnergyChanges energies;                        ///< of the kept transitions
+  std::uint64_t divergences = 0, cut = 0;        ///< kept transitions
+  double log_evidence = nan;                     ///< where the sampler makes one, at the end
+  std::string state;                             ///< of its stream and its chain, after `transitions`; empty before the start
 
   [[nodiscard]] std::array<std::vector<double>*, 6> lists() { return {&coordinates, &log_density, &acceptance, &energy, &diverging, &depth}; }
 };
@@ -44,7 +44,8 @@ struct ChainRecord {
 /// A frame of the journal: the chain, what it did since its last frame, and where it stands. saved: lengths of the lists at the last frame.
 std::string frame_of(std::size_t chain, ChainRecord& record, const std::array<std::size_t, 6>& saved) {
   ByteWriter out;
-  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)), out.value(std::uint64_t(record.cheap_evaluations));
+  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)),
+      out.value(std::uint64_t(record.cheap_evaluations));
   const auto lists = record.lists();
   for (std::size_t k = 0; k < lists.size(); ++k) out.value(std::uint64_t(saved[k])), out.values(std::span<const double>(*lists[k]).subspan(saved[k]));
   out.value(record.pending), out.value(record.pending_divergences), out.value(record.energies), out.value(record.divergences), out.value(record.cut);
@@ -125,7 +126,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
 
   std::vector<ChainRecord> records(chains);
   std::optional<FrameFile> journal;
-  if (!run.journal.empty()) journal.emplace(run.journal, "calomel chains 4", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
+  if (!run.journal.empty())
+    journal.emplace(run.journal, "calomel chains 4", run.provenance, [&](std::string_view payload, FrameFile::Place) { take_frame(payload, records); });
   SamplerResult result;
   for (const auto& r : records) result.summary.resumed += r.transitions;
 
@@ -154,7 +156,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
         b.log_density = checked_log_density(density, b.x);
         if (!std::isfinite(b.log_density)) throw NumericsError(fmt::format("the density is zero at the start that was given for chain {}", c + 1));
       } else {
-        b = drawn_beginning([&](const Eigen::VectorXd& x) { return checked_log_density(density, x); }, mode.mean, covariance_factor(mode.covariance, d), options.dispersion, random, fmt::format("chain {}", c + 1));
+        b = drawn_beginning([&](const Eigen::VectorXd& x) { return checked_log_density(density, x); }, mode.mean, covariance_factor(mode.covariance, d),
+                            options.dispersion, random, fmt::format("chain {}", c + 1));
       }
       chain->begin({b.x.data(), d}, b.log_density);
       if (jumps && walkers == 1) chain->jump(0, {b.x.data(), d}, b.log_density, mode.mean);
@@ -226,7 +229,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
         result.coordinates.values.insert(result.coordinates.values.end(), x.begin(), x.end());
         result.log_density.push_back(r.log_density[i * walkers + w]);
       }
-      for (const auto& [from, to] : {std::pair{&r.acceptance, &result.acceptance}, {&r.energy, &result.energy}, {&r.diverging, &result.diverging}, {&r.depth, &result.depth}})
+      for (const auto& [from, to] :
+           {std::pair{&r.acceptance, &result.acceptance}, {&r.energy, &result.energy}, {&r.diverging, &result.diverging}, {&r.depth, &result.depth}})
         to->insert(to->end(), from->begin(), from->end());
     }
     s.acceptance.push_back(std::accumulate(r.acceptance.begin(), r.acceptance.end(), 0.0) / double(kept));
@@ -249,7 +253,8 @@ SamplerOptions default_sampler_options(const std::string& kind) {
 }
 
 double usual_evaluations(const SamplerOptions& options, std::size_t dimension) {
-  return double(options.chains) * (double(options.warmup) + double(options.draws) * options.thin) * samplers().get(options.kind, "sampler.kind").evaluations(options, dimension);
+  return double(options.chains) * (double(options.warmup) + double(options.draws) * options.thin) *
+         samplers().get(options.kind, "sampler.kind").evaluations(options, dimension);
 }
 
 SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
@@ -258,7 +263,10 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
 
 SamplerResult run_sampler(const LogDensity& cheap, const LogDensity& exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
   if (options.kind != two_densities)
-    throw InputError({.problem = "samples one density, and two were given", .key = "sampler.kind", .value = '"' + options.kind + '"', .suggestion = fmt::format("take \"{}\"", two_densities)});
+    throw InputError({.problem = "samples one density, and two were given",
+                      .key = "sampler.kind",
+                      .value = '"' + options.kind + '"',
+                      .suggestion = fmt::format("take \"{}\"", two_densities)});
   return run_chains(cheap, &exact, start, options, run);
 }
 
@@ -266,7 +274,12 @@ SamplingFacts sampling_facts(const SamplerResult& result, int thin) {
   const auto& s = result.summary;
   const std::size_t kept = result.coordinates.chains / std::max<std::size_t>(1, result.coordinates.walkers) * result.coordinates.draws * std::size_t(thin);
   return {.acceptance = std::accumulate(s.acceptance.begin(), s.acceptance.end(), 0.0) / double(s.acceptance.size()),
-          .thin = thin, .e_bfmi = s.e_bfmi, .divergences = s.divergences, .cut = s.cut, .transitions = kept, .kind = s.kind};
+          .thin = thin,
+          .e_bfmi = s.e_bfmi,
+          .divergences = s.divergences,
+          .cut = s.cut,
+          .transitions = kept,
+          .kind = s.kind};
 }
 
 void remove_journal(const std::filesystem::path& journal) {

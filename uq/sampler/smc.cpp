@@ -22,9 +22,18 @@ constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that ke
 class SmcChain final : public MarkovChain {
  public:
   SmcChain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion, std::size_t particles)
-      : density_(density), options_(options), d_(Eigen::Index(density.dimension())), n_(Eigen::Index(particles)),
-        reference_(modes, std::max(dispersion, 1e-3)), log_scale_(Eigen::VectorXd::Zero(Eigen::Index(modes.size()))), first_(modes.at(0).mean), x_(Eigen::MatrixXd::Zero(d_, n_)),
-        before_(Eigen::MatrixXd::Zero(d_, n_)), log_p_(Eigen::VectorXd::Zero(n_)), log_q_(Eigen::VectorXd::Zero(n_)), weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
+      : density_(density),
+        options_(options),
+        d_(Eigen::Index(density.dimension())),
+        n_(Eigen::Index(particles)),
+        reference_(modes, std::max(dispersion, 1e-3)),
+        log_scale_(Eigen::VectorXd::Zero(Eigen::Index(modes.size()))),
+        first_(modes.at(0).mean),
+        x_(Eigen::MatrixXd::Zero(d_, n_)),
+        before_(Eigen::MatrixXd::Zero(d_, n_)),
+        log_p_(Eigen::VectorXd::Zero(n_)),
+        log_q_(Eigen::VectorXd::Zero(n_)),
+        weights_(Eigen::VectorXd::Constant(n_, 1 / double(n_))) {
     expect(n_ > 0, "a population has particles");
     for (std::size_t k = 0; k < reference_.parts(); ++k) factors_.push_back(reference_.part(k).factor());
   }
@@ -78,9 +87,11 @@ class SmcChain final : public MarkovChain {
   void advance(RandomStream& random) {
     if (!drawn_) return draw(random);
     if (total_ >= options_.evaluations)
-      throw NumericsError(fmt::format("a population of {} particles has spent its {} evaluations and is at {:.3g} of the way from where it was drawn to the density, so that it has no draws yet; set sampler.smc.evaluations higher and the "
-                                      "same command goes on, give starts nearer to the density, or take \"nuts\" or \"dram\", which follow narrow ridges better",
-                                      n_, options_.evaluations, b_));
+      throw NumericsError(
+          fmt::format("a population of {} particles has spent its {} evaluations and is at {:.3g} of the way from where it was drawn to the density, so that "
+                      "it has no draws yet; set sampler.smc.evaluations higher and the "
+                      "same command goes on, give starts nearer to the density, or take \"nuts\" or \"dram\", which follow narrow ridges better",
+                      n_, options_.evaluations, b_));
     if (!moving_) warm(random);
     sweep(random);
     if (sweeps_ >= options_.sweeps || correlation() <= options_.correlation) moving_ = false;
@@ -93,7 +104,9 @@ class SmcChain final : public MarkovChain {
       log_p_[i] = checked_log_density(density_, x_.col(i));
       ++total_;
     }
-    if ((log_p_.array() == never).all()) throw NumericsError("the density is zero at all particles that were drawn about the given mean; give a mean and a covariance nearer to where it is positive");
+    if ((log_p_.array() == never).all())
+      throw NumericsError(
+          "the density is zero at all particles that were drawn about the given mean; give a mean and a covariance nearer to where it is positive");
     drawn_ = true;
   }
 
@@ -227,11 +240,11 @@ class SmcChain final : public MarkovChain {
   const LogDensity& density_;
   SmcOptions options_;
   Eigen::Index d_, n_;
-  StudentMixture reference_;   ///< q
+  StudentMixture reference_;              ///< q
   std::vector<Eigen::MatrixXd> factors_;  ///< of S, by part of q
   Eigen::VectorXd log_scale_;             ///< of s, likewise
   std::vector<std::size_t> part_;         ///< (N) of q, that a particle is in
-  Eigen::VectorXd first_;      ///< where the chain was told to begin; particles do not
+  Eigen::VectorXd first_;                 ///< where the chain was told to begin; particles do not
   double first_log_density_ = 0;
   Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning
   Eigen::VectorXd log_p_, log_q_, weights_;

@@ -18,27 +18,35 @@ struct SmcOptions {
 
   template <class V>
   void visit(V& v) {
-    v("keep", keep, {.range = between(0.1, 0.999), .doc = "share of the particles, by the conditional effective sample size, that a step of the temperature leaves; nearer to 1 takes more steps and knows the evidence better"});
+    v("keep", keep,
+      {.range = between(0.1, 0.999),
+       .doc = "share of the particles, by the conditional effective sample size, that a step of the temperature leaves; nearer to 1 takes more steps and knows "
+              "the evidence better"});
     v("correlation", correlation,
       {.range = between(0.01, 0.99), .doc = "particles move at each temperature until no coordinate's places correlate more than this with those before"});
     v("sweeps", sweeps, {.range = at_least(1), .doc = "moves of each particle at a temperature at most"});
     v("evaluations", evaluations,
-      {.range = at_least(1), .doc = "evaluations of the density that one population may take: where particles hardly move the call ends there (exit status 3), and with more the same command goes on"});
+      {.range = at_least(1),
+       .doc = "evaluations of the density that one population may take: where particles hardly move the call ends there (exit status 3), and with more the "
+              "same command goes on"});
   }
 };
 
-/// N particles go from q, Student's t of 4 degrees of freedom about each mode with the scale `dispersion`^2 times its covariance, mixed by their weights, to p through
+/// N particles go from q, Student's t of 4 degrees of freedom about each mode with the scale `dispersion`^2 times its covariance, mixed by their weights, to p
+/// through
 ///   p_b(x) ~ q(x)^(1 - b) p(x)^b,  0 = b_0 < b_1 < ... = 1.
-/// Weights grow by w = (p / q)^(b_k - b_(k-1)); b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is keep N
-/// (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14), and ln Z = sum_k ln sum W w estimates the evidence, the integral of p over its
-/// coordinates. Systematic resampling where 1 / sum W^2 falls below N / 2, and at b = 1. At each temperature every particle makes steps of Metropolis with the particles'
-/// own covariance, s (2.38^2 / d) S, s following the acceptance 0.234 + 0.206 / d from sweep to sweep, until the correlation with the places before is small. With several modes each part of q,
-/// the places where it is the likeliest, has its own S and s, steps out of a part are refused, and correlations are those within the parts: weights alone carry the modes' shares.
+/// Weights grow by w = (p / q)^(b_k - b_(k-1)); b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is
+/// keep N (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14), and ln Z = sum_k ln sum W w estimates the evidence, the integral of
+/// p over its coordinates. Systematic resampling where 1 / sum W^2 falls below N / 2, and at b = 1. At each temperature every particle makes steps of
+/// Metropolis with the particles' own covariance, s (2.38^2 / d) S, s following the acceptance 0.234 + 0.206 / d from sweep to sweep, until the correlation
+/// with the places before is small. With several modes each part of q, the places where it is the likeliest, has its own S and s, steps out of a part are
+/// refused, and correlations are those within the parts: weights alone carry the modes' shares.
 ///
-/// The warm-up draws the particles and moves them, a sweep a transition, and rests when they have arrived; what is missing then is done before the first draw. After it each transition
-/// tells one particle, N in all, in the order of their descent: systematic resampling keeps offspring of a particle beside one another, so that what relatives still
-/// have in common is seen as an autocorrelation of the draws. Chains are independent populations; the spread of their evidences is its standard error.
-/// particles: N. Errors: InputError when the covariance is not positive definite; NumericsError where the density is NaN, or zero at all particles of q, and where `evaluations` are spent before the particles have arrived.
+/// The warm-up draws the particles and moves them, a sweep a transition, and rests when they have arrived; what is missing then is done before the first draw.
+/// After it each transition tells one particle, N in all, in the order of their descent: systematic resampling keeps offspring of a particle beside one
+/// another, so that what relatives still have in common is seen as an autocorrelation of the draws. Chains are independent populations; the spread of their
+/// evidences is its standard error. particles: N. Errors: InputError when the covariance is not positive definite; NumericsError where the density is NaN, or
+/// zero at all particles of q, and where `evaluations` are spent before the particles have arrived.
 std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles);
 

@@ -23,8 +23,8 @@ double checked_log_density(const LogDensity& density, const Eigen::VectorXd& x) 
   return value;
 }
 
-Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor, double width,
-                          RandomStream& random, const std::string& whose) {
+Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
+                          double width, RandomStream& random, const std::string& whose) {
   for (int attempt = 0; attempt < 200; ++attempt, width *= 0.95) {
     Eigen::VectorXd z(mean.size());
     for (double& v : z) v = random.normal();

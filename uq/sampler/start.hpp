@@ -29,8 +29,8 @@ struct Beginning {
 };
 /// x = mean + w L z with z ~ N(0, 1), drawn anew while the density is zero there, w being `width` at first and 0.95 times as much after each refusal.
 /// factor: L, (d, d). Errors: NumericsError after 200 refusals, naming `whose` ("chain 2").
-Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor, double width,
-                          RandomStream& random, const std::string& whose);
+Beginning drawn_beginning(const std::function<double(const Eigen::VectorXd&)>& log_density, const Eigen::VectorXd& mean, const Eigen::MatrixXd& factor,
+                          double width, RandomStream& random, const std::string& whose);
 
 /// The lower Cholesky factor. Errors: InputError when the covariance is not positive definite.
 Eigen::MatrixXd covariance_factor(const Eigen::MatrixXd& covariance, std::size_t dimension);

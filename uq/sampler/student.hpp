@@ -21,7 +21,8 @@ class StudentT {
   /// factor: (d, d), lower, of the scale.
   StudentT(Eigen::VectorXd mean, Eigen::MatrixXd factor) : mean_(std::move(mean)), factor_(std::move(factor)) {
     const double d = double(mean_.size());
-    log_norm_ = std::lgamma((freedom + d) / 2) - std::lgamma(freedom / 2) - 0.5 * d * std::log(freedom * std::numbers::pi) - factor_.diagonal().array().log().sum();
+    log_norm_ =
+        std::lgamma((freedom + d) / 2) - std::lgamma(freedom / 2) - 0.5 * d * std::log(freedom * std::numbers::pi) - factor_.diagonal().array().log().sum();
   }
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }
   [[nodiscard]] const Eigen::MatrixXd& factor() const { return factor_; }

@@ -13,15 +13,16 @@ struct LegendreChaos {
   int order = 0;
 };
 
-/// First and total order, (d) each, exact for the polynomial: the basis is orthonormal, so that squares of coefficients add to the variance (Sudret 2008, Reliab. Eng.
-/// Syst. Saf. 93, 964). NaN without variance.
+/// First and total order, (d) each, exact for the polynomial: the basis is orthonormal, so that squares of coefficients add to the variance (Sudret 2008,
+/// Reliab. Eng. Syst. Saf. 93, 964). NaN without variance.
 struct ChaosIndices {
   Eigen::VectorXd first_order, total_order;
 };
 [[nodiscard]] ChaosIndices indices_of(const LegendreChaos& chaos);
 
-/// Least squares on values (n) at x (d, n) in [-1, 1]: of all total degrees from 1 on whose terms are at most a third of the values, the one with the least leave-one-out
-/// error; without coefficients where the values do not vary. Errors: NumericsError for fewer values than three times the terms of a straight line.
+/// Least squares on values (n) at x (d, n) in [-1, 1]: of all total degrees from 1 on whose terms are at most a third of the values, the one with the least
+/// leave-one-out error; without coefficients where the values do not vary. Errors: NumericsError for fewer values than three times the terms of a straight
+/// line.
 [[nodiscard]] LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values);
 
 /// The polynomial at points x (d, n) in [-1, 1], (n).

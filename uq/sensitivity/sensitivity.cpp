@@ -33,7 +33,8 @@ Eigen::MatrixXd numbers_of(const ModelShape& shape, const Eigen::MatrixXd& f) {
       Eigen::Index at = 0;
       const double peak = y.allFinite() ? y.cwiseAbs().maxCoeff(&at) : nan;
       const Eigen::Index row = r * Eigen::Index(numbers_a_record);
-      out(row, i) = peak, out(row + 1, i) = std::isfinite(peak) ? shape.times[std::size_t(at)] : nan, out(row + 2, i) = std::sqrt(y.squaredNorm() / double(times));
+      out(row, i) = peak, out(row + 1, i) = std::isfinite(peak) ? shape.times[std::size_t(at)] : nan,
+               out(row + 2, i) = std::sqrt(y.squaredNorm() / double(times));
     }
   return out;
 }
@@ -62,8 +63,14 @@ std::vector<QuantitySensitivity> described(const ModelShape& shape) {
 class Rows {
  public:
   Rows(const ModelShape& shape, Eigen::Index parameters, Eigen::Index most)
-      : shape_(shape), d_(parameters), times_(Eigen::Index(shape.times.size())), records_(Eigen::Index(shape.values()) / times_), numbers_(times_ == 1 ? records_ : records_ * Eigen::Index(numbers_a_record)),
-        curves(Eigen::Index(shape.values()), parameters), at_a(numbers_, most), unit_a(parameters, most) {
+      : shape_(shape),
+        d_(parameters),
+        times_(Eigen::Index(shape.times.size())),
+        records_(Eigen::Index(shape.values()) / times_),
+        numbers_(times_ == 1 ? records_ : records_ * Eigen::Index(numbers_a_record)),
+        curves(Eigen::Index(shape.values()), parameters),
+        at_a(numbers_, most),
+        unit_a(parameters, most) {
     const Eigen::Index quantities = numbers_ + (times_ == 1 ? 0 : records_) + 1;
     for (Eigen::Index q = 0; q < quantities; ++q) all_.push_back({Eigen::VectorXd(most), Eigen::MatrixXd(most, d_), Eigen::MatrixXd(most, d_)});
   }
@@ -80,7 +87,8 @@ class Rows {
     };
     std::size_t q = 0;
     for (Eigen::Index i = 0; i < numbers_; ++i) put(all_[q++], [&](Eigen::Index c) { return Eigen::VectorXd::Constant(1, numbers(i, c)); });
-    for (Eigen::Index r = 0; r < records_ && times_ > 1; ++r) put(all_[q++], [&](Eigen::Index c) { return Eigen::VectorXd(f.col(c).segment(r * times_, times_)); });
+    for (Eigen::Index r = 0; r < records_ && times_ > 1; ++r)
+      put(all_[q++], [&](Eigen::Index c) { return Eigen::VectorXd(f.col(c).segment(r * times_, times_)); });
     put(all_[q], [&](Eigen::Index c) { return Eigen::VectorXd(f.col(c)); });
     ++n;
     return true;
@@ -141,10 +149,15 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   }
   out.rows = std::size_t(rows.n);
   if (rows.n == 0)
-    throw NumericsError(fmt::format("{} of {} evaluations of the model failed, so that no row of the design has all its values: narrow the bounds of the parameters to where the model has answers", out.failed, out.evaluations));
+    throw NumericsError(
+        fmt::format("{} of {} evaluations of the model failed, so that no row of the design has all its values: narrow the bounds of the parameters to where "
+                    "the model has answers",
+                    out.failed, out.evaluations));
   if (double(out.failed) > most_failed * double(out.evaluations))
-    out.doubt = fmt::format("{} of {} evaluations of the model failed, more than a fifth: the shares are of {} of {} rows of the design, those where the model has answers; narrow the bounds of the parameters to where it has", out.failed,
-                            out.evaluations, rows.n, rows_wanted);
+    out.doubt = fmt::format(
+        "{} of {} evaluations of the model failed, more than a fifth: the shares are of {} of {} rows of the design, those where the model has answers; narrow "
+        "the bounds of the parameters to where it has",
+        out.failed, out.evaluations, rows.n, rows_wanted);
   const auto effects = morris_effects(steps, at_steps);
 
   // The polynomial: of runs of the model itself where there are any.

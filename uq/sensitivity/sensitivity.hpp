@@ -31,7 +31,9 @@ struct SensitivityOptions {
     v("samples", samples, {.range = between(16, 1000000), .doc = "rows of the design of Sobol' indices; each is two evaluations and one more a parameter"});
     v("measure", measure, {.doc = "how parameters vary: evenly between their bounds, or by their priors there", .choices = {"uniform", "prior"}});
     v("trajectories", trajectories, {.range = between(2, 100000), .doc = "of elementary effects; each is one evaluation and one more a parameter"});
-    v("run_totals", run_totals, {.doc = "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or a model outside"});
+    v("run_totals", run_totals,
+      {.doc =
+           "dissipated energy and time at cutoff too: one more run, with an energy balance, at each point of the campaign; not of a line or a model outside"});
   }
 };
 
@@ -61,7 +63,7 @@ struct SensitivityInputs {
   int threads = 1;
   /// Values of the parameters at points of the unit cube, (n_parameters, n) both.
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd& unit)> theta;
-  std::optional<KnownRuns> runs;  ///< what the polynomial is fitted to; without any the points of the design
+  std::optional<KnownRuns> runs;       ///< what the polynomial is fitted to; without any the points of the design
   std::optional<TotalsOfRuns> totals;  ///< further quantities, each seen through a polynomial of its own
   std::function<void(std::size_t done, std::size_t all)> progress;
   const std::atomic<bool>* stop = nullptr;
@@ -73,13 +75,13 @@ struct QuantitySensitivity {
   std::string sensor;  ///< empty: all records together, or a total of the run
   std::string condition;
   std::string unit;
-  double mean = 0, sd = 0;             ///< of a number; of a record the mean is NaN, the sd the root of its variance summed over the record
+  double mean = 0, sd = 0;  ///< of a number; of a record the mean is NaN, the sd the root of its variance summed over the record
   SobolIndices sobol;
-  std::vector<MorrisEffect> morris;    ///< empty for a record
-  std::optional<LegendreChaos> chaos;  ///< of a number, with the uniform measure
-  std::string source;  ///< of a total: what the indices are those of; empty: the model that was evaluated
+  std::vector<MorrisEffect> morris;                               ///< empty for a record
+  std::optional<LegendreChaos> chaos;                             ///< of a number, with the uniform measure
+  std::string source;                                             ///< of a total: what the indices are those of; empty: the model that was evaluated
   double left_out_r2 = std::numeric_limits<double>::quiet_NaN();  ///< of a total: of that polynomial, whatever the measure
-  std::string note;    ///< why there are no shares, or why they say little; empty: they are what they are
+  std::string note;                                               ///< why there are no shares, or why they say little; empty: they are what they are
 };
 
 struct Sensitivity {
@@ -97,10 +99,12 @@ struct Sensitivity {
 
 /// The contents of sensitivity.json. `source`: a sentence on what was evaluated.
 [[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance);
-/// One line a quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices with their intervals, elementary effects, the polynomial's
-/// indices and left-out R2. A field is empty where a quantity has no such number.
+/// One line a quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices with their intervals, elementary
+/// effects, the polynomial's indices and left-out R2. A field is empty where a quantity has no such number.
 [[nodiscard]] std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters);
-/// sensitivity.nc: indices (condition, sensor, time, parameter); `totals`, which may be null: of each run its parameters (run, parameter) and totals (run), or (run, condition).
-void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals, const Provenance& provenance);
+/// sensitivity.nc: indices (condition, sensor, time, parameter); `totals`, which may be null: of each run its parameters (run, parameter) and totals (run), or
+/// (run, condition).
+void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals,
+                       const Provenance& provenance);
 
 }  // namespace calomel

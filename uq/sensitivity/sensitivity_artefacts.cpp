@@ -12,14 +12,19 @@ namespace {
 Json indices_json(const std::vector<SensitivityIndex>& indices, const std::vector<Parameter>& parameters) {
   Json list = Json::array();
   for (std::size_t k = 0; k < indices.size(); ++k)
-    list.push_back({{"parameter", parameters[k].name}, {"value", number(indices[k].value)}, {"low", number(indices[k].low)}, {"high", number(indices[k].high)}});
+    list.push_back(
+        {{"parameter", parameters[k].name}, {"value", number(indices[k].value)}, {"low", number(indices[k].low)}, {"high", number(indices[k].high)}});
   return list;
 }
 
 Json morris_json(const std::vector<MorrisEffect>& effects, const std::vector<Parameter>& parameters) {
   Json list = Json::array();
   for (std::size_t k = 0; k < effects.size(); ++k)
-    list.push_back({{"parameter", parameters[k].name}, {"mu", number(effects[k].mu)}, {"mu_star", number(effects[k].mu_star)}, {"mu_star_se", number(effects[k].mu_star_se)}, {"sigma", number(effects[k].sigma)}});
+    list.push_back({{"parameter", parameters[k].name},
+                    {"mu", number(effects[k].mu)},
+                    {"mu_star", number(effects[k].mu_star)},
+                    {"mu_star_se", number(effects[k].mu_star_se)},
+                    {"sigma", number(effects[k].sigma)}});
   return list;
 }
 
@@ -45,7 +50,8 @@ std::string field(const std::string& name) {
 void write_totals(NetcdfWriter& file, const TotalsOfRuns& totals, const ModelShape& shape) {
   const auto runs = std::size_t(totals.thetas.cols());
   file.dimension("run", runs);
-  file.variable("run_theta", {"run", "parameter"}, std::span<const double>(totals.thetas.data(), std::size_t(totals.thetas.size())), {{"long_name", "parameters of each run, in natural units"}});
+  file.variable("run_theta", {"run", "parameter"}, std::span<const double>(totals.thetas.data(), std::size_t(totals.thetas.size())),
+                {{"long_name", "parameters of each run, in natural units"}});
   const bool many = shape.conditions.size() > 1;
   for (std::size_t q = 0; q < totals.which.size(); ++q) {
     const auto& which = totals.which[q];
@@ -64,8 +70,14 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
   const auto& parameters = in.model.shape().parameters;
   Json quantities = Json::array();
   for (const auto& q : s.quantities) {
-    Json one{{"name", q.name}, {"sensor", q.sensor}, {"condition", q.condition}, {"unit", q.unit}, {"mean", number(q.mean)}, {"sd", number(q.sd)},
-             {"first_order", indices_json(q.sobol.first_order, parameters)}, {"total_order", indices_json(q.sobol.total_order, parameters)}};
+    Json one{{"name", q.name},
+             {"sensor", q.sensor},
+             {"condition", q.condition},
+             {"unit", q.unit},
+             {"mean", number(q.mean)},
+             {"sd", number(q.sd)},
+             {"first_order", indices_json(q.sobol.first_order, parameters)},
+             {"total_order", indices_json(q.sobol.total_order, parameters)}};
     one["morris"] = morris_json(q.morris, parameters);
     if (q.chaos) one["polynomial"] = chaos_json(*q.chaos, parameters);
     if (!q.source.empty()) one["source"] = q.source, one["left_out_r2"] = number(q.left_out_r2);
@@ -93,14 +105,19 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
 }
 
 std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters) {
-  std::string out = "quantity,condition,sensor,unit,mean,sd,parameter,parameter_min,parameter_max,first_order,first_low,first_high,total_order,total_low,total_high,morris_mu,morris_mu_star,morris_mu_star_se,morris_sigma,polynomial_first,polynomial_total,polynomial_left_out_r2\n";
+  std::string out =
+      "quantity,condition,sensor,unit,mean,sd,parameter,parameter_min,parameter_max,first_order,first_low,first_high,total_order,total_low,total_high,morris_"
+      "mu,morris_mu_star,morris_mu_star_se,morris_sigma,polynomial_first,polynomial_total,polynomial_left_out_r2\n";
   const auto text = [](double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string(); };
   for (const auto& q : s.quantities)
     for (std::size_t k = 0; k < parameters.size(); ++k) {
       const auto &f = q.sobol.first_order[k], &t = q.sobol.total_order[k];
-      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", q.name, field(q.condition), field(q.sensor), q.unit, text(q.mean), text(q.sd), field(parameters[k].name), text(parameters[k].min),
-                         text(parameters[k].max), text(f.value), text(f.low), text(f.high), text(t.value), text(t.low), text(t.high));
-      out += q.morris.empty() ? ",,,," : fmt::format(",{},{},{},{}", text(q.morris[k].mu), text(q.morris[k].mu_star), text(q.morris[k].mu_star_se), text(q.morris[k].sigma));
+      out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", q.name, field(q.condition), field(q.sensor), q.unit, text(q.mean), text(q.sd),
+                         field(parameters[k].name), text(parameters[k].min), text(parameters[k].max), text(f.value), text(f.low), text(f.high), text(t.value),
+                         text(t.low), text(t.high));
+      out += q.morris.empty()
+                 ? ",,,,"
+                 : fmt::format(",{},{},{},{}", text(q.morris[k].mu), text(q.morris[k].mu_star), text(q.morris[k].mu_star_se), text(q.morris[k].sigma));
       if (q.chaos) {
         const auto indices = indices_of(*q.chaos);
         out += fmt::format(",{},{},{}\n", text(indices.first_order[Eigen::Index(k)]), text(indices.total_order[Eigen::Index(k)]), text(q.chaos->left_out_r2));
@@ -111,7 +128,8 @@ std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& 
   return out;
 }
 
-void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals, const Provenance& provenance) {
+void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals,
+                       const Provenance& provenance) {
   NetcdfWriter file(path);
   file.attribute("title", "calomel sensitivity");
   file.attribute("provenance", provenance.json().dump());

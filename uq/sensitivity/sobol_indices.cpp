@@ -17,7 +17,9 @@ constexpr double outside = 0.025;  ///< of the bootstrap's draws, on either side
 
 constexpr Eigen::Index fewest_rows = 8;  ///< that a bootstrap is made of
 
-void put_interval(SensitivityIndex& index, const std::vector<double>& resampled) { index.low = quantile(resampled, outside), index.high = quantile(resampled, 1 - outside); }
+void put_interval(SensitivityIndex& index, const std::vector<double>& resampled) {
+  index.low = quantile(resampled, outside), index.high = quantile(resampled, 1 - outside);
+}
 
 }  // namespace
 
@@ -28,7 +30,9 @@ SobolIndices sobol_indices(const SobolRows& rows, std::uint64_t seed, int resamp
   out.variance = n ? rows.variance.mean() : 0;
   out.first_order.assign(std::size_t(d), {nan, nan, nan}), out.total_order = out.first_order;
   if (!(out.variance > 0)) return out;
-  for (Eigen::Index k = 0; k < d; ++k) out.first_order[std::size_t(k)].value = 1 - rows.alone.col(k).mean() / out.variance, out.total_order[std::size_t(k)].value = rows.total.col(k).mean() / out.variance;
+  for (Eigen::Index k = 0; k < d; ++k)
+    out.first_order[std::size_t(k)].value = 1 - rows.alone.col(k).mean() / out.variance,
+    out.total_order[std::size_t(k)].value = rows.total.col(k).mean() / out.variance;
   if (n < fewest_rows) return out;
   // The same resampled rows for all parameters.
   RandomStream random(seed, 0x50b0);

@@ -10,7 +10,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double followed = 0.9;            ///< left-out R2 from which a polynomial stands for the runs
+constexpr double followed = 0.9;             ///< left-out R2 from which a polynomial stands for the runs
 constexpr Eigen::Index block_points = 4096;  ///< that are evaluated together
 
 /// Values of f at the points of the unit cube, (n), block by block.
@@ -38,7 +38,8 @@ SobolRows rows_of(const Eigen::VectorXd& values, Eigen::Index d) {
 }
 
 /// One total from its values at x (d, n) in [-1, 1].
-void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::VectorXd& values, const SensitivityInputs& in, const Eigen::MatrixXd& design, const Eigen::MatrixXd& steps) {
+void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::VectorXd& values, const SensitivityInputs& in, const Eigen::MatrixXd& design,
+             const Eigen::MatrixXd& steps) {
   const Eigen::Index d = x.rows(), n = values.size();
   const bool varies = n > 0 && values.maxCoeff() > values.minCoeff();
   LegendreChaos chaos;
@@ -64,7 +65,8 @@ void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::Ve
   } else {
     one.source = fmt::format("a polynomial of order {} fitted to {} runs at pulse energy 1", chaos.order, n);
     one.left_out_r2 = chaos.left_out_r2;
-    if (!(chaos.left_out_r2 >= followed)) one.note = fmt::format("the polynomial does not follow the runs (left-out R2 {:.2f}), so that its shares say little", chaos.left_out_r2);
+    if (!(chaos.left_out_r2 >= followed))
+      one.note = fmt::format("the polynomial does not follow the runs (left-out R2 {:.2f}), so that its shares say little", chaos.left_out_r2);
     if (in.options.measure == "uniform") one.chaos = std::move(chaos);
   }
 }

@@ -13,12 +13,9 @@ using testing::HasSubstr;
 namespace {
 
 ExitStatus nothing(const CommandLine&) { return ExitStatus::done; }
-const std::vector<Verb> verbs{{"list", "names", Takes::nothing, nothing},
-                              {"campaign", "runs", Takes::case_file, nothing},
-                              {"calibrate", "fits", Takes::case_file, nothing},
-                              {"simulate", "one run", Takes::case_file, nothing},
-                              {"import", "recordings", Takes::files, nothing},
-                              {"challenge", "suites", Takes::suite, nothing}};
+const std::vector<Verb> verbs{{"list", "names", Takes::nothing, nothing},       {"campaign", "runs", Takes::case_file, nothing},
+                              {"calibrate", "fits", Takes::case_file, nothing}, {"simulate", "one run", Takes::case_file, nothing},
+                              {"import", "recordings", Takes::files, nothing},  {"challenge", "suites", Takes::suite, nothing}};
 
 CommandLine parsed(std::vector<std::string> words) {
   CommandLine command;
@@ -103,7 +100,8 @@ TEST(CommandLine, VerbsHaveTheirOwnOptions) {
 }
 
 TEST(CommandLine, ChallengeHasWordsOfItsOwn) {
-  const auto make = parsed({"challenge", "make", "--out", "dir", "--seed", "7", "--suite", "quick", "--none", "3", "--effects", "beam,slot", "--grid", "5e-4", "--threads", "2"});
+  const auto make = parsed(
+      {"challenge", "make", "--out", "dir", "--seed", "7", "--suite", "quick", "--none", "3", "--effects", "beam,slot", "--grid", "5e-4", "--threads", "2"});
   EXPECT_EQ(make.verb, "challenge");
   EXPECT_EQ(make.challenge.action, "make");
   EXPECT_EQ(make.challenge.directory, "dir");

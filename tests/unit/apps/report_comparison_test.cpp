@@ -32,8 +32,10 @@ Json comparison_of_optimizers(double last) {
   const auto method = [&](const char* name, double end) {
     return Json{{"name", name}, {"evaluations", {26, 52, 78}}, {"mean", {140.0, 120.0, end}}, {"sd", {9.0, 4.0, 1.0}}, {"best", end - 1}, {"worst", end + 2}};
   };
-  return {{"trials", 50}, {"targets", {{{"name", "total_degree 15"}, {"methods", {method("dgs", last), method("de", last + 1)}}},
-                                       {{"name", "total_degree 16"}, {"methods", {method("dgs", last + 5)}}}}}};
+  return {{"trials", 50},
+          {"targets",
+           {{{"name", "total_degree 15"}, {"methods", {method("dgs", last), method("de", last + 1)}}},
+            {{"name", "total_degree 16"}, {"methods", {method("dgs", last + 5)}}}}}};
 }
 
 TEST(ReportComparison, TheParameterTableHasTheNominalValuesFirstAndMapsStandardDeviations) {
@@ -89,8 +91,17 @@ TEST(ReportComparison, ANestedModelHasOneRow) {
   const auto dir = two_methods("hypotheses");
   EXPECT_TRUE(hypothesis_table(read_study(dir)).empty());
   Json map = read_json(dir / "map.json");
-  map["nested_model"] = {{"with", "base.out"}, {"added", {"width", "offset"}}, {"log_bayes_factor", 30.0}, {"low", 28.6}, {"high", 31.4}, {"chi2", 90.0}, {"nested_chi2", 150.0},
-                         {"emulator_variance", 0.125}, {"nested_emulator_variance", 0.25}, {"verdict", "favoured"}, {"sentence", "the records favour width and offset over base.out"}};
+  map["nested_model"] = {{"with", "base.out"},
+                         {"added", {"width", "offset"}},
+                         {"log_bayes_factor", 30.0},
+                         {"low", 28.6},
+                         {"high", 31.4},
+                         {"chi2", 90.0},
+                         {"nested_chi2", 150.0},
+                         {"emulator_variance", 0.125},
+                         {"nested_emulator_variance", 0.25},
+                         {"verdict", "favoured"},
+                         {"sentence", "the records favour width and offset over base.out"}};
   write_json(dir / "map.json", map);
   const Table t = hypothesis_table(read_study(dir));
   ASSERT_EQ(t.rows.size(), 1u);
@@ -110,7 +121,8 @@ TEST(ReportEmulator, NuisancesRunsAndSharesAreTold) {
   map["identified"] = "the data pin the impedance", map["adequate"] = true, map["adequacy"] = "the records do not contradict the fit";
   map["nuisances"] = {{{"name", "viscosity"}, {"value", 1800.0}, {"sd", 300.0}, {"prior_value", 2000.0}, {"prior_sd", 1200.0}, {"pull", -0.18}},
                       {{"name", "young"}, {"value", 2.1e11}, {"sd", 1e9}, {"prior_value", 2e11}, {"prior_sd", 3e9}, {"pull", 3.2}}};
-  map["emulator"] = {{"settled", true}, {"message", "settled after 48 coarse and 14 fine runs"},
+  map["emulator"] = {{"settled", true},
+                     {"message", "settled after 48 coarse and 14 fine runs"},
                      {"levels", {{{"runs", 14}, {"left_out", 0.013}, {"noise", 0.009}}, {{"runs", 48}, {"left_out", 0.011}, {"noise", 0.01}}}},
                      {"covariance_shares", {{"baseline", 0.25}, {"noise", 0.75}}}};
   map["true_model_check"] = {{"holds", false}, {"sentence", "the true model lies farther off than the emulator says"}};
@@ -137,7 +149,8 @@ TEST(ReportEmulator, NuisancesRunsAndSharesAreTold) {
 TEST(ReportEmulator, ThePosteriorsEmulatorIsShownWithoutMap) {
   const auto dir = scratch("emulator_of_sample");
   write_calibration(dir, input(), "enc");
-  write_json(dir / "posterior.json", {{"mode", {{"settled", false}, {"message", "not settled after 9 runs"}, {"levels", {{{"runs", 9}, {"left_out", 0.02}, {"noise", 0.01}}}}}}});
+  write_json(dir / "posterior.json",
+             {{"mode", {{"settled", false}, {"message", "not settled after 9 runs"}, {"levels", {{{"runs", 9}, {"left_out", 0.02}, {"noise", 0.01}}}}}}});
   const Study study = read_study(dir);
   EXPECT_EQ(emulator_table(study).rows.size(), 1u);
   EXPECT_TRUE(nuisance_table(study).empty());
@@ -163,10 +176,12 @@ TEST(ReportTables, CaptionsTellWhichMeshEverySimulationIsOn) {
   Json enc = read_json(dir / "enc.json"), map = read_json(dir / "map.json");
   map["scores_on"] = "the finest mesh of the emulator";
   write_json(dir / "map.json", map);
-  EXPECT_THAT(headline_table(read_study(dir), input()).caption, HasSubstr("Simulations of MAP are runs on the finest mesh of the emulator; the others are on the case\u2019s mesh."));
+  EXPECT_THAT(headline_table(read_study(dir), input()).caption,
+              HasSubstr("Simulations of MAP are runs on the finest mesh of the emulator; the others are on the case\u2019s mesh."));
   enc["mesh"] = {{"working_mesh", {{"accuracy", 50.0}, {"mae", 20.0}}}};
   write_json(dir / "enc.json", enc);
-  EXPECT_THAT(headline_table(read_study(dir), input()).caption, HasSubstr("as the runs on finer meshes tell; those of MAP are runs on the finest mesh of the emulator."));
+  EXPECT_THAT(headline_table(read_study(dir), input()).caption,
+              HasSubstr("as the runs on finer meshes tell; those of MAP are runs on the finest mesh of the emulator."));
 }
 
 TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
@@ -175,12 +190,15 @@ TEST(ReportComparison, OptimisersAndFormulationsStandBesideTheBestOfAll) {
   EXPECT_TRUE(formulation_table(read_study(dir), input()).empty());
   Json enc = read_json(dir / "enc.json");
   const auto of = [](const char* name, double best) {
-    return Json{{"name", name}, {"rounds", 4}, {"mean", best - 1}, {"sd", 0.5}, {"best", best}, {"shortfall", 66 - best}, {"distance", 0.01}, {"share_of_rounds", 0.75}};
+    return Json{{"name", name},           {"rounds", 4},      {"mean", best - 1},       {"sd", 0.5}, {"best", best},
+                {"shortfall", 66 - best}, {"distance", 0.01}, {"share_of_rounds", 0.75}};
   };
   const auto formulation = [&](const char* name, double accuracy) {
-    return Json{{"name", name}, {"theta", enc["theta"]}, {"distance", 0.2}, {"accuracy", accuracy}, {"mae", 17.0}, {"objectives_model", {{"paper_enc", accuracy - 17}, {"rrmse", 0.25}}}};
+    return Json{{"name", name},         {"theta", enc["theta"]}, {"distance", 0.2},
+                {"accuracy", accuracy}, {"mae", 17.0},           {"objectives_model", {{"paper_enc", accuracy - 17}, {"rrmse", 0.25}}}};
   };
-  enc["agreement"] = {{"sentence", "The optimisers agree."}, {"optimizers", {of("de", 66), of("gradient", 65)}},
+  enc["agreement"] = {{"sentence", "The optimisers agree."},
+                      {"optimizers", {of("de", 66), of("gradient", 65)}},
                       {"objectives", {formulation("paper_enc", 80), formulation("rrmse", 70)}}};
   write_json(dir / "enc.json", enc);
   const Study study = read_study(dir);

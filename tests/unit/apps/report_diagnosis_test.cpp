@@ -108,7 +108,9 @@ TEST(ReportDiagnosis, AVerdictThatDidNotSettleIsNotToBeTrusted) {
 
 TEST(ReportDiagnosis, OneOfAnEarlierVersionIsReadAsFarAsItGoes) {
   const auto dir = scratch("earlier");
-  write_json(dir / "diagnosis.json", {{"verdict", "unknown"}, {"reason", "nothing that was offered does"}, {"ranking", {{{"name", "none"}, {"probability", 1.0}, {"log_evidence", 0.0}}}}});
+  write_json(
+      dir / "diagnosis.json",
+      {{"verdict", "unknown"}, {"reason", "nothing that was offered does"}, {"ranking", {{{"name", "none"}, {"probability", 1.0}, {"log_evidence", 0.0}}}}});
   const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("Diagnosis: unknown. nothing that was offered does"));
   EXPECT_THAT(text, HasSubstr("diagnosis.nc is missing"));

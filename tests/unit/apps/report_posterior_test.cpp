@@ -248,7 +248,10 @@ TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsToldAtTheTopAndInItsSectio
   write_json(dir / "posterior.json", json);
   const std::string text = markup(report_of(dir, input()));
   EXPECT_THAT(text, HasSubstr("<li>sampling: density sits 2.4 prior standard deviations below"));
-  EXPECT_THAT(text, HasSubstr("<strong>density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "<strong>density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
   EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> asks what was left out."));
   EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
 }
@@ -264,7 +267,8 @@ TEST(ReportPosterior, AFitThatTheRecordsContradictIsToldAndItsNumbersAreNotFinal
   EXPECT_THAT(told, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
   EXPECT_THAT(told, HasSubstr("<li>sampling: the fit is not adequate"));
   EXPECT_THAT(told, HasSubstr("<strong>Not final</strong>: the warnings say why."));
-  json["final"] = true, json["adequate"] = true, json["adequacy"] = "the records do not contradict the fit: chi-squared 33 for 80 values", json["warnings"] = Json::array();
+  json["final"] = true, json["adequate"] = true, json["adequacy"] = "the records do not contradict the fit: chi-squared 33 for 80 values",
+  json["warnings"] = Json::array();
   write_json(dir / "posterior.json", json);
   const std::string fits = markup(report_of(dir, input()));
   EXPECT_THAT(fits, HasSubstr("<p>By chi-squared, the records do not contradict the fit: chi-squared 33 for 80 values.</p>"));

@@ -17,7 +17,6 @@ namespace calomel::testing_report {
 
 inline const std::string hostile = "<b>\"E\" & 'co'</b>";  // a sensor's name that must not become markup
 
-
 /// Outer surface of a box of n cells along its longest side.
 inline ReportSurface box(const Vec3& low, const Vec3& high, int n) {
   ReportSurface s;
@@ -132,8 +131,13 @@ inline void write_campaign(const std::filesystem::path& dir, const ReportInput& 
   w.variable("message", {"run"}, message);
   w.variable("scatter", {"run", "sensor", "time"}, scatter);
   w.commit();
-  write_json(dir / "campaign.json",
-             {{"runs", 40}, {"completed", 37}, {"failed", 3}, {"reused", 0}, {"wall_s", 61.5}, {"floor", repeatability(in)}, {"provenance", provenance("campaign").json()}});
+  write_json(dir / "campaign.json", {{"runs", 40},
+                                     {"completed", 37},
+                                     {"failed", 3},
+                                     {"reused", 0},
+                                     {"wall_s", 61.5},
+                                     {"floor", repeatability(in)},
+                                     {"provenance", provenance("campaign").json()}});
 }
 
 inline void write_train(const std::filesystem::path& dir) {
@@ -248,24 +252,31 @@ inline void write_sample(const std::filesystem::path& dir, const Draws& draws) {
   write_json(dir / "posterior.json", summary);
 }
 
-/// The same with what was known before (density 13 000 +- 1300 evenly, sound_speed 1450 +- 145 normal) and what is predicted: histories of every gauge whose scale is spread evenly by
-/// 10 % to either side, against records that are the middle one, with errors of 20 microstrain where `errors`.
+/// The same with what was known before (density 13 000 +- 1300 evenly, sound_speed 1450 +- 145 normal) and what is predicted: histories of every gauge whose
+/// scale is spread evenly by 10 % to either side, against records that are the middle one, with errors of 20 microstrain where `errors`.
 inline void write_sample_and_predictions(const std::filesystem::path& dir, const ReportInput& in, const Draws& draws, bool errors = true) {
   write_sample(dir, draws);
   PosteriorGroup prior{.name = "prior", .chains = 1, .draws = 1000, .coordinates = {}, .variables = {{"density", "", {}, {}}, {"sound_speed", "", {}, {}}}};
   RandomStream random(5, 0);
-  for (int i = 0; i < 1000; ++i) prior.variables[0].values.push_back(13000 + 2600 * (random.uniform() - 0.5)), prior.variables[1].values.push_back(1450 + 145 * random.normal());
+  for (int i = 0; i < 1000; ++i)
+    prior.variables[0].values.push_back(13000 + 2600 * (random.uniform() - 0.5)), prior.variables[1].values.push_back(1450 + 145 * random.normal());
   std::vector<std::string> names;
   for (const auto& s : in.sensors) names.push_back(s.name);
   std::vector<double> time, record_time;
   for (int k = 0; k <= 300; ++k) time.push_back(k * 1e-6);
   for (int k = 0; k <= 200; ++k) record_time.push_back(k * 1e-6);
   const PosteriorCoordinate sensor{.name = "sensor", .unit = "", .numbers = {}, .words = names};
-  PosteriorGroup predictive{.name = "posterior_predictive", .chains = 4, .draws = 25, .coordinates = {sensor, {.name = "time", .unit = "s", .numbers = time, .words = {}}}, .variables = {{"strain", "1", {"sensor", "time"}, {}}}};
+  PosteriorGroup predictive{.name = "posterior_predictive",
+                            .chains = 4,
+                            .draws = 25,
+                            .coordinates = {sensor, {.name = "time", .unit = "s", .numbers = time, .words = {}}},
+                            .variables = {{"strain", "1", {"sensor", "time"}, {}}}};
   for (int i = 0; i < 100; ++i)
     for (std::size_t s = 0; s < names.size(); ++s)
       for (const double t : time) predictive.variables[0].values.push_back(wave(t, int(s), 1) * (1 + 0.1 * (2 * i - 99) / 99.0));
-  PosteriorGroup observed{.name = "observed_data", .coordinates = {sensor, {.name = "record_time", .unit = "s", .numbers = record_time, .words = {}}}, .variables = {{"strain", "1", {"sensor", "record_time"}, {}}}};
+  PosteriorGroup observed{.name = "observed_data",
+                          .coordinates = {sensor, {.name = "record_time", .unit = "s", .numbers = record_time, .words = {}}},
+                          .variables = {{"strain", "1", {"sensor", "record_time"}, {}}}};
   for (std::size_t s = 0; s < names.size(); ++s)
     for (const double t : record_time) observed.variables[0].values.push_back(wave(t, int(s), 1));
   if (errors) observed.variables.push_back({"error_sd", "1", {"sensor", "record_time"}, std::vector<double>(names.size() * record_time.size(), 20e-6)});
@@ -275,15 +286,25 @@ inline void write_sample_and_predictions(const std::filesystem::path& dir, const
 /// diagnosis.json and diagnosis.nc of a verdict, "named", "none", "ambiguous" or "unknown": the mismatch is at gauge F from 100 us on.
 inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput& in, const std::string& verdict) {
   const bool named = verdict == "named", told = named || verdict == "ambiguous";
-  Json mechanisms = Json::array(), sensors = Json::array(), gauges = Json::array(), windows = Json::array(), bands = Json::array(), map = Json::array(), map_q = Json::array(), band_map = Json::array(), band_map_q = Json::array();
+  Json mechanisms = Json::array(), sensors = Json::array(), gauges = Json::array(), windows = Json::array(), bands = Json::array(), map = Json::array(),
+       map_q = Json::array(), band_map = Json::array(), band_map_q = Json::array();
   if (told) mechanisms.push_back("beam_profile");
   if (verdict == "ambiguous") mechanisms.push_back("interface");
-  for (int w = 0; w < 8; ++w) windows.push_back({{"begin_s", w * 5e-5}, {"end_s", (w + 1) * 5e-5}, {"score", w < 2 ? 0.9 : 9.0}, {"q_value", w < 2 ? 0.8 : 0.002}});
-  for (int b = 0; b < 6; ++b) bands.push_back({{"low_hz", b * 1e4}, {"high_hz", (b + 1) * 1e4}, {"score", b == 0 ? 16.0 : 1.0}, {"q_value", b == 0 ? 1e-4 : 0.9}});
+  for (int w = 0; w < 8; ++w)
+    windows.push_back({{"begin_s", w * 5e-5}, {"end_s", (w + 1) * 5e-5}, {"score", w < 2 ? 0.9 : 9.0}, {"q_value", w < 2 ? 0.8 : 0.002}});
+  for (int b = 0; b < 6; ++b)
+    bands.push_back({{"low_hz", b * 1e4}, {"high_hz", (b + 1) * 1e4}, {"score", b == 0 ? 16.0 : 1.0}, {"q_value", b == 0 ? 1e-4 : 0.9}});
   for (std::size_t s = 0; s < in.sensors.size(); ++s) {
     const bool bad = s == 2;
     sensors.push_back({{"name", in.sensors[s].name}, {"score", bad ? 25.0 : 1.21}, {"q_value", bad ? 1e-5 : 0.6}});
-    gauges.push_back({{"name", in.sensors[s].name}, {"sensor", in.sensors[s].name}, {"condition", "default"}, {"before", bad ? 0.2 : 0.05}, {"after", !bad ? 0.05 : told ? 0.06 : 0.2}, {"heldout_before", 0.25},
+    gauges.push_back({{"name", in.sensors[s].name},
+                      {"sensor", in.sensors[s].name},
+                      {"condition", "default"},
+                      {"before", bad ? 0.2 : 0.05},
+                      {"after", !bad   ? 0.05
+                                : told ? 0.06
+                                       : 0.2},
+                      {"heldout_before", 0.25},
                       {"heldout_after", told ? 0.125 : 0.25}});
     Json row = Json::array(), q = Json::array();
     for (int w = 0; w < 8; ++w) row.push_back(bad && w > 1 ? 36.0 : 1.0), q.push_back(bad && w > 1 ? 1e-3 : 0.9);
@@ -293,16 +314,42 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
     band_map.push_back(by_band), band_map_q.push_back(of_band);
   }
   const auto entry = [&](const char* name, const char* plain, double p, double evidence, double explained, const char* why) {
-    return Json{{"name", name}, {"plain_name", plain}, {"probability", p}, {"log_evidence", evidence}, {"explained", explained}, {"fitted", true}, {"heldout_tried", true}, {"heldout_gain", 0.5}, {"size", "offset_z 2.31 \u00b1 0.16 mm in place of 0 mm"},
-                {"why", why}, {"would_change", "Records that speak otherwise."}, {"same_as", Json::array()},
-                {"parameters", {{{"name", std::string(name) + ".offset_z"}, {"mean", 2.31e-3}, {"sd", 1.6e-4}, {"value", "2.31 \u00b1 0.16 mm"}, {"off", "0 mm"}, {"doc", "of the axis, upwards"}, {"deviations_from_off", 14.4}}}}};
+    return Json{{"name", name},
+                {"plain_name", plain},
+                {"probability", p},
+                {"log_evidence", evidence},
+                {"explained", explained},
+                {"fitted", true},
+                {"heldout_tried", true},
+                {"heldout_gain", 0.5},
+                {"size", "offset_z 2.31 \u00b1 0.16 mm in place of 0 mm"},
+                {"why", why},
+                {"would_change", "Records that speak otherwise."},
+                {"same_as", Json::array()},
+                {"parameters",
+                 {{{"name", std::string(name) + ".offset_z"},
+                   {"mean", 2.31e-3},
+                   {"sd", 1.6e-4},
+                   {"value", "2.31 \u00b1 0.16 mm"},
+                   {"off", "0 mm"},
+                   {"doc", "of the axis, upwards"},
+                   {"deviations_from_off", 14.4}}}}};
   };
-  Json ranking{entry("beam_profile", "the proton beam's profile", 0.9, 106.0, 0.92, "Named: it accounts for 92 % of the mismatch."), entry("interface", "a wetted wall that the mercury leaves early", 0.0625, 90.0, 0.8, "Less.")};
+  Json ranking{entry("beam_profile", "the proton beam's profile", 0.9, 106.0, 0.92, "Named: it accounts for 92 % of the mismatch."),
+               entry("interface", "a wetted wall that the mercury leaves early", 0.0625, 90.0, 0.8, "Less.")};
   ranking[0]["same_as"] = {"interface"}, ranking[1]["same_as"] = {"beam_profile"};
   for (const char* name : {"unknown", "none"})
-    ranking.push_back({{"name", name}, {"probability", 0.01875}, {"log_evidence", -1.5}, {"parameters", Json::array()}, {"heldout_gain", 0.0}, {"why", "<i>because</i>"}, {"would_change", ""}});
-  const Json before{{"density", {{"mean", 13905.0}, {"sd", 60.0}}}, {"sound_speed", {{"mean", 1455.0}, {"sd", 8.0}}}}, after{{"density", {{"mean", 13520.0}, {"sd", 70.0}}}, {"sound_speed", {{"mean", 1450.0}, {"sd", 9.0}}}};
-  const Json missing{{"sentence", "What is missing acts like a change <b>."}, {"terms", {{{"what", "mass"}, {"place", "on the top wall"}, {"value", "+4.67 \u00b1 0.69 kg/m\u00b2"}, {"log_bayes_factor", 8.1}}}}};
+    ranking.push_back({{"name", name},
+                       {"probability", 0.01875},
+                       {"log_evidence", -1.5},
+                       {"parameters", Json::array()},
+                       {"heldout_gain", 0.0},
+                       {"why", "<i>because</i>"},
+                       {"would_change", ""}});
+  const Json before{{"density", {{"mean", 13905.0}, {"sd", 60.0}}}, {"sound_speed", {{"mean", 1455.0}, {"sd", 8.0}}}},
+      after{{"density", {{"mean", 13520.0}, {"sd", 70.0}}}, {"sound_speed", {{"mean", 1450.0}, {"sd", 9.0}}}};
+  const Json missing{{"sentence", "What is missing acts like a change <b>."},
+                     {"terms", {{{"what", "mass"}, {"place", "on the top wall"}, {"value", "+4.67 \u00b1 0.69 kg/m\u00b2"}, {"log_bayes_factor", 8.1}}}}};
   const Json all{{"verdict", verdict},
                  {"missing", verdict == "unknown" ? missing : Json()},
                  {"mechanisms", mechanisms},
@@ -313,7 +360,15 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
                  {"status", "done"},
                  {"ranking", ranking},
                  {"gauges", gauges},
-                 {"location", {{"sensors", sensors}, {"windows", windows}, {"bands", bands}, {"map", map}, {"map_q_values", map_q}, {"band_map", band_map}, {"band_map_q_values", band_map_q}, {"region", {{"first_sensor", in.sensors[2].name}, {"first_time_s", 1e-4}}}}},
+                 {"location",
+                  {{"sensors", sensors},
+                   {"windows", windows},
+                   {"bands", bands},
+                   {"map", map},
+                   {"map_q_values", map_q},
+                   {"band_map", band_map},
+                   {"band_map_q_values", band_map_q},
+                   {"region", {{"first_sensor", in.sensors[2].name}, {"first_time_s", 1e-4}}}}},
                  {"base_parameters", {{"before", before}, {"after", told ? after : before}, {"handbook", {{"density", {{"mean", 13500.0}, {"sd", 202.5}}}}}}},
                  {"absorbed", {{{"parameter", "density"}, {"prior_sigmas", 2.0}}}},
                  {"separating_measurement", "beam_profile and interface differ most at gauge C"},
@@ -328,7 +383,9 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
   for (int k = 0; k <= 500; ++k) time.push_back(k * 1e-6);
   for (int k = 0; k <= 400; ++k) record_time.push_back(k * 1e-6);
   for (std::size_t s = 0; s < names.size(); ++s) {
-    for (const double t : time) base.push_back(wave(t, int(s), 1) * (s == 2 && t > 1e-4 ? 0.6 : 1)), explained.push_back(wave(t, int(s), 1.002)), held_out.push_back(wave(t, int(s), 1.01));
+    for (const double t : time)
+      base.push_back(wave(t, int(s), 1) * (s == 2 && t > 1e-4 ? 0.6 : 1)), explained.push_back(wave(t, int(s), 1.002)),
+          held_out.push_back(wave(t, int(s), 1.01));
     for (const double t : record_time) mean.push_back(wave(t, int(s), 1)), low.push_back(mean.back() - 1e-5), high.push_back(mean.back() + 1e-5);
   }
   NetcdfWriter w(dir / "diagnosis.nc");
@@ -349,27 +406,42 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
   w.commit();
 }
 
-/// sensitivity.json and sensitivity.nc: density does everything before 100 us, sound_speed after it, tensile_cutoff nothing; the record does not vary at all before 10 us.
+/// sensitivity.json and sensitivity.nc: density does everything before 100 us, sound_speed after it, tensile_cutoff nothing; the record does not vary at all
+/// before 10 us.
 inline void write_sensitivity(const std::filesystem::path& dir, const ReportInput& in) {
   const std::vector<std::string> parameters{"tensile_cutoff", "density", "sound_speed"};
   const auto indices = [&](std::array<double, 3> values) {
     Json list = Json::array();
-    for (std::size_t k = 0; k < 3; ++k) list.push_back({{"parameter", parameters[k]}, {"value", values[k]}, {"low", values[k] - 0.01}, {"high", values[k] + 0.01}});
+    for (std::size_t k = 0; k < 3; ++k)
+      list.push_back({{"parameter", parameters[k]}, {"value", values[k]}, {"low", values[k] - 0.01}, {"high", values[k] + 0.01}});
     return list;
   };
   const auto morris = [&](double scale) {
     Json list = Json::array();
-    for (std::size_t k = 0; k < 3; ++k) list.push_back({{"parameter", parameters[k]}, {"mu", -scale * double(k)}, {"mu_star", scale * double(k)}, {"mu_star_se", 0.1 * scale}, {"sigma", 0.5 * scale}});
+    for (std::size_t k = 0; k < 3; ++k)
+      list.push_back(
+          {{"parameter", parameters[k]}, {"mu", -scale * double(k)}, {"mu_star", scale * double(k)}, {"mu_star_se", 0.1 * scale}, {"sigma", 0.5 * scale}});
     return list;
   };
   Json quantities = Json::array();
   const auto quantity = [&](const char* name, const std::string& sensor, const char* unit, std::array<double, 3> first, std::array<double, 3> total) {
-    quantities.push_back({{"name", name}, {"sensor", sensor}, {"condition", ""}, {"unit", unit}, {"mean", 1e-4}, {"sd", 1e-5}, {"first_order", indices(first)}, {"total_order", indices(total)}, {"morris", Json::array()}});
+    quantities.push_back({{"name", name},
+                          {"sensor", sensor},
+                          {"condition", ""},
+                          {"unit", unit},
+                          {"mean", 1e-4},
+                          {"sd", 1e-5},
+                          {"first_order", indices(first)},
+                          {"total_order", indices(total)},
+                          {"morris", Json::array()}});
     if (std::string(name) == "record") return;
     quantities.back()["morris"] = morris(std::string(unit) == "s" ? 1e-6 : 2e-5);
-    quantities.back()["polynomial"] = {{"order", 3}, {"left_out_r2", 0.97}, {"first_order", indices(first)}, {"total_order", indices({total[0], total[1] + 0.03, total[2]})}};
+    quantities.back()["polynomial"] = {
+        {"order", 3}, {"left_out_r2", 0.97}, {"first_order", indices(first)}, {"total_order", indices({total[0], total[1] + 0.03, total[2]})}};
   };
-  for (const auto& s : in.sensors) quantity("peak", s.name, "strain", {0, 0.6, 0.3}, {0, 0.7, 0.4}), quantity("time_of_peak", s.name, "s", {0, 0.1, 0.8}, {0.1, 0.2, 0.9}), quantity("rms", s.name, "strain", {0, 0.5, 0.5}, {0, 0.5, 0.5});
+  for (const auto& s : in.sensors)
+    quantity("peak", s.name, "strain", {0, 0.6, 0.3}, {0, 0.7, 0.4}), quantity("time_of_peak", s.name, "s", {0, 0.1, 0.8}, {0.1, 0.2, 0.9}),
+        quantity("rms", s.name, "strain", {0, 0.5, 0.5}, {0, 0.5, 0.5});
   for (const auto& s : in.sensors) quantity("record", s.name, "strain", {-0.02, 0.3, 0.6}, {0.005, 0.325, 0.65});
   quantity("record", "", "strain", {-0.004, 0.3, 0.6}, {0.005, 0.4, 0.7});
   write_json(dir / "sensitivity.json", {{"status", "done"},

@@ -12,7 +12,6 @@
 
 using namespace calomel;
 
-
 TEST(Artefact, IdentityFollowsOptionsSeedAndInputs) {
   Provenance a{.stage = "campaign", .options = {{"runs", 3}}, .seed = 1, .inputs = {{"case", "x"}}};
   Provenance b = a;

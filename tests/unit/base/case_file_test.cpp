@@ -122,7 +122,8 @@ TEST(CaseFile, NamesAnUnknownTable) {
 }
 
 TEST(CaseFile, SuggestsOnlyWhatIsNear) {
-  EXPECT_THAT(message_of("[load]\nxylophone = 3\n"), testing::AllOf(HasSubstr("load.xylophone"), HasSubstr("allowed: "), HasSubstr("peak_pressure"), testing::Not(HasSubstr("did you mean"))));
+  EXPECT_THAT(message_of("[load]\nxylophone = 3\n"),
+              testing::AllOf(HasSubstr("load.xylophone"), HasSubstr("allowed: "), HasSubstr("peak_pressure"), testing::Not(HasSubstr("did you mean"))));
   CaseFile file = CaseFile::from_text("length = 0.1\n[geometry]\nlength = 0.2\n");
   try {
     file.expect_all_read(std::vector<std::string>{"geometry", "sensor"});
@@ -161,7 +162,8 @@ TEST(UnreadableFile, NamesKeyPathAndTheNearestThatIsThere) {
   const auto folder = std::filesystem::temp_directory_path() / ("calomel_unreadable_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "sensors.csv") << "x";
-  EXPECT_THAT(unreadable_file("sensors", folder / "sensor.csv").what(), testing::AllOf(HasSubstr("sensors = "), HasSubstr("sensor.csv"), HasSubstr("did you mean \"sensors.csv\"?")));
+  EXPECT_THAT(unreadable_file("sensors", folder / "sensor.csv").what(),
+              testing::AllOf(HasSubstr("sensors = "), HasSubstr("sensor.csv"), HasSubstr("did you mean \"sensors.csv\"?")));
   EXPECT_THAT(unreadable_file("sensors", folder / "gauges.txt").what(), testing::AllOf(HasSubstr("check the name"), testing::Not(HasSubstr("did you mean"))));
   std::filesystem::remove_all(folder);
 }

@@ -100,7 +100,9 @@ TEST(FrameFile, ItsIdentityIsToldWithoutOpeningIt) {
 
 TEST(FrameFile, AForeignFileAndADamagedHeadAreRefusedUntouched) {
   const auto path = scratch_file("foreign");
-  { FrameFile(path, "calomel test 1", own, [](std::string_view, FrameFile::Place) {}).append("one"); }
+  {
+    FrameFile(path, "calomel test 1", own, [](std::string_view, FrameFile::Place) {}).append("one");
+  }
   std::string damaged = read_text(path);
   damaged[60] ^= 1;
   for (const std::string& text : {std::string("a letter to a friend"), damaged}) {

@@ -74,7 +74,9 @@ Provenance provenance_of(const CampaignOptions& o, std::uint64_t seed = 1) {
 CampaignSummary run(const ForwardModel& model, const std::filesystem::path& dir, const CampaignOptions& o, int threads, const Provenance& provenance,
                     const CampaignProgress& progress = {}, const std::atomic<bool>* stop = nullptr) {
   std::optional<RunStore> store;
-  const auto held = [&]() -> RunStore& { return store.emplace(Provenance{.stage = "runs", .options = {{"load", provenance.options.at("load")}}}, dir / "runs.journal"); };
+  const auto held = [&]() -> RunStore& {
+    return store.emplace(Provenance{.stage = "runs", .options = {{"load", provenance.options.at("load")}}}, dir / "runs.journal");
+  };
   return run_campaign(model, o, provenance.seed, threads, provenance, dir, held, progress, stop);
 }
 
@@ -284,11 +286,10 @@ TEST(Campaign, ProgressCountsEveryRunOnce) {
   const auto o = small();
   std::vector<std::size_t> seen;
   std::size_t failures = 0;
-  const auto summary =
-      run(Ringing(), scratch("campaign_progress"), o, 3, provenance_of(o), [&](std::size_t n, std::size_t failed, std::size_t runs) {
-        EXPECT_EQ(runs, 40u);
-        seen.push_back(n), failures = failed;
-      });
+  const auto summary = run(Ringing(), scratch("campaign_progress"), o, 3, provenance_of(o), [&](std::size_t n, std::size_t failed, std::size_t runs) {
+    EXPECT_EQ(runs, 40u);
+    seen.push_back(n), failures = failed;
+  });
   ASSERT_EQ(seen.size(), 41u);
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i);
   EXPECT_EQ(failures, summary.failed);

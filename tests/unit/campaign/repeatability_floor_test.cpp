@@ -37,7 +37,9 @@ class Line : public ForwardModel {
     shape_.conditions = {"default"}, shape_.sensors = {"A", "B"}, shape_.times = {0, 0.3, 0.6};
   }
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
-  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override { return {.ok = true, .message = "", .mean = std::vector<double>(6, theta[0])}; }
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override {
+    return {.ok = true, .message = "", .mean = std::vector<double>(6, theta[0])};
+  }
 
  private:
   ModelShape shape_;
@@ -48,7 +50,8 @@ CampaignSummary run(const std::filesystem::path& dir, const FloorSource& floor) 
   o.runs = 5, o.pulses = 1;
   const Provenance provenance{.stage = "campaign", .options = {{"campaign", identity_options(o)}}};
   RunStore store({.stage = "runs"}, dir / "runs.journal");
-  return run_campaign(Line(), o, 1, 1, provenance, dir, [&]() -> RunStore& { return store; }, {}, nullptr, floor);
+  return run_campaign(
+      Line(), o, 1, 1, provenance, dir, [&]() -> RunStore& { return store; }, {}, nullptr, floor);
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ TEST(MultilevelRegression, FindsThatACoarseMeshIsNoisierAndItsVarianceIsThatOfRe
     squares += (e.fit(d.outputs) * e.features(u, 0) - smooth(u, 0)).squaredNorm() / 2 / repeats;
     noise += e.residuals(d.outputs).squaredNorm() / 2 / e.freedom() / repeats;
   }
-  EXPECT_NEAR(ratio, 4, 1.2);                     // of variances; the finest mesh's has few squares, and leans on the pooled one
+  EXPECT_NEAR(ratio, 4, 1.2);  // of variances; the finest mesh's has few squares, and leans on the pooled one
   EXPECT_NEAR(noise, 0.01, 0.0015);
   EXPECT_NEAR(squares / (0.01 * variance), 1, 0.35);  // 200 repeats of two outputs: standard error 0.07, the rest is what the ratio's own error does
 }

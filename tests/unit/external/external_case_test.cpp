@@ -109,9 +109,12 @@ TEST(ExternalCase, MistakesAreToldWithTheirPlace) {
   EXPECT_NE(refusal(head + "[output]\nkind = \"log_density\"\nsensors = [\"A\"]\n" + parameters).find("output.sensors"), std::string::npos);
   EXPECT_NE(refusal(head + output + "[parameter.a]\nkey = \"line.x\"\nmin = 0.0\nmax = 1.0\n").find("key"), std::string::npos);
   EXPECT_NE(refusal(head + output + "[parameter.\"c.d\"]\nmin = 0.0\nmax = 1.0\n").find("c.d"), std::string::npos);
-  EXPECT_NE(refusal(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.5\nmax = 0.1\n").find("mechanism.third.parameter.q.max"), std::string::npos);
-  for (const char* config : {"3", "[1, 2]", "\"x\""}) EXPECT_NE(refusal(bare + "config = " + config + "\n" + output + parameters).find("a table"), std::string::npos) << config;
-  for (const char* value : {"nan", "inf", "1979-05-27"}) EXPECT_NE(refusal(bare + "config = { a = { b = " + value + " } }\n" + output + parameters).find("model.config.a.b"), std::string::npos) << value;
+  EXPECT_NE(refusal(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.5\nmax = 0.1\n").find("mechanism.third.parameter.q.max"),
+            std::string::npos);
+  for (const char* config : {"3", "[1, 2]", "\"x\""})
+    EXPECT_NE(refusal(bare + "config = " + config + "\n" + output + parameters).find("a table"), std::string::npos) << config;
+  for (const char* value : {"nan", "inf", "1979-05-27"})
+    EXPECT_NE(refusal(bare + "config = { a = { b = " + value + " } }\n" + output + parameters).find("model.config.a.b"), std::string::npos) << value;
 }
 
 // Runs hang on what the model is asked, not on where it is, nor on what is thought of its inputs.
@@ -121,7 +124,8 @@ TEST(ExternalCase, RunsAreThoseOfTheModelWhereverItIs) {
   const Json usual = options(head + output + parameters + group);
   EXPECT_FALSE(usual["model"].contains("url"));
   EXPECT_EQ(usual["inputs"].back(), "mechanism.third.parameter.q");
-  EXPECT_EQ(options(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.0\nmax = 3.0\nprior = \"half_cauchy\"\nscale = 1.0\n"), usual);
+  EXPECT_EQ(options(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.0\nmin = 0.0\nmax = 3.0\nprior = \"half_cauchy\"\nscale = 1.0\n"),
+            usual);
   EXPECT_NE(options(head + output + parameters + "[mechanism.third.parameter.q]\noff = 0.1\nmin = 0.0\nmax = 1.0\n"), usual);
   EXPECT_NE(options(bare + "config = { level = 3 }\n" + output + parameters + group), usual);
   EXPECT_EQ(read(head + output + parameters + group).echo()["mechanism"]["third"]["parameter"].begin().key(), "q");

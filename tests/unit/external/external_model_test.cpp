@@ -13,7 +13,8 @@ namespace calomel {
 namespace {
 
 ExternalCase line_case(const std::string& url, const std::string& more = "", const std::string& count = "4") {
-  auto file = CaseFile::from_text("[case]\nname = \"x\"\n[model]\nkind = \"umbridge\"\nurl = \"" + url + "\"\nname = \"line\"\nretries = 0\n[output]\nsensors = [\"y\"]\ntime = { step = 1.0, count = " + count +
+  auto file = CaseFile::from_text("[case]\nname = \"x\"\n[model]\nkind = \"umbridge\"\nurl = \"" + url +
+                                  "\"\nname = \"line\"\nretries = 0\n[output]\nsensors = [\"y\"]\ntime = { step = 1.0, count = " + count +
                                   " }\n[parameter.a]\nmin = -1000.0\nmax = 1000.0\nnominal = 0.0\n" + more);
   return ExternalCase::read(file);
 }

@@ -15,7 +15,8 @@ namespace calomel {
 /// The program's own server with these models, as long as the object lives.
 class Served {
  public:
-  explicit Served(std::vector<ServedModel> models, ServeOptions options = {}) : server_(std::move(models), at_any_port(std::move(options))), thread_([this] { server_.run(stop_); }) {}
+  explicit Served(std::vector<ServedModel> models, ServeOptions options = {})
+      : server_(std::move(models), at_any_port(std::move(options))), thread_([this] { server_.run(stop_); }) {}
   ~Served() {
     stop_ = true;
     thread_.join();
@@ -43,8 +44,12 @@ inline ServedModel straight_line() {
     for (int i = 0; i < 4; ++i) y[0].push_back(x[0][0] + x[0][1] * i);
     return y;
   };
-  m.gradient = [](const Blocks&, std::size_t, std::size_t, const std::vector<double>& w, const Json&) { return std::vector<double>{w[0] + w[1] + w[2] + w[3], w[1] + 2 * w[2] + 3 * w[3]}; };
-  m.apply_jacobian = [](const Blocks&, std::size_t, std::size_t, const std::vector<double>& v, const Json&) { return std::vector<double>{v[0], v[0] + v[1], v[0] + 2 * v[1], v[0] + 3 * v[1]}; };
+  m.gradient = [](const Blocks&, std::size_t, std::size_t, const std::vector<double>& w, const Json&) {
+    return std::vector<double>{w[0] + w[1] + w[2] + w[3], w[1] + 2 * w[2] + 3 * w[3]};
+  };
+  m.apply_jacobian = [](const Blocks&, std::size_t, std::size_t, const std::vector<double>& v, const Json&) {
+    return std::vector<double>{v[0], v[0] + v[1], v[0] + 2 * v[1], v[0] + 3 * v[1]};
+  };
   return m;
 }
 

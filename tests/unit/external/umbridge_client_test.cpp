@@ -99,7 +99,8 @@ TEST(UmbridgeClient, LiesAreToldAsWhatTheyAre) {
   EXPECT_NE(answer_to("[1]").message.find("no JSON object"), std::string::npos);
   EXPECT_NE(answer_to(R"({"output": [[1.0, 2)").message.find("no JSON"), std::string::npos);
   EXPECT_NE(answer_to("<html>gateway</html>", 500).message.find("status 500"), std::string::npos);
-  EXPECT_NE(answer_to(R"({"error": {"type": "InvalidOutput", "message": "overflow"}})").message.find("overflow"), std::string::npos) << "an error with status 200";
+  EXPECT_NE(answer_to(R"({"error": {"type": "InvalidOutput", "message": "overflow"}})").message.find("overflow"), std::string::npos)
+      << "an error with status 200";
 }
 
 // What a server says is cut between letters and is UTF-8 afterwards, so that it can stand in an artefact; what it nests is not followed.
@@ -107,7 +108,9 @@ TEST(UmbridgeClient, StrangeWordsAreMadePlain) {
   std::string long_words;
   for (int i = 0; i < 100; ++i) long_words += "\u00e9";
   for (const std::string& words : {"x" + long_words, "xx" + long_words, std::string("\xff\xfe broken"), std::string("two\nlines")}) {
-    const auto said = answer_to("{\"error\": {\"type\": \"" + std::string(5000, 'T') + "\", \"message\": \"" + (words == "two\nlines" ? "two\\nlines" : words) + "\"}}", 500).message;
+    const auto said =
+        answer_to("{\"error\": {\"type\": \"" + std::string(5000, 'T') + "\", \"message\": \"" + (words == "two\nlines" ? "two\\nlines" : words) + "\"}}", 500)
+            .message;
     EXPECT_NO_THROW((void)Json(said).dump()) << said;
     EXPECT_LT(said.size(), 500u);
     EXPECT_EQ(said.find('\n'), std::string::npos);
@@ -147,7 +150,8 @@ TEST(UmbridgeClient, AHungModelFailsOnceAfterItsTimeout) {
 
 // A timeout is that of the whole exchange, however the answer drips: by lines of its head, or by a body of no told length, whose end is that of the connection.
 TEST(UmbridgeClient, WhatDripsHasItsTimeToo) {
-  for (const auto& [first, again] : {std::pair{"HTTP/1.1 200 OK\r\n", "X-Wait: 1\r\n"}, {"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n{\"output\": [[0.1, ", " "}}) {
+  for (const auto& [first, again] :
+       {std::pair{"HTTP/1.1 200 OK\r\n", "X-Wait: 1\r\n"}, {"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n{\"output\": [[0.1, ", " "}}) {
     const DrippingServer dripping(first, again);
     const UmbridgeClient client({.url = dripping.url(), .name = "m", .timeout = 0.5, .retries = 0, .pause = 0.001});
     const auto began = std::chrono::steady_clock::now();
@@ -183,7 +187,8 @@ TEST(UmbridgeClient, ADeadServerIsUnreachable) {
 }
 
 TEST(UmbridgeClient, AUrlThatNamesNoServerIsRefused) {
-  for (const char* url : {"localhost:4242", "https://localhost", "http://", "http://host/path"}) EXPECT_THROW(UmbridgeClient({.url = url, .name = "m"}), InputError) << url;
+  for (const char* url : {"localhost:4242", "https://localhost", "http://", "http://host/path"})
+    EXPECT_THROW(UmbridgeClient({.url = url, .name = "m"}), InputError) << url;
 }
 
 }  // namespace

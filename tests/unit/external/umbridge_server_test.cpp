@@ -56,9 +56,21 @@ class Connection {
 
 /// Blocks of two and one number in, of one and three out. Its gradient and the action of its Jacobian divide by the last number.
 ServedModel blocks() {
-  ServedModel m{.name = "blocks", .input_sizes = {2, 1}, .output_sizes = {1, 3}, .evaluate = [](const Blocks& x, const Json&) { return Blocks{{x[0][0]}, {x[0][1], x[1][0], 7}}; }, .gradient = {}, .apply_jacobian = {}};
-  m.gradient = [](const Blocks& x, std::size_t, std::size_t in, const std::vector<double>& w, const Json&) { return in == 0 ? std::vector<double>{w[0], w[0]} : std::vector<double>{w[0] / x[1][0]}; };
-  m.apply_jacobian = [](const Blocks& x, std::size_t out, std::size_t, const std::vector<double>& v, const Json&) { return out == 0 ? std::vector<double>{v[0] / x[1][0]} : std::vector<double>{v[0], v[0], v[0]}; };
+  ServedModel m{.name = "blocks",
+                .input_sizes = {2, 1},
+                .output_sizes = {1, 3},
+                .evaluate =
+                    [](const Blocks& x, const Json&) {
+                      return Blocks{{x[0][0]}, {x[0][1], x[1][0], 7}};
+                    },
+                .gradient = {},
+                .apply_jacobian = {}};
+  m.gradient = [](const Blocks& x, std::size_t, std::size_t in, const std::vector<double>& w, const Json&) {
+    return in == 0 ? std::vector<double>{w[0], w[0]} : std::vector<double>{w[0] / x[1][0]};
+  };
+  m.apply_jacobian = [](const Blocks& x, std::size_t out, std::size_t, const std::vector<double>& v, const Json&) {
+    return out == 0 ? std::vector<double>{v[0] / x[1][0]} : std::vector<double>{v[0], v[0], v[0]};
+  };
   return m;
 }
 
@@ -72,7 +84,13 @@ void expect_refused(const Served& served, const std::string& path, const std::st
 
 class UmbridgeServerTest : public testing::Test {
  protected:
-  Served served{{straight_line(), {.name = "plain", .input_sizes = {1, 1}, .output_sizes = {1}, .evaluate = [](const Blocks& x, const Json& c) { return Blocks{{x[0][0] / x[1][0] + c.value("add", 0.0)}}; }, .gradient = {}, .apply_jacobian = {}}},
+  Served served{{straight_line(),
+                 {.name = "plain",
+                  .input_sizes = {1, 1},
+                  .output_sizes = {1},
+                  .evaluate = [](const Blocks& x, const Json& c) { return Blocks{{x[0][0] / x[1][0] + c.value("add", 0.0)}}; },
+                  .gradient = {},
+                  .apply_jacobian = {}}},
                 {.threads = 2, .largest_body = 4096}};
 };
 
@@ -85,8 +103,10 @@ TEST_F(UmbridgeServerTest, InfoAndSizesHaveNoOtherKeys) {
   EXPECT_EQ(info["models"], (Json{"line", "plain"}));
   EXPECT_EQ(post(served, "/InputSizes", R"({"name": "plain"})").body, (Json{{"inputSizes", {1, 1}}}));
   EXPECT_EQ(post(served, "/OutputSizes", R"({"name": "line", "config": {}})").body, (Json{{"outputSizes", {4}}}));
-  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "plain"})").body, (Json{{"support", {{"Evaluate", true}, {"Gradient", false}, {"ApplyJacobian", false}, {"ApplyHessian", false}}}}));
-  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "line"})").body, (Json{{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}}));
+  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "plain"})").body,
+            (Json{{"support", {{"Evaluate", true}, {"Gradient", false}, {"ApplyJacobian", false}, {"ApplyHessian", false}}}}));
+  EXPECT_EQ(post(served, "/ModelInfo", R"({"name": "line"})").body,
+            (Json{{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}}));
 }
 
 TEST_F(UmbridgeServerTest, EvaluateAnswersWhateverTheContentType) {
@@ -96,8 +116,10 @@ TEST_F(UmbridgeServerTest, EvaluateAnswersWhateverTheContentType) {
     EXPECT_EQ(a.body, (Json{{"output", {{1.0, 1.1, 1.2, 1.0 + 0.1 * 3}}}})) << type;
   }
   EXPECT_EQ(post(served, "/Evaluate", R"({"name": "plain", "input": [[1], [2]], "config": {"add": 1}})").body, (Json{{"output", {{1.5}}}}));
-  EXPECT_EQ(post(served, "/Gradient", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, 4]})").body, (Json{{"output", {10.0, 20.0}}}));
-  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [2, -1]})").body, (Json{{"output", {2.0, 1.0, 0.0, -1.0}}}));
+  EXPECT_EQ(post(served, "/Gradient", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, 4]})").body,
+            (Json{{"output", {10.0, 20.0}}}));
+  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [2, -1]})").body,
+            (Json{{"output", {2.0, 1.0, 0.0, -1.0}}}));
 }
 
 TEST_F(UmbridgeServerTest, TheModelIsLookedForBeforeTheFeatureAndTheFeatureBeforeTheInput) {
@@ -111,18 +133,25 @@ TEST_F(UmbridgeServerTest, TheModelIsLookedForBeforeTheFeatureAndTheFeatureBefor
 }
 
 TEST_F(UmbridgeServerTest, WrongInputsAreRefused) {
-  for (const char* body : {R"({"name": "line"})", R"({"name": "line", "input": 5})", R"({"name": "line", "input": [[1]]})", R"({"name": "line", "input": [[1, 2], [3]]})",
-                           R"({"name": "line", "input": [["a", 2]]})", R"({"name": "line", "input": [[null, 2]]})", R"({"name": "line", "input": [[NaN, 2]]})",
-                           R"({"name": "line", "input": [[Infinity, 2]]})", R"({"name": "line", "input": [[1e999, 2]]})", R"({"name": "line", "input": [[true, 2]]})", "{", "", "[]",
-                           R"({"input": [[1, 2]]})", R"({"name": 7, "input": [[1, 2]]})", R"({"name": "line", "input": [[1, 2]], "config": 3})", R"({"name": "line", "input": [[-200, 2]]})"})
+  for (const char* body :
+       {R"({"name": "line"})", R"({"name": "line", "input": 5})", R"({"name": "line", "input": [[1]]})", R"({"name": "line", "input": [[1, 2], [3]]})",
+        R"({"name": "line", "input": [["a", 2]]})", R"({"name": "line", "input": [[null, 2]]})", R"({"name": "line", "input": [[NaN, 2]]})",
+        R"({"name": "line", "input": [[Infinity, 2]]})", R"({"name": "line", "input": [[1e999, 2]]})", R"({"name": "line", "input": [[true, 2]]})", "{", "",
+        "[]", R"({"input": [[1, 2]]})", R"({"name": 7, "input": [[1, 2]]})", R"({"name": "line", "input": [[1, 2]], "config": 3})",
+        R"({"name": "line", "input": [[-200, 2]]})"})
     expect_refused(served, "/Evaluate", body, 400, "InvalidInput");
-  for (const char* body : {R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "sens": [1, 2, 3, 4]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": -1, "sens": [1, 2, 3, 4]})",
-                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0})",
-                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, null]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, NaN]})",
-                           R"({"name": "line", "input": [[0, NaN]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, 4]})"})
+  for (const char* body :
+       {R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "sens": [1, 2, 3, 4]})",
+        R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": -1, "sens": [1, 2, 3, 4]})",
+        R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0})",
+        R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, null]})",
+        R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, NaN]})",
+        R"({"name": "line", "input": [[0, NaN]], "outWrt": 0, "inWrt": 0, "sens": [1, 2, 3, 4]})"})
     expect_refused(served, "/Gradient", body, 400, "InvalidInput");
-  for (const char* body : {R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, Infinity]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 1e999]})",
-                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 2, 3, 4]})", R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "vec": [1, 2]})"})
+  for (const char* body : {R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, Infinity]})",
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 1e999]})",
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 0, "inWrt": 0, "vec": [1, 2, 3, 4]})",
+                           R"({"name": "line", "input": [[0, 0]], "outWrt": 1, "inWrt": 0, "vec": [1, 2]})"})
     expect_refused(served, "/ApplyJacobian", body, 400, "InvalidInput");
 }
 
@@ -148,11 +177,16 @@ TEST_F(UmbridgeServerTest, GreatBodiesAndUnknownPathsAreRefused) {
 /// Of the block that is asked for, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
 TEST(UmbridgeServer, DerivativesHaveTheSizeOfTheirBlock) {
   const Served served({blocks()});
-  EXPECT_EQ(post(served, "/Evaluate", R"({"name": "blocks", "input": [[1, 2], [3]]})").body, (Json{{"output", Json::array({Json::array({1.0}), Json::array({2.0, 3.0, 7.0})})}}));
-  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "sens": [5, 0, 0]})").body, (Json{{"output", Json::array({5.0, 5.0})}}));
-  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "sens": [5]})").body, (Json{{"output", Json::array({2.5})}}));
-  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "vec": [5]})").body, (Json{{"output", Json::array({2.5})}}));
-  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "vec": [5, 0]})").body, (Json{{"output", Json::array({5.0, 5.0, 5.0})}}));
+  EXPECT_EQ(post(served, "/Evaluate", R"({"name": "blocks", "input": [[1, 2], [3]]})").body,
+            (Json{{"output", Json::array({Json::array({1.0}), Json::array({2.0, 3.0, 7.0})})}}));
+  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "sens": [5, 0, 0]})").body,
+            (Json{{"output", Json::array({5.0, 5.0})}}));
+  EXPECT_EQ(post(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "sens": [5]})").body,
+            (Json{{"output", Json::array({2.5})}}));
+  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [2]], "outWrt": 0, "inWrt": 1, "vec": [5]})").body,
+            (Json{{"output", Json::array({2.5})}}));
+  EXPECT_EQ(post(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "vec": [5, 0]})").body,
+            (Json{{"output", Json::array({5.0, 5.0, 5.0})}}));
   expect_refused(served, "/Gradient", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 0, "sens": [5]})", 400, "InvalidInput");
   expect_refused(served, "/ApplyJacobian", R"({"name": "blocks", "input": [[1, 2], [3]], "outWrt": 1, "inWrt": 1, "vec": [5, 0]})", 400, "InvalidInput");
 }
@@ -167,7 +201,8 @@ TEST(UmbridgeServer, NoDerivativeIsSentThatIsNotFinite) {
 TEST(UmbridgeServer, ALongBodyIsReadWhateverTheContentType) {
   const Served served({straight_line()});
   const std::string body = R"({"name": "line", "input": [[1, 0.1]])" + std::string(20000, ' ') + "}";
-  for (const char* type : {"application/json", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "multipart/form-data"}) EXPECT_EQ(post(served, "/Evaluate", body, type).status, 200) << type;
+  for (const char* type : {"application/json", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "multipart/form-data"})
+    EXPECT_EQ(post(served, "/Evaluate", body, type).status, 200) << type;
   const Connection nameless("127.0.0.1", served.port());
   nameless.send("POST /OutputSizes HTTP/1.1\r\nHost: a\r\nContent-Length: 16\r\n\r\n{\"name\": \"line\"}");
   EXPECT_NE(nameless.read(5).find("200 OK"), std::string::npos) << "without any Content-Type";

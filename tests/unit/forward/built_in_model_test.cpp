@@ -161,10 +161,11 @@ TEST(BuiltInModel, TheGruneisenPolicyFollowsTheSoundSpeedAndKnowsItsRange) {
 }
 
 TEST(BuiltInModel, GainScalesAndDelayShiftsOneChannel) {
-  const std::string channel = "[parameter.gain]\nkey = \"sensor.T.gain\"\nmin = 0\nmax = 2\n[parameter.delay]\nkey = \"sensor.T.delay\"\nmin = -1e-5\nmax = 1e-5\n";
+  const std::string channel =
+      "[parameter.gain]\nkey = \"sensor.T.gain\"\nmin = 0\nmax = 2\n[parameter.delay]\nkey = \"sensor.T.delay\"\nmin = -1e-5\nmax = 1e-5\n";
   const BuiltInModel model(small_case(channel), {.pulses = 1});
-  const auto base = model.evaluate(std::vector<double>{1, 0}).mean, louder = model.evaluate(std::vector<double>{1.25, 0}).mean, later = model.evaluate(std::vector<double>{1, 3e-6}).mean,
-             sooner = model.evaluate(std::vector<double>{1, -2e-6}).mean;
+  const auto base = model.evaluate(std::vector<double>{1, 0}).mean, louder = model.evaluate(std::vector<double>{1.25, 0}).mean,
+             later = model.evaluate(std::vector<double>{1, 3e-6}).mean, sooner = model.evaluate(std::vector<double>{1, -2e-6}).mean;
   const double scale = norm(base);
   for (std::size_t k = 0; k < 41; ++k) {
     EXPECT_NEAR(louder[k], 1.25 * base[k], 1e-12 * scale);
@@ -178,15 +179,17 @@ TEST(BuiltInModel, GainScalesAndDelayShiftsOneChannel) {
 }
 
 TEST(BuiltInModel, ConditionsAreADimensionOfTheValues) {
-  const BuiltInModel model(small_case("[[condition]]\nname = \"low\"\npeak_pressure = 10e6\n[[condition]]\nname = \"high\"\npeak_pressure = 25e6\n" + law), {.pulses = 1});
+  const BuiltInModel model(small_case("[[condition]]\nname = \"low\"\npeak_pressure = 10e6\n[[condition]]\nname = \"high\"\npeak_pressure = 25e6\n" + law),
+                           {.pulses = 1});
   EXPECT_THAT(model.shape().conditions, ::testing::ElementsAre("low", "high"));
   ASSERT_EQ(model.shape().values(), 2u * 2u * 41u);
   const auto y = model.evaluate(std::vector<double>{1e15}).mean;
-  EXPECT_LT(difference({y.begin(), y.begin() + 82}, [&] {
-              std::vector<double> scaled(y.begin() + 82, y.end());
-              for (auto& v : scaled) v *= 0.4;
-              return scaled;
-            }()),
+  EXPECT_LT(difference({y.begin(), y.begin() + 82},
+                       [&] {
+                         std::vector<double> scaled(y.begin() + 82, y.end());
+                         for (auto& v : scaled) v *= 0.4;
+                         return scaled;
+                       }()),
             1e-9);  // a linear liquid: in proportion to the pressure
   const auto alone = run(law, {1e15});
   EXPECT_LT(difference({y.begin() + 82, y.end()}, alone), 1e-12);
@@ -248,7 +251,8 @@ TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
 
 // What a mechanism adds is no numerics: corrections for the mesh take the mesh's viscosity off.
 TEST(BuiltInModel, TellsTheMeshesViscosityWithoutThatOfAMechanism) {
-  const auto base = BuiltInModel(small_case()).describe(), with = BuiltInModel(small_case("[mechanism.liquid_viscosity]\nenabled = true\nzeta = 3000.0\n")).describe();
+  const auto base = BuiltInModel(small_case()).describe(),
+             with = BuiltInModel(small_case("[mechanism.liquid_viscosity]\nenabled = true\nzeta = 3000.0\n")).describe();
   EXPECT_GT(base.viscosity, 0);
   EXPECT_EQ(with.viscosity, base.viscosity);
 }
@@ -293,7 +297,10 @@ TEST(BuiltInModel, TheQuadraticViscosityActsUnderAnyLaw) {
 
 // Bubbles would begin at rest in a motion that they share.
 TEST(BuiltInModel, WhatEarlierPulsesLeftHoldsNoBubbles) {
-  const Prediction p = BuiltInModel(small_case("[mechanism.previous_pulses]\nenabled = true\nleft_1 = 0.1\n[mechanism.bubbly_liquid]\nenabled = true\nalpha0 = 1e-4\n"), {.pulses = 1}).evaluate({});
+  const Prediction p =
+      BuiltInModel(small_case("[mechanism.previous_pulses]\nenabled = true\nleft_1 = 0.1\n[mechanism.bubbly_liquid]\nenabled = true\nalpha0 = 1e-4\n"),
+                   {.pulses = 1})
+          .evaluate({});
   EXPECT_FALSE(p.ok);
   EXPECT_THAT(p.message, HasSubstr("enable previous_pulses or bubbly_liquid, not both"));
 }
@@ -320,7 +327,8 @@ TEST(BuiltInModel, AMeshFromAFileMayLieAnywhere) {
     EXPECT_TRUE(p.ok) << p.message;
     return p.mean;
   };
-  for (const char* mechanism : {"", "[mechanism.wall_thinning]\nenabled = true\nwall = \"front\"\nfraction = 0.3\n", "[mechanism.thermal_stress]\nenabled = true\ndelta_t = 1.0\n"}) {
+  for (const char* mechanism :
+       {"", "[mechanism.wall_thinning]\nenabled = true\nwall = \"front\"\nfraction = 0.3\n", "[mechanism.thermal_stress]\nenabled = true\ndelta_t = 1.0\n"}) {
     const auto here = moved(0, 0, mechanism);
     EXPECT_LT(difference(moved(-0.02, 0, mechanism), here), 1e-5) << mechanism;
     EXPECT_LT(difference(moved(0, -0.015, mechanism), here), 1e-5) << mechanism;

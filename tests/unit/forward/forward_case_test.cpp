@@ -87,7 +87,8 @@ TEST(ForwardCase, ReadingANumberLeavesTheCaseAsItIs) {
   EXPECT_THROW((void)c.number("mechanism.sensor_response.G.gain"), InputError);
   EXPECT_EQ(c.echo(), before);
   // A parameter that stands for one takes its nominal from the common value and is itself no value of the case.
-  const ForwardCase fitted = small_case("[mechanism.sensor_response]\nenabled = true\ngain = 1.05\n[parameter.g]\nkey = \"mechanism.sensor_response.T.gain\"\nmin = 0.8\nmax = 1.2\n");
+  const ForwardCase fitted =
+      small_case("[mechanism.sensor_response]\nenabled = true\ngain = 1.05\n[parameter.g]\nkey = \"mechanism.sensor_response.T.gain\"\nmin = 0.8\nmax = 1.2\n");
   EXPECT_EQ(*fitted.parameters[0].nominal, 1.05);
   EXPECT_FALSE(fitted.echo()["mechanism"]["sensor_response"].contains("T.gain"));
   // Control: setting makes it.
@@ -99,10 +100,13 @@ TEST(ForwardCase, ReadingANumberLeavesTheCaseAsItIs) {
 
 TEST(ForwardCase, RefusesAParameterWhosePriorOrOwnValueLiesOutsideItsBounds) {
   const std::string bounds = "[parameter.density]\nmin = 13000\nmax = 14000\n";
-  EXPECT_THAT(complaint(bounds + "prior = \"normal\"\nmean = 13.5\nsd = 1\n"), ::testing::AllOf(HasSubstr("parameter.density.mean = 13.5"), HasSubstr("13000 <= x <= 14000")));
-  EXPECT_THAT(complaint(bounds + "prior = \"lognormal\"\nmu = 13500\nsigma = 1\n"), ::testing::AllOf(HasSubstr("parameter.density.mu = 13500"), HasSubstr("9.4")));
+  EXPECT_THAT(complaint(bounds + "prior = \"normal\"\nmean = 13.5\nsd = 1\n"),
+              ::testing::AllOf(HasSubstr("parameter.density.mean = 13.5"), HasSubstr("13000 <= x <= 14000")));
+  EXPECT_THAT(complaint(bounds + "prior = \"lognormal\"\nmu = 13500\nsigma = 1\n"),
+              ::testing::AllOf(HasSubstr("parameter.density.mu = 13500"), HasSubstr("9.4")));
   EXPECT_EQ(complaint(bounds + "prior = \"truncated_normal\"\nmean = 12000\nsd = 1000\n"), "no error");
-  EXPECT_THAT(complaint("[parameter.sound_speed]\nmin = 2000\nmax = 3000\n"), ::testing::AllOf(HasSubstr("1450"), HasSubstr("outside the bounds of [parameter.sound_speed]"), HasSubstr("2000 <= x <= 3000")));
+  EXPECT_THAT(complaint("[parameter.sound_speed]\nmin = 2000\nmax = 3000\n"),
+              ::testing::AllOf(HasSubstr("1450"), HasSubstr("outside the bounds of [parameter.sound_speed]"), HasSubstr("2000 <= x <= 3000")));
 }
 
 TEST(ForwardCase, AMechanismHasNoParametersOfItsOwn) {

@@ -144,7 +144,8 @@ TEST(LevelRuns, MovesTheEndsOfAStretch) {
   EXPECT_EQ(moved, 1);
 }
 
-// A range is two standard deviations of a normal prior about off. A fit may leave it up to twice, as far as the law goes: a bound where the range ends would hold a number there.
+// A range is two standard deviations of a normal prior about off. A fit may leave it up to twice, as far as the law goes: a bound where the range ends would
+// hold a number there.
 TEST(OfferedGroups, MayLeaveTheirRangeAsFarAsTheLawGoes) {
   const auto groups = offered_groups(testing::small_case(), make_mesh(testing::small_case().geometry));
   const auto number = [&](const std::string& name) {
@@ -215,7 +216,8 @@ TEST(LevelRuns, AGaugeNearAnEdgeLeavesTheOthersTheirPlaces) {
     const ForwardCase c = ForwardCase::read(file);
     return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).gauge_places({}, 0.5e-3, 2);
   };
-  const Eigen::MatrixXd alone = places(""), with = places("[[sensor]]\nname = \"E\"\nposition = [0.0025, 0.0, 0.03]\ndirection = [1, 0, 0]\ngauge_length = 4e-3\n");
+  const Eigen::MatrixXd alone = places(""),
+                        with = places("[[sensor]]\nname = \"E\"\nposition = [0.0025, 0.0, 0.03]\ndirection = [1, 0, 0]\ngauge_length = 4e-3\n");
   ASSERT_EQ(alone.cols(), 2);
   ASSERT_EQ(with.cols(), 3);
   EXPECT_GT(alone.col(0).norm(), 0);  // the other sits where all is symmetric about it

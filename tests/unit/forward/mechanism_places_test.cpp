@@ -26,25 +26,26 @@ const MechanismEntry& thinner() {
 
 /// Everything that fields may hold: heat in the steel that falls with x, all that moves on with one velocity, a stress before the run, weak wetted faces.
 const MechanismEntry& full() {
-  static const MechanismEntry entry{.law = "every field",
-                                    .keys = {{.name = "thermal", .off = 0, .low = 0, .high = 1e-4},
-                                             {.name = "velocity", .off = 0, .low = -1, .high = 1},
-                                             {.name = "pressure", .off = 0, .low = 0, .high = 4e5},
-                                             {.name = "strength", .off = std::numeric_limits<double>::infinity(), .low = 0, .high = 1.5e6}},
-                                    .fields = [](const MechanismValues& v, const Mesh& m, const LoadOptions& load, RunSetup& s) {
-                                      if (v["thermal"] != 0)
-                                        for (std::size_t e = 0; e < m.elements.size(); ++e) {
-                                          const double x = m.nodes[std::size_t(m.elements[e][0])][0];
-                                          s.thermal_strain.push_back(m.region[e] == Region::steel ? v["thermal"] * load.profile.shape({x, 0, load.profile.center[1]}, true) : 0);
-                                        }
-                                      if (v["velocity"] != 0) s.initial_velocity.assign(m.nodes.size(), {v["velocity"], 0, -v["velocity"]});
-                                      if (v["pressure"] != 0)
-                                        for (std::size_t e = 0; e < m.elements.size(); ++e) {
-                                          const double p = m.region[e] == Region::mercury ? -v["pressure"] : 0;
-                                          s.initial_stress.push_back({p, p, p, 0, 0, 0});
-                                        }
-                                      if (std::isfinite(v["strength"])) s.slip_strength.assign(m.slip.size(), v["strength"]);
-                                    }};
+  static const MechanismEntry entry{
+      .law = "every field",
+      .keys = {{.name = "thermal", .off = 0, .low = 0, .high = 1e-4},
+               {.name = "velocity", .off = 0, .low = -1, .high = 1},
+               {.name = "pressure", .off = 0, .low = 0, .high = 4e5},
+               {.name = "strength", .off = std::numeric_limits<double>::infinity(), .low = 0, .high = 1.5e6}},
+      .fields = [](const MechanismValues& v, const Mesh& m, const LoadOptions& load, RunSetup& s) {
+        if (v["thermal"] != 0)
+          for (std::size_t e = 0; e < m.elements.size(); ++e) {
+            const double x = m.nodes[std::size_t(m.elements[e][0])][0];
+            s.thermal_strain.push_back(m.region[e] == Region::steel ? v["thermal"] * load.profile.shape({x, 0, load.profile.center[1]}, true) : 0);
+          }
+        if (v["velocity"] != 0) s.initial_velocity.assign(m.nodes.size(), {v["velocity"], 0, -v["velocity"]});
+        if (v["pressure"] != 0)
+          for (std::size_t e = 0; e < m.elements.size(); ++e) {
+            const double p = m.region[e] == Region::mercury ? -v["pressure"] : 0;
+            s.initial_stress.push_back({p, p, p, 0, 0, 0});
+          }
+        if (std::isfinite(v["strength"])) s.slip_strength.assign(m.slip.size(), v["strength"]);
+      }};
   return entry;
 }
 
@@ -175,7 +176,9 @@ TEST(MechanismPlaces, HeatInTheSteelFollowsThePulse) {
 
 // A law may take what it needs from the heat of the run, its greatest stiffness for one, and the step follows.
 TEST(MechanismPlaces, ALawOfTheLiquidKnowsTheHeat) {
-  const auto law = [](double factor) { return BuiltInModel(with(small_case(), "stiff", stiff_by_heat(), {{"factor", factor}}), {.pulses = 1}).describe().time_step; };
+  const auto law = [](double factor) {
+    return BuiltInModel(with(small_case(), "stiff", stiff_by_heat(), {{"factor", factor}}), {.pulses = 1}).describe().time_step;
+  };
   const double k = setup_of(small_case()).liquid.bulk_modulus;
   EXPECT_LT(law(399 * k / 25e6), 0.6 * law(1e-9));
   EXPECT_LT(greatest_difference(evaluate(with(small_case(), "stiff", stiff_by_heat(), {{"factor", 1e-9}})).mean, evaluate(small_case()).mean), 1e-9);

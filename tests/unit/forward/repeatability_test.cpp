@@ -128,9 +128,7 @@ TEST(Floor, StoppedItGoesOnFromItsJournalToTheSameNumbers) {
   {
     RunStore store(provenance, path);
     EXPECT_THROW((void)measure_floor(small_case(), {}, beside(), 7, 1,
-                                     {.store = &store,
-                                      .progress = [&](std::size_t done, std::size_t) { before = done, stop = done == 4; },
-                                      .stop = &stop}),
+                                     {.store = &store, .progress = [&](std::size_t done, std::size_t) { before = done, stop = done == 4; }, .stop = &stop}),
                  Interrupted);
   }
   EXPECT_EQ(before, 4u);

@@ -23,7 +23,8 @@ element_size = 0.003
 [material.mercury]
 least_mesh_viscosity = 0.02
 [load]
-)" + load + R"(
+)" + load +
+         R"(
 [load.profile]
 center = [0.0, 0.015]
 widths = [0.1, 0.01]
@@ -60,7 +61,8 @@ kind = "box"
 length = 0.06
 width = 0.05
 height = 0.03
-walls = { front = 0.004, rear = 0.004, side = 0.004, bottom = 0.004, top = )" + number_text(top) + R"( }
+walls = { front = 0.004, rear = 0.004, side = 0.004, bottom = 0.004, top = )" +
+                                      number_text(top) + R"( }
 rear = "wall"
 plane_strain = true
 element_size = 0.002

@@ -87,7 +87,8 @@ TEST(RunTotals, AreKeptByTheStoreBesideOtherRunsAndToldWhereTheyFail) {
   {
     RunStore store(of_test, path);
     const std::vector<RunPoint> plain{point_at(model.shape().parameters, std::vector{1450.0})};
-    (void)store.run(plain, [&](const RunPoint& p) { return evaluate_run(model, theta_at(model.shape().parameters, p), false); }, 1);
+    (void)store.run(
+        plain, [&](const RunPoint& p) { return evaluate_run(model, theta_at(model.shape().parameters, p), false); }, 1);
     first = totals_at(model, thetas, store, 2);
     EXPECT_EQ(store.made(), 4u) << "a run with histories is another";
     EXPECT_TRUE(store.read(plain[0]).totals.empty());
@@ -107,7 +108,8 @@ TEST(RunTotals, AreKeptByTheStoreBesideOtherRunsAndToldWhereTheyFail) {
 
 /// Conditions one after another, each with its own pulse.
 TEST(RunTotals, HaveEveryConditionOfItsOwn) {
-  const BuiltInModel model(small_case("[[condition]]\nname = \"low\"\npeak_pressure = 10e6\n[[condition]]\nname = \"high\"\npeak_pressure = 25e6\n"), {.pulses = 1});
+  const BuiltInModel model(small_case("[[condition]]\nname = \"low\"\npeak_pressure = 10e6\n[[condition]]\nname = \"high\"\npeak_pressure = 25e6\n"),
+                           {.pulses = 1});
   const auto totals = model.totals({});
   ASSERT_EQ(totals.size(), 2u);
   const BuiltInModel high(small_case(), {.pulses = 1});

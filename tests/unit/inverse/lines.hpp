@@ -18,7 +18,8 @@ class AnalyticModel : public ForwardModel {
  public:
   using Function = std::function<double(std::span<const double> theta, double time)>;
   /// `sensors`: of one condition after the other.
-  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V", std::vector<std::string> conditions = {"default"})
+  AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V",
+                std::vector<std::string> conditions = {"default"})
       : sensors_(std::move(sensors)) {
     shape_.parameters = std::move(parameters);
     shape_.conditions = std::move(conditions);

@@ -52,7 +52,8 @@ TEST(PochhammerChree, FirstModeIsFollowedForAnyPoissonsRatio) {
 
 // A fit begins at a ratio of 0, and a record in steps of 50 ns on a thick bar asks for Omega of some hundreds, where the Bessel functions overflow.
 TEST(PochhammerChree, FirstModeIsFollowedFromTheSmallestRatioToTheHighestFrequency) {
-  for (const double nu : {0.001, 0.002, 0.005, 0.01, 0.012, 0.014, 0.016, 0.018}) EXPECT_LT(PochhammerChreeMode(nu, 80).speed(80), 1.001) << nu;  // of the smallest the corner at 1.84 is passed
+  for (const double nu : {0.001, 0.002, 0.005, 0.01, 0.012, 0.014, 0.016, 0.018})
+    EXPECT_LT(PochhammerChreeMode(nu, 80).speed(80), 1.001) << nu;  // of the smallest the corner at 1.84 is passed
   for (const double nu : {0.05, 0.29, 0.49}) {
     const PochhammerChreeMode mode(nu, 900);
     EXPECT_NEAR(mode.speed(900), mode.speed(450), 2e-3) << nu;  // the surface wave's

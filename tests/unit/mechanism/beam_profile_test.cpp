@@ -151,8 +151,8 @@ TEST(BeamProfile, ThePulseIsOffAtTheLengthOfTheLoadAndContinuousThere) {
   const std::string load = "peak_pressure = 25e6\npulse_length = 0.3e-6";
   const auto histories = [&](const std::string& mechanism) { return BuiltInModel(box(false, mechanism, load), {.pulses = 1}).evaluate({}).mean; };
   const auto base = histories("");
-  EXPECT_EQ(base, histories("offset_z = 0.0\n"));       // none of its own
-  EXPECT_EQ(base, histories("pulse_length = 0.3e-6\n"));  // the same, set
+  EXPECT_EQ(base, histories("offset_z = 0.0\n"));                                    // none of its own
+  EXPECT_EQ(base, histories("pulse_length = 0.3e-6\n"));                             // the same, set
   EXPECT_GT(greatest_difference(histories("pulse_length = 0.7e-6\n"), base), 1e-3);  // the default length is another one here
   for (const double beside : {0.3e-6 * (1 - 1e-9), 0.3e-6 * (1 + 1e-9)}) {
     const double change = greatest_difference(histories("pulse_length = " + number_text(beside) + "\n"), base);

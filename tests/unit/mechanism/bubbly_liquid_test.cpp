@@ -50,7 +50,8 @@ struct Reference {
   double alpha0;
   /// State R, R' at the end of a step; pressure there.
   double step(KellerMiksis::State& s, double before, double strain, double heating_before, double heating, double dt) const {
-    const double slope = (strain - before) / dt, heating_slope = (heating - heating_before) / dt, coupling = 3 * alpha0 * liquid.bulk_modulus / (bubble.density * std::pow(bubble.radius, 3));
+    const double slope = (strain - before) / dt, heating_slope = (heating - heating_before) / dt,
+                 coupling = 3 * alpha0 * liquid.bulk_modulus / (bubble.density * std::pow(bubble.radius, 3));
     const auto pressure = [&](double e_v, double p0, double r) { return liquid.pressure(p0, e_v - alpha0 * std::pow(r / bubble.radius, 3) + alpha0, slope); };
     s = advance_bubble(
         bubble, s, dt, 0.4 / std::sqrt(bubble.natural_squared() + coupling * bubble.radius),
@@ -76,14 +77,17 @@ TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
         const bool rest = i % 5 == 4, violent = i % 3 == 1;
         state[i] = rest ? r0 : (violent ? 0.3 : random.uniform(0.5, 3)) * r0, state[count + i] = rest ? 0 : violent ? -60 : random.uniform(-5, 5);
         state[2 * count + i] = rest ? 0 : random.uniform(0, 5e5);
-        before[i] = rest ? 0 : random.uniform(-1e-5, 1e-4), strain[i] = rest ? 0 : before[i] + random.uniform(-1e-5, 1e-5), heating[i] = rest ? 0 : state[2 * count + i] + random.uniform(0, 1e5);
+        before[i] = rest ? 0 : random.uniform(-1e-5, 1e-4), strain[i] = rest ? 0 : before[i] + random.uniform(-1e-5, 1e-5),
+        heating[i] = rest ? 0 : state[2 * count + i] + random.uniform(0, 1e5);
         exact.push_back({state[i], state[count + i]});
       }
       std::vector<double> alone;
-      for (std::size_t i = 0; i < count; ++i) alone.push_back(i % 5 == 4 ? 0 : reference.step(exact[i], before[i], strain[i], state[2 * count + i], heating[i], dt));
+      for (std::size_t i = 0; i < count; ++i)
+        alone.push_back(i % 5 == 4 ? 0 : reference.step(exact[i], before[i], strain[i], state[2 * count + i], heating[i], dt));
       law.advance({count, dt, strain.data(), before.data(), heating.data(), pressure.data(), state.data(), count});
       for (std::size_t i = 0; i < count; ++i) {
-        worst = std::max({worst, std::abs(state[i] / exact[i].radius - 1), std::abs(state[count + i] - exact[i].rate) / (1 + std::abs(exact[i].rate)), std::abs(pressure[i] - alone[i]) / (scale + std::abs(alone[i]))});
+        worst = std::max({worst, std::abs(state[i] / exact[i].radius - 1), std::abs(state[count + i] - exact[i].rate) / (1 + std::abs(exact[i].rate)),
+                          std::abs(pressure[i] - alone[i]) / (scale + std::abs(alone[i]))});
         EXPECT_TRUE(i % 5 != 4 || pressure[i] == 0);
         EXPECT_EQ(state[2 * count + i], heating[i]);
       }

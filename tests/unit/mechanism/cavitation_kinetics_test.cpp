@@ -149,8 +149,9 @@ TEST(CavitationKinetics, ManyNucleiAreRiemersLaw) {
   EXPECT_GT(away, 0.1);
 }
 
-// Pulled at once and held, a nucleus first grows as after Rayleigh under a held tension T = K x, R = t sqrt(2 T/(3 rho)); as the void takes the stretch up, dr/dt = w sqrt(x - r^3), r = R/a, which quadrature solves. In
-// the end it stands at the balance, to the bit of a cube root. Pushed together it closes in the time of the same law backwards.
+// Pulled at once and held, a nucleus first grows as after Rayleigh under a held tension T = K x, R = t sqrt(2 T/(3 rho)); as the void takes the stretch up,
+// dr/dt = w sqrt(x - r^3), r = R/a, which quadrature solves. In the end it stands at the balance, to the bit of a cube root. Pushed together it closes in the
+// time of the same law backwards.
 TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
   const double spacing = 2e-3, a = std::cbrt(3 / (4 * M_PI)) * spacing, pulled = 2e-4, x = pulled - cutoff / k, tension = k * x;
   const double w = std::sqrt(2 * k / (3 * mercury_density)) / a;
@@ -229,10 +230,14 @@ TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
     for (std::size_t i = 0; i < a.size(); ++i) difference += std::pow(a[i] - base[i], 2), size += base[i] * base[i];
     return std::sqrt(difference / size);
   };
-  const auto kinetic = [&](const std::string& time) { return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = " + time + "\ncollapse_time = " + time + "\n"))); };
+  const auto kinetic = [&](const std::string& time) {
+    return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = " + time + "\ncollapse_time = " + time + "\n")));
+  };
   ForwardCase held = small_case();
   held.geometry.wetted = "no_separation";
-  const auto nucleated = [&](const std::string& spacing) { return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\nnuclei_spacing = " + spacing + "\n"))); };
+  const auto nucleated = [&](const std::string& spacing) {
+    return away(histories(small_case("[mechanism.cavitation_kinetics]\nenabled = true\nnuclei_spacing = " + spacing + "\n")));
+  };
   const double dense = nucleated("1e-9"), sparse = nucleated("2e-3");
   measured("nuclei_1_nm_apart", dense), measured("nuclei_2_mm_apart", sparse);
   EXPECT_LT(dense, 1e-3);

@@ -22,8 +22,8 @@ inline MechanismValues values_of(const MechanismEntry& entry, const std::map<std
 }
 
 struct Decay {
-  double rate;           ///< [1/s]
-  double energy_error;   ///< of the balance
+  double rate;          ///< [1/s]
+  double energy_error;  ///< of the balance
 };
 
 /// Rate at which the standing wave u = 1e-6 cos(k x) of angular frequency w dies away, from its amplitude over `periods` after the first `skip`; both

@@ -64,9 +64,12 @@ TEST(Correction, TermsOfTheMercuryAreOtherNumbersOfRiemersLaw) {
   EXPECT_LT(apart(pressures(corrected({.viscosity = 3000})), riemers({of_mercury, gives_way, 5000})), 1e-12);
   const MercuryTerms all{.stiffness = 0.1, .cutoff = 0.5, .viscosity = 3000, .quadratic_viscosity = 5, .lag = 0.2, .void_lag = 1e-5};
   EXPECT_LT(apart(pressures(corrected(all, {0.1, anywhere, -anywhere, anywhere})), base), 1e-12);
-  for (const MercuryTerms& one : {MercuryTerms{.stiffness = 0.1}, {.cutoff = 0.5}, {.viscosity = 3000}, {.quadratic_viscosity = 5}, {.lag = 0.2}, {.void_lag = 1e-5}})
+  for (const MercuryTerms& one :
+       {MercuryTerms{.stiffness = 0.1}, {.cutoff = 0.5}, {.viscosity = 3000}, {.quadratic_viscosity = 5}, {.lag = 0.2}, {.void_lag = 1e-5}})
     EXPECT_GT(apart(pressures(corrected(one)), base), 1e-4);
-  EXPECT_EQ(apart(pressures(CorrectedLiquid(plain, {{{.stiffness = 0.1}, everything}, {{.viscosity = 3000}, everything}})), pressures(corrected({.stiffness = 0.1, .viscosity = 3000}))), 0);
+  EXPECT_EQ(apart(pressures(CorrectedLiquid(plain, {{{.stiffness = 0.1}, everything}, {{.viscosity = 3000}, everything}})),
+                  pressures(corrected({.stiffness = 0.1, .viscosity = 3000}))),
+            0);
 }
 
 // Voids that close late are those of the kinetic law; a quadratic viscosity is that of a rate; the late share of a held pressure comes by its time constant.
@@ -82,7 +85,8 @@ TEST(Correction, LateAndQuadraticTermsFollowTheirFormulas) {
 
   const CorrectedLiquid lagging(calm, {{{.lag = 0.3}, everything}});
   DrivenPoint held(lagging, step);
-  for (int n = 1; n < 200; ++n) EXPECT_NEAR(held.step(-1e-4), of_mercury * 1e-4 * (1 - 0.3 * std::exp(-n * step / CorrectedLiquid::lag_time)), 1e-9 * of_mercury * 1e-4);
+  for (int n = 1; n < 200; ++n)
+    EXPECT_NEAR(held.step(-1e-4), of_mercury * 1e-4 * (1 - 0.3 * std::exp(-n * step / CorrectedLiquid::lag_time)), 1e-9 * of_mercury * 1e-4);
 }
 
 // Mass and drag on the walls, and drag along them, against runs that have the same by other numbers. Off the base model's bytes, alone and in lanes.
@@ -92,7 +96,8 @@ TEST(Correction, TermsOfAWallActOnItsNodes) {
     EXPECT_EQ(records(with_term({}), pulses), base);
     for (const char* key : {"mass", "damping", "slip"}) {
       const double size = key == std::string("mass") ? 10 : 1e6;
-      const auto top = records(with_term({{key, size}, {"wall", 3}}), pulses), far = records(with_term({{key, size}, {"wall", 3}, {"begin", 1}, {"end", 2}}), pulses);
+      const auto top = records(with_term({{key, size}, {"wall", 3}}), pulses),
+                 far = records(with_term({{key, size}, {"wall", 3}, {"begin", 1}, {"end", 2}}), pulses);
       EXPECT_GT(greatest_difference(top, base), 1e-3) << key;
       EXPECT_EQ(far, base) << key;  // nothing of the wall is there
     }
@@ -142,10 +147,11 @@ TEST(Correction, DragAlongWallsHoldsTheMercury) {
 // Two of them in one run, in two parts of the mercury, are the sum of what they do where they are small; a law of its own takes none.
 TEST(Correction, SeveralActInOneRun) {
   const std::map<std::string, double> front{{"stiffness", 1e-3}, {"x_end", 0.02}}, back{{"viscosity", 50}, {"x_begin", 0.03}};
-  const auto base = records(with_term({{"stiffness", 1e-12}})), first = records(with_term(front)), second = records(with_term(back, small_case(), "correction_2")),
-             both = records(with_term(back, with_term(front), "correction_2"));
+  const auto base = records(with_term({{"stiffness", 1e-12}})), first = records(with_term(front)),
+             second = records(with_term(back, small_case(), "correction_2")), both = records(with_term(back, with_term(front), "correction_2"));
   double off = 0, size = 0;
-  for (std::size_t i = 0; i < base.size(); ++i) off = std::max(off, std::abs(both[i] - first[i] - second[i] + base[i])), size = std::max(size, std::abs(both[i] - base[i]));
+  for (std::size_t i = 0; i < base.size(); ++i)
+    off = std::max(off, std::abs(both[i] - first[i] - second[i] + base[i])), size = std::max(size, std::abs(both[i] - base[i]));
   EXPECT_LT(off, 0.2 * size);
   ForwardCase kinetic = small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = 1e-6\n");
   const auto refused = BuiltInModel(with_term(front, kinetic), {.pulses = 1}).evaluate({});
@@ -164,7 +170,7 @@ TEST(Correction, GroupsCoverMercuryAndWalls) {
     EXPECT_EQ(g.place.find("the side"), std::string::npos);  // a slice has none
   }
   EXPECT_EQ(whole, 6u);
-  EXPECT_EQ(walls, 15u);  // front, top and bottom, each and its quarters; no rear wall
+  EXPECT_EQ(walls, 15u);                             // front, top and bottom, each and its quarters; no rear wall
   const AddedParameter& third = groups[2].added[0];  // each is of a correction of its own, as its place is
   EXPECT_EQ(third.parameter.key.find("mechanism.correction_3."), 0u);
   for (const auto& [key, value] : third.with) EXPECT_EQ(key.find("mechanism.correction_3."), 0u);

@@ -10,7 +10,8 @@ namespace {
 /// Helium at 330 K.
 constexpr double ratio_of_heats = 5.0 / 3, conductivity = 0.166, heat_capacity = 5193, gas_constant = 2077;  // W/(m K), J/(kg K)
 
-/// What heat makes of a bubble that swings at w: kappa = Re Phi / 3 and mu_th = p_e Im Phi / 4w (Commander and Prosperetti 1989), p_e the gas's pressure at rest.
+/// What heat makes of a bubble that swings at w: kappa = Re Phi / 3 and mu_th = p_e Im Phi / 4w (Commander and Prosperetti 1989), p_e the gas's pressure at
+/// rest.
 struct Conduction {
   double polytropic, viscosity;  ///< [-], [Pa s]
 };
@@ -60,8 +61,16 @@ TEST(HeatConduction, IsWhatTheTableOfTheTheorySays) {
   struct Row {
     double radius, ambient, kilohertz, polytropic, viscosity;
   };
-  for (const Row& r : {Row{1e-5, 1e5, 95.7, 1.00, 0.0034}, {3e-5, 1e5, 27.5, 1.00, 0.014}, {1e-4, 1e5, 7.8, 1.01, 0.11}, {3e-4, 1e5, 2.6, 1.07, 0.70}, {5e-4, 1e5, 1.6, 1.14, 1.4},
-                       {1e-5, 3e5, 143, 1.00, 0.014}, {3e-5, 3e5, 45.4, 1.03, 0.084}, {1e-4, 3e5, 14.1, 1.15, 0.51}, {3e-4, 3e5, 5.0, 1.33, 1.4}, {5e-4, 3e5, 3.1, 1.40, 2.0}}) {
+  for (const Row& r : {Row{1e-5, 1e5, 95.7, 1.00, 0.0034},
+                       {3e-5, 1e5, 27.5, 1.00, 0.014},
+                       {1e-4, 1e5, 7.8, 1.01, 0.11},
+                       {3e-4, 1e5, 2.6, 1.07, 0.70},
+                       {5e-4, 1e5, 1.6, 1.14, 1.4},
+                       {1e-5, 3e5, 143, 1.00, 0.014},
+                       {3e-5, 3e5, 45.4, 1.03, 0.084},
+                       {1e-4, 3e5, 14.1, 1.15, 0.51},
+                       {3e-4, 3e5, 5.0, 1.33, 1.4},
+                       {5e-4, 3e5, 3.1, 1.40, 2.0}}) {
     const Conduction heat = at_resonance(r.radius, r.ambient);
     EXPECT_NEAR(std::sqrt(bubble(r.radius, r.ambient, heat).natural_squared()) / (2e3 * M_PI), r.kilohertz, 0.01 * r.kilohertz);
     EXPECT_NEAR(heat.polytropic, r.polytropic, 0.006);

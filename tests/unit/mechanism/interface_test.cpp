@@ -58,7 +58,9 @@ namespace {
 std::string weak(const std::string& lines) { return "[mechanism.interface]\nenabled = true\nstrength = 5e4\n" + lines; }
 
 /// Of a node at x with neighbours h away: its part of [begin, end].
-double share_of_stretch(double x, double h, double begin, double end) { return std::clamp((std::min(x + h / 2, end) - std::max(x - h / 2, begin)) / h, 0.0, 1.0); }
+double share_of_stretch(double x, double h, double begin, double end) {
+  return std::clamp((std::min(x + h / 2, end) - std::max(x - h / 2, begin)) / h, 0.0, 1.0);
+}
 
 RunSetup setup_of(const BuiltInModel& m) { return m.setup(m.forward_case(), m.mesh(), 0, {1.0}); }
 

@@ -21,8 +21,10 @@ TEST(LiquidViscosity, AttenuatesWithTheSquareOfTheFrequency) {
     const double theory = w * w * 2000 / (2 * mercury_density * mercury_speed * mercury_speed);
     measured("attenuation_over_theory_" + std::to_string(half_waves), got.rate / theory);
     EXPECT_NEAR(got.rate, theory, 0.02 * theory);
-    if (half_waves == 4) first = got.rate;
-    else EXPECT_NEAR(got.rate / first, 4, 0.1);
+    if (half_waves == 4)
+      first = got.rate;
+    else
+      EXPECT_NEAR(got.rate / first, 4, 0.1);
     EXPECT_LT(got.energy_error, 1e-6);
   }
 }

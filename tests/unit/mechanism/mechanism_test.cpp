@@ -35,9 +35,9 @@ double somewhere(const MechanismKey& k) { return k.log_uniform ? std::sqrt(k.low
 class EveryMechanism : public ::testing::TestWithParam<std::string> {};
 
 TEST(Mechanisms, AllThirteenAreNamed) {
-  EXPECT_THAT(mechanisms().names(),
-              ::testing::UnorderedElementsAre("bubbly_liquid", "cavitation_kinetics", "liquid_viscosity", "structural_damping", "nonlinear_eos", "thermal_stress", "beam_profile",
-                                              "previous_pulses", "rear_reflection", "interface", "sensor_response", "wall_thinning", "static_pressure"));
+  EXPECT_THAT(mechanisms().names(), ::testing::UnorderedElementsAre("bubbly_liquid", "cavitation_kinetics", "liquid_viscosity", "structural_damping",
+                                                                    "nonlinear_eos", "thermal_stress", "beam_profile", "previous_pulses", "rear_reflection",
+                                                                    "interface", "sensor_response", "wall_thinning", "static_pressure"));
   EXPECT_EQ(built().size(), 13u);
 }
 
@@ -57,7 +57,7 @@ TEST_P(EveryMechanism, AnyKeyThatDecidesChangesTheHistoriesWhenItIsSet) {
   const auto base = evaluate(small_case(), 1);
   for (const auto& k : mechanisms().get(GetParam(), "").keys) {
     if (!k.decides || k.name == "offset_y" || k.name == "width_ratio_y" || k.name == "transverse") continue;  // nothing changes across y in the slice
-    if (GetParam() == "previous_pulses" && k.name.size() > 6) continue;  // the first nine states speak for all
+    if (GetParam() == "previous_pulses" && k.name.size() > 6) continue;                                       // the first nine states speak for all
     const auto on = evaluate(small_case(table(GetParam(), k.name + " = " + number_text(somewhere(k)) + "\n")), 1);
     ASSERT_TRUE(on.ok) << k.name << ": " << on.message;
     EXPECT_NE(base.mean, on.mean) << k.name;

@@ -64,7 +64,9 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
   const double m = 10.8, q = 0.5 * (m - 1), c = mercury_speed, peak = 5e-3, sd = 0.01, from = 0.05, time = 0.1 / c;
   const Mesh mesh = column(1000, 0.25, Region::mercury);
   const auto strain = [&](double x) { return -peak * std::exp(-0.5 * std::pow((x - from) / sd, 2)); };
-  const auto ahead = [&](double x) { return peak * sd * std::sqrt(M_PI / 2) * std::erfc((x - from) / (sd * std::sqrt(2))); };  // u = -integral of the strain ahead
+  const auto ahead = [&](double x) {
+    return peak * sd * std::sqrt(M_PI / 2) * std::erfc((x - from) / (sd * std::sqrt(2)));
+  };  // u = -integral of the strain ahead
   // Where a strain is at the end, and the displacement there, by the trapezoidal rule from ahead.
   std::vector<double> place, moved;
   for (double x = from + 8 * sd; x > from - 8 * sd; x -= 1e-5) {
@@ -104,7 +106,10 @@ TEST(NonlinearEos, ACaseTellsItsGreatestPressure) {
   const RunSetup s = model.setup(model.forward_case(), model.mesh(), 0, {0.9, 1.1});
   const double peak = *std::max_element(s.p0.begin(), s.p0.end());
   EXPECT_NEAR(s.liquid_stiffness(), k * std::pow(1 + 10.8 * 4 * 1.1 * peak / k, 9.8 / 10.8), 1e-6 * k);
-  const auto p = BuiltInModel(small_case("[mechanism.nonlinear_eos]\nenabled = true\nexponent = 10.8\n[mechanism.bubbly_liquid]\nenabled = true\nalpha0 = 1e-4\n"), {.pulses = 1}).evaluate({});
+  const auto p =
+      BuiltInModel(small_case("[mechanism.nonlinear_eos]\nenabled = true\nexponent = 10.8\n[mechanism.bubbly_liquid]\nenabled = true\nalpha0 = 1e-4\n"),
+                   {.pulses = 1})
+          .evaluate({});
   EXPECT_FALSE(p.ok);
   EXPECT_THAT(p.message, HasSubstr("only one can"));
 }

@@ -10,7 +10,8 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// Of motion at rest, at 2 kHz and at 60 kHz: the first goes with the mean of all, the last with the low pass, the tone stays whole, displacement and velocity alike.
+// Of motion at rest, at 2 kHz and at 60 kHz: the first goes with the mean of all, the last with the low pass, the tone stays whole, displacement and velocity
+// alike.
 TEST(LeftStates, AreFreeMotionWithoutHighTones) {
   LeftStates left(1e-3, 1e-6);
   const double slow = 2 * M_PI * 2e3, fast = 2 * M_PI * 60e3;
@@ -52,7 +53,8 @@ element_size = 0.004
 [material.mercury]
 )" + mercury + R"(
 [load]
-peak_pressure = )" + number_text(peak) + R"(
+peak_pressure = )" + number_text(peak) +
+                                      R"(
 profile = { center = [0.0, 0.03], widths = [0.1, 0.01] }
 [time]
 end = )" + number_text(record) + R"(
@@ -100,7 +102,8 @@ double smooth(const double* y, std::ptrdiff_t i) {
 
 }  // namespace
 
-// In mercury that never gives way the record is that of the pulse and of the motion that was left: the model's own longer record, from the time of the state on, gauges at zero when it begins.
+// In mercury that never gives way the record is that of the pulse and of the motion that was left: the model's own longer record, from the time of the state
+// on, gauges at zero when it begins.
 TEST(PreviousPulses, TheRunGoesOnWithWhatAPulseHasLeft) {
   const Records whole = mean_of(box("", 5e-3)), base = mean_of(box("", record));
   const std::size_t times = base.size() / 2, all = whole.size() / 2;
@@ -118,14 +121,16 @@ TEST(PreviousPulses, TheRunGoesOnWithWhatAPulseHasLeft) {
       EXPECT_EQ(added[g * times], 0);
       for (std::ptrdiff_t i = half + 1; i + half < std::ptrdiff_t(times); ++i) {
         const double change = smooth(added.data() + g * times, i) - smooth(added.data() + g * times, half);
-        off += std::pow(change - (expected(g, k, i) - expected(g, k, half)), 2), other += std::pow(change - (expected(g, k + 1, i) - expected(g, k + 1, half)), 2), sum += change * change;
+        off += std::pow(change - (expected(g, k, i) - expected(g, k, half)), 2),
+            other += std::pow(change - (expected(g, k + 1, i) - expected(g, k + 1, half)), 2), sum += change * change;
       }
     }
     measured("off", std::sqrt(off / sum)), measured("by_another_state", std::sqrt(other / sum));
     EXPECT_LT(off, 0.05 * 0.05 * sum);
     EXPECT_GT(other, 0.5 * 0.5 * sum);
   }
-  const Records one = minus(mean_of(box("left_1 = 0.2\n", record)), base), two = minus(mean_of(box("left_2 = -0.1\n", record)), base), both = minus(mean_of(box("left_1 = 0.2\nleft_2 = -0.1\n", record)), base);
+  const Records one = minus(mean_of(box("left_1 = 0.2\n", record)), base), two = minus(mean_of(box("left_2 = -0.1\n", record)), base),
+                both = minus(mean_of(box("left_1 = 0.2\nleft_2 = -0.1\n", record)), base);
   EXPECT_LT(size(minus(minus(both, one), two)), 1e-9 * size(both));
 }
 

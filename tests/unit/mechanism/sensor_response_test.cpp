@@ -92,9 +92,7 @@ TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
 
 namespace {
 
-std::vector<double> strain(const std::string& mechanism) {
-  return BuiltInModel(small_case(mechanism), {.pulses = 1}).evaluate({}).mean;
-}
+std::vector<double> strain(const std::string& mechanism) { return BuiltInModel(small_case(mechanism), {.pulses = 1}).evaluate({}).mean; }
 const std::string enabled = "[mechanism.sensor_response]\nenabled = true\n";
 
 }  // namespace

@@ -33,7 +33,8 @@ TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
     }
 }
 
-// A mode of a bar with branches answers s^2 + w^2 (1 + sum m s t / (1 + s t)) = 0, which Newton's method solves; its ratio is what `loss` says a decade about `frequency`.
+// A mode of a bar with branches answers s^2 + w^2 (1 + sum m s t / (1 + s t)) = 0, which Newton's method solves; its ratio is what `loss` says a decade about
+// `frequency`.
 TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
   using Complex = std::complex<double>;
   const double length = 0.1, loss = 0.02;

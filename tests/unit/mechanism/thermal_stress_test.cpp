@@ -7,8 +7,8 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// Steel that is heated at once by delta_t exp(-x / decay), held sideways, free at x = 0: the stress that this leaves runs out as two waves, and the free end moves with
-// u = -(3 lambda + 2 mu)/(lambda + 2 mu) a delta_t decay (1 - exp(-c t / decay)).
+// Steel that is heated at once by delta_t exp(-x / decay), held sideways, free at x = 0: the stress that this leaves runs out as two waves, and the free end
+// moves with u = -(3 lambda + 2 mu)/(lambda + 2 mu) a delta_t decay (1 - exp(-c t / decay)).
 TEST(ThermalStress, AHeatedHalfSpacePushesItsFreeSurfaceOut) {
   const double length = 0.3, decay = 0.03, delta_t = 1.5, end = 3e-5, lambda = steel().lambda, mu = steel().mu;
   const Mesh mesh = column(600, length, Region::steel);
@@ -18,7 +18,9 @@ TEST(ThermalStress, AHeatedHalfSpacePushesItsFreeSurfaceOut) {
     entry.fields(values_of(entry, {{"delta_t", delta_t}, {"decay", used}}), mesh, LoadOptions{}, s);
     return ExplicitSolver(mesh, steel()).solve(s, std::vector<ObservationRow>{component(nearest(mesh, {0, 0, 0}), 0)}, {});
   };
-  const auto exact = [&](double t) { return -(3 * lambda + 2 * mu) / (lambda + 2 * mu) * steel_expansion * delta_t * decay * (1 - std::exp(-steel_speed() * t / decay)); };
+  const auto exact = [&](double t) {
+    return -(3 * lambda + 2 * mu) / (lambda + 2 * mu) * steel_expansion * delta_t * decay * (1 - std::exp(-steel_speed() * t / decay));
+  };
   const auto out = end_of(decay), wrong = end_of(1.2 * decay);
   measured("surface_over_exact", out.observations[10] / exact(end));
   for (std::size_t i = 1; i < out.times.size(); ++i) EXPECT_NEAR(out.observations[i], exact(out.times[i]), 0.005 * std::abs(exact(end)));

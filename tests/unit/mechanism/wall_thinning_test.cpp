@@ -46,12 +46,14 @@ TEST(WallThinning, TheWallRingsAsAThinnerOne) {
   const double thin = frequency(ringing_box(0.0028)), by_mechanism = frequency(thinned("wall = \"top\"\nfraction = 0.3\n"));
   measured("thinned_over_thin", by_mechanism / thin);
   EXPECT_NEAR(by_mechanism, thin, 0.003 * thin);
-  for (const char* other : {"wall = \"front\"\nfraction = 0.3\n", "wall = \"top\"\nfraction = 0.3\nbegin = 0.0\nend = 0.015\n", "wall = \"top\"\nfraction = 0.2\n"})
+  for (const char* other :
+       {"wall = \"front\"\nfraction = 0.3\n", "wall = \"top\"\nfraction = 0.3\nbegin = 0.0\nend = 0.015\n", "wall = \"top\"\nfraction = 0.2\n"})
     EXPECT_GT(std::abs(frequency(thinned(other)) / thin - 1), 0.015) << other;
 }
 
 TEST(WallThinning, OnlyTheInsideOfTheStretchMoves) {
-  const BuiltInModel base(small_case(), {.pulses = 1}), model(small_case("[mechanism.wall_thinning]\nenabled = true\nwall = \"bottom\"\nfraction = 0.4\nbegin = 0.02\nend = 0.04\n"), {.pulses = 1});
+  const BuiltInModel base(small_case(), {.pulses = 1}),
+      model(small_case("[mechanism.wall_thinning]\nenabled = true\nwall = \"bottom\"\nfraction = 0.4\nbegin = 0.02\nend = 0.04\n"), {.pulses = 1});
   double deepest = 0;
   for (const auto& p : model.mesh().slip) {
     const Vec3 &x = model.mesh().nodes[std::size_t(p.steel)], &was = base.mesh().nodes[std::size_t(p.steel)];
@@ -128,7 +130,9 @@ TEST(WallThinning, LeavesTheEndsOfPlatesAlone) {
 
 // An end that the case does not set is where the wall ends; a parameter of it begins at the nearer of its bounds.
 TEST(WallThinning, AnEndMayBeAParameterWithoutANominalValue) {
-  const ForwardCase c = small_case("[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\nfraction = 0.2\nend = 0.05\n[parameter.b]\nkey = \"mechanism.wall_thinning.begin\"\nmin = 0\nmax = 0.02\n");
+  const ForwardCase c = small_case(
+      "[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\nfraction = 0.2\nend = 0.05\n[parameter.b]\nkey = \"mechanism.wall_thinning.begin\"\nmin = "
+      "0\nmax = 0.02\n");
   EXPECT_EQ(*c.parameters[0].nominal, 0);
 }
 

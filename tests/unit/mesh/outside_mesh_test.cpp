@@ -24,7 +24,8 @@ GeometryOptions box(double size) {
 }
 
 std::vector<std::pair<std::string, GeometryOptions>> targets() {
-  std::vector<std::pair<std::string, GeometryOptions>> all{{"full", box(0.005)}, {"half", box(0.005)}, {"plane_strain", box(0.002)}, {"tied", box(0.005)}, {"closed", box(0.005)}};
+  std::vector<std::pair<std::string, GeometryOptions>> all{
+      {"full", box(0.005)}, {"half", box(0.005)}, {"plane_strain", box(0.002)}, {"tied", box(0.005)}, {"closed", box(0.005)}};
   all[1].second.half = true, all[2].second.plane_strain = true, all[3].second.wetted = "tied", all[4].second.rear = "wall";
   all[4].second.wall_elements = 3;
   GeometryOptions jet;
@@ -37,7 +38,6 @@ std::vector<std::pair<std::string, GeometryOptions>> targets() {
   all.emplace_back("whole_bar", bar);
   return all;
 }
-
 
 GeometryOptions from(const std::filesystem::path& path, const std::string& wetted = "slip") {
   GeometryOptions g;
@@ -89,13 +89,14 @@ std::string column() {
   int n = 0;
   for (int k = 0; k <= 5; ++k)
     for (int j = 0; j <= 1; ++j)
-      for (int i = 0; i <= 2; ++i) s += std::to_string(++n) + ", " + std::to_string(i * 0.01) + ", " + std::to_string(j * 0.01) + ", " + std::to_string(k * 0.01) + "\n";
+      for (int i = 0; i <= 2; ++i)
+        s += std::to_string(++n) + ", " + std::to_string(i * 0.01) + ", " + std::to_string(j * 0.01) + ", " + std::to_string(k * 0.01) + "\n";
   const auto node = [](int i, int j, int k) { return std::to_string(1 + i + 3 * j + 6 * k); };
   for (int k = 0; k < 5; ++k) {
     s += "*ELEMENT, Type=C3D8R, elset=" + std::string(k == 2 ? "fluid" : k < 2 ? "Lower" : "upper") + "\n";
     for (int i = 0; i < 2; ++i)
-      s += std::to_string(1 + i + 2 * k) + ", " + node(i, 0, k) + ", " + node(i + 1, 0, k) + ", " + node(i + 1, 1, k) + ", " + node(i, 1, k) + ",\n " + node(i, 0, k + 1) + ", " +
-           node(i + 1, 0, k + 1) + ", " + node(i + 1, 1, k + 1) + ", " + node(i, 1, k + 1) + "\n";
+      s += std::to_string(1 + i + 2 * k) + ", " + node(i, 0, k) + ", " + node(i + 1, 0, k) + ", " + node(i + 1, 1, k) + ", " + node(i, 1, k) + ",\n " +
+           node(i, 0, k + 1) + ", " + node(i + 1, 0, k + 1) + ", " + node(i + 1, 1, k + 1) + ", " + node(i, 1, k + 1) + "\n";
   }
   s += "*ELSET, ELSET=walls\nlower, UPPER\n*Elset, elset=odd, generate\n1, 9, 2\n";
   s += "*NSET, NSET=left, GENERATE\n1, 34, 3\n*NSET, NSET=right, GENERATE\n3, 36, 3\n*NSET, NSET=ends\nleft, right\n";
@@ -167,7 +168,8 @@ TEST(OutsideMesh, ScaleAndLooseNodesAndMerging) {
   const Mesh whole = make_mesh(column_options("whole.inp", text));
   std::string own = "*NODE, NSET=again\n";
   for (int j = 0; j <= 1; ++j)
-    for (int i = 0; i <= 2; ++i) own += std::to_string(101 + i + 3 * j) + ", " + std::to_string(i * 0.01) + ", " + std::to_string(j * 0.01) + ", 0.0300000001\n";
+    for (int i = 0; i <= 2; ++i)
+      own += std::to_string(101 + i + 3 * j) + ", " + std::to_string(i * 0.01) + ", " + std::to_string(j * 0.01) + ", 0.0300000001\n";
   own += "200, 1, 1, 1\n*NSET, NSET=left\n101, 104\n*NSET, NSET=right\n103, 106\n";
   const auto upper = text.find("*ELEMENT, Type=C3D8R, elset=upper");
   text = text.substr(0, upper) + own + text.substr(upper);

@@ -47,7 +47,8 @@ TEST(RunStore, MakesAPointOnceInThisLifeAndTheNext) {
     EXPECT_EQ(store.made(), 2u);
   }
   RunStore store(of_test, path);
-  const auto again = store.run(points, [](const RunPoint&) -> RunRecord { throw std::logic_error("nothing is run again"); }, 1);
+  const auto again = store.run(
+      points, [](const RunPoint&) -> RunRecord { throw std::logic_error("nothing is run again"); }, 1);
   EXPECT_FLOAT_EQ(again[1].mean[0], 1250);
   EXPECT_EQ(store.made(), 0u);
   EXPECT_EQ(store.reused(), 2u);
@@ -94,8 +95,9 @@ TEST(RunRecord, ComesBackFromItsBytes) {
 TEST(RunStore, BeginsTheDearOnesFirst) {
   RunStore store(of_test, scratch("run_store_cost") / "runs.journal");
   std::vector<double> order;
-  (void)store.run(std::vector<RunPoint>{coarse, fine, other}, [&](const RunPoint& p) { return order.push_back(p.at("size")), quotient(p); }, 1,
-                  [](const RunPoint& p) { return 1 / p.at("size"); });
+  (void)store.run(
+      std::vector<RunPoint>{coarse, fine, other}, [&](const RunPoint& p) { return order.push_back(p.at("size")), quotient(p); }, 1,
+      [](const RunPoint& p) { return 1 / p.at("size"); });
   EXPECT_THAT(order, testing::ElementsAre(1e-3, 2e-3, 2e-3));
 }
 
@@ -104,7 +106,9 @@ TEST(RunStore, KeepsWhatWasFinishedWhenItIsStoppedOrCutOff) {
   std::atomic<bool> stop = false;
   {
     RunStore store(of_test, path);
-    EXPECT_THROW((void)store.run(std::vector<RunPoint>{coarse, fine}, [&](const RunPoint& p) { return stop = true, quotient(p); }, 1, {}, {}, &stop), Interrupted);
+    EXPECT_THROW((void)store.run(
+                     std::vector<RunPoint>{coarse, fine}, [&](const RunPoint& p) { return stop = true, quotient(p); }, 1, {}, {}, &stop),
+                 Interrupted);
   }
   {
     RunStore store(of_test, path);

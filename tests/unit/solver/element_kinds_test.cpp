@@ -7,7 +7,8 @@ using namespace calomel::testing;
 
 namespace {
 
-std::vector<double> histories(const ExplicitSolver& solver, const RunSetup& s, const std::vector<ObservationRow>& rows, const char* element, const char* kinematics) {
+std::vector<double> histories(const ExplicitSolver& solver, const RunSetup& s, const std::vector<ObservationRow>& rows, const char* element,
+                              const char* kinematics) {
   SolveOptions o;
   o.steel_element = element, o.kinematics = kinematics;
   return solver.solve(s, rows, o).observations;
@@ -35,7 +36,8 @@ TEST(BBarElement, AgreesWithTheFastOneInAThickBlock) {
     const ExplicitSolver solver(mesh, steel());
     RunSetup s = linear_setup(4e-5, 1e-6);
     s.initial_velocity = field(mesh, [](const Vec3& x) { return Vec3{5 * x[0] * x[2], 3 * x[0] * x[1], -2 * x[2]}; });
-    const std::vector<ObservationRow> rows{component(nearest(mesh, {0.04, 0.03, 0.05}), 0), component(nearest(mesh, {0.02, 0.015, 0.05}), 2), component(nearest(mesh, {0, 0, 0}), 1)};
+    const std::vector<ObservationRow> rows{component(nearest(mesh, {0.04, 0.03, 0.05}), 0), component(nearest(mesh, {0.02, 0.015, 0.05}), 2),
+                                           component(nearest(mesh, {0, 0, 0}), 1)};
     const double d = difference(histories(solver, s, rows, "b_bar", "small"), histories(solver, s, rows, "assumed_strain", "small"));
     measured("b_bar_against_fast" + std::string(distortion > 0 ? "_distorted" : ""), d);
     EXPECT_LT(d, 0.03);
@@ -114,7 +116,8 @@ TEST(BBarElement, IsOneOfSmallStrain) {
 TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
   for (const bool with_liquid : {false, true})
     for (const double distortion : {0.0, 0.1}) {
-      Mesh mesh = block({12, 3, 6}, {0, 0, 0}, {0.024, 0.006, 0.012}, [&](const Vec3& x) { return with_liquid && x[2] < 0.006 ? Region::mercury : Region::steel; });
+      Mesh mesh =
+          block({12, 3, 6}, {0, 0, 0}, {0.024, 0.006, 0.012}, [&](const Vec3& x) { return with_liquid && x[2] < 0.006 ? Region::mercury : Region::steel; });
       RandomStream random(4, 0);
       for (auto& x : mesh.nodes)
         for (auto& c : x) c += distortion * 0.002 * random.uniform(-1, 1);
@@ -171,8 +174,9 @@ TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockBearTheExactTraction) {
     const RunSetup s = linear_setup(0, 0);
     const auto u = field(mesh, [&](const Vec3& x) { return hexahedron::vec3((f - identity) * hexahedron::point(x)); });
     const Eigen::Matrix3d green = 0.5 * (f.transpose() * f - identity);
-    const Eigen::Matrix3d p = region == Region::steel ? Eigen::Matrix3d(f * (steel().lambda * green.trace() * identity + 2 * steel().mu * green))
-                                                      : Eigen::Matrix3d(s.liquid.bulk_modulus * (f.determinant() - 1) * f.determinant() * f.inverse().transpose());
+    const Eigen::Matrix3d p = region == Region::steel
+                                  ? Eigen::Matrix3d(f * (steel().lambda * green.trace() * identity + 2 * steel().mu * green))
+                                  : Eigen::Matrix3d(s.liquid.bulk_modulus * (f.determinant() - 1) * f.determinant() * f.inverse().transpose());
     const auto m = masses(mesh, s);
     const auto error = [&](const SolveOptions& o) {
       const auto a = accelerations(solver, s, u, o);

@@ -16,7 +16,8 @@ Corners brick(double a, double b, double c, double distortion = 0, std::uint64_t
   RandomStream random(seed, 0);
   Corners x;
   for (int k = 0; k < 8; ++k)
-    x.col(k) << a * (k & 1) + a * random.uniform(-distortion, distortion), b * (k >> 1 & 1) + b * random.uniform(-distortion, distortion), c * (k >> 2) + c * random.uniform(-distortion, distortion);
+    x.col(k) << a * (k & 1) + a * random.uniform(-distortion, distortion), b * (k >> 1 & 1) + b * random.uniform(-distortion, distortion),
+        c * (k >> 2) + c * random.uniform(-distortion, distortion);
   return x;
 }
 double volume(const Corners& x) {

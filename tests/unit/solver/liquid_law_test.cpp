@@ -73,7 +73,8 @@ TEST(LiquidLaw, RiemersThroughTheSeamGivesTheBaseHistories) {
             const auto base = solver.solve(s, rows, o);
             s.liquid_law = std::make_shared<RiemerAgain>(s.liquid);
             const auto seam = solver.solve(s, rows, o);
-            const std::string name = std::string(distorted ? "general_" : "parallelepiped_") + kinematics + '_' + precision + '_' + std::to_string(runs) + (energy_balance ? "_balance" : "");
+            const std::string name = std::string(distorted ? "general_" : "parallelepiped_") + kinematics + '_' + precision + '_' + std::to_string(runs) +
+                                     (energy_balance ? "_balance" : "");
             measured(name, greatest_difference(base, seam));
             EXPECT_LT(greatest_difference(base, seam), *precision == 'd' ? 1e-10 : 1e-4) << name;
             if (energy_balance && *precision == 'd') {

@@ -175,8 +175,10 @@ TEST(PlanePairs, WithStressHeatAndMotionBeforeTheRun) {
   s.thermal_strain.assign(mesh.elements.size(), 0), s.initial_stress.assign(mesh.elements.size(), {});
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
     const double x = mesh.nodes[std::size_t(mesh.elements[e][0])][0];
-    if (mesh.region[e] == Region::steel) s.thermal_strain[e] = 1e-4 * x / 0.03, s.initial_stress[e] = {2e6, -1e6, 5e5 * x / 0.03, 0, 0, 8e5};
-    else s.initial_stress[e] = {-3e5, -3e5, -3e5, 0, 0, 0};
+    if (mesh.region[e] == Region::steel)
+      s.thermal_strain[e] = 1e-4 * x / 0.03, s.initial_stress[e] = {2e6, -1e6, 5e5 * x / 0.03, 0, 0, 8e5};
+    else
+      s.initial_stress[e] = {-3e5, -3e5, -3e5, 0, 0, 0};
   }
   s.initial_velocity = field(mesh, [](const Vec3& x) { return Vec3{10 * x[0] * x[2], 0, 0.1 * x[2]}; });
   EXPECT_LT(difference(mesh, s), rounding);

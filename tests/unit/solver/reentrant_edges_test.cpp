@@ -60,7 +60,8 @@ TEST(ReentrantEdges, OfASolidBoxAreTheEdgesBetweenItsWettedFaces) {
       const auto planes = [](const Vec3& x) {  // bits of the wetted planes that hold x, and x on the mercury's surface
         const double eps = 1e-9;
         if (x[0] < 0.004 - eps || std::abs(x[1]) > 0.008 + eps || x[2] < 0.004 - eps || x[2] > 0.016 + eps) return 0;
-        return (std::abs(x[0] - 0.004) < eps ? 1 : 0) | (std::abs(std::abs(x[1]) - 0.008) < eps ? 2 : 0) | (std::abs(x[2] - 0.004) < eps || std::abs(x[2] - 0.016) < eps ? 4 : 0);
+        return (std::abs(x[0] - 0.004) < eps ? 1 : 0) | (std::abs(std::abs(x[1]) - 0.008) < eps ? 2 : 0) |
+               (std::abs(x[2] - 0.004) < eps || std::abs(x[2] - 0.016) < eps ? 4 : 0);
       };
       touches = touches || std::popcount(unsigned(planes(a) & planes(b))) >= 2;
     }

@@ -41,8 +41,8 @@ double volume(const Mesh& mesh) {
 
 struct Settled {
   SolveSummary summary;
-  double worst = 0;                     ///< greatest departure of a node from the expected place [m]
-  double stress = 0, pressure = 0;      ///< greatest at the end [Pa]
+  double worst = 0;                 ///< greatest departure of a node from the expected place [m]
+  double stress = 0, pressure = 0;  ///< greatest at the end [Pa]
 };
 
 /// Runs to the end and holds every node against u_c = stretch_c x_c, each run with its own stretches.
@@ -128,7 +128,8 @@ TEST(ThermalStrain, EnergyIsKept) {
       }
 }
 
-// A bar that is heated at once moves as one that is let go from -alpha dT x without heat: the same is dissipated by damping of the steel, which is counted apart.
+// A bar that is heated at once moves as one that is let go from -alpha dT x without heat: the same is dissipated by damping of the steel, which is counted
+// apart.
 TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
   const double a = 1e-4;
   for (const bool distorted : {false, true}) {
@@ -337,7 +338,8 @@ TEST(OpeningFace, HoldsUpToItsStrength) {
   EXPECT_NE(weak, held);
   // The steel leaves with at most the velocity that the strength gives it.
   double fastest = 0, fastest_held = 0;
-  for (std::size_t i = 1; i < 130; ++i) fastest = std::max(fastest, (weak[i - 1] - weak[i]) / 1e-7), fastest_held = std::max(fastest_held, (held[i - 1] - held[i]) / 1e-7);
+  for (std::size_t i = 1; i < 130; ++i)
+    fastest = std::max(fastest, (weak[i - 1] - weak[i]) / 1e-7), fastest_held = std::max(fastest_held, (held[i - 1] - held[i]) / 1e-7);
   EXPECT_NEAR(fastest, 0.5 * pull / z_steel, 0.1 * pull / z_steel);
   EXPECT_NEAR(fastest_held, pull / z_steel, 0.1 * pull / z_steel);
 }
@@ -367,15 +369,15 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
     least_gap = std::min(least_gap, wall[i] - mercury[i]);
     if (i > at(2e-6) && i < at(12e-6)) greatest_gap = std::max(greatest_gap, wall[i] - mercury[i]);
   }
-  EXPECT_GE(least_push, -1e-9);        // the steel is never pulled
-  EXPECT_GE(least_gap, -1e-9 * gap);   // nothing overlaps
-  EXPECT_LE(greatest_gap, 1e-9 * gap);  // they stay together
+  EXPECT_GE(least_push, -1e-9);                                         // the steel is never pulled
+  EXPECT_GE(least_gap, -1e-9 * gap);                                    // nothing overlaps
+  EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they stay together
   EXPECT_GT(wall[wall.size() - 1] - mercury[mercury.size() - 1], gap);  // and part when the pull comes
   const auto m = masses(face.mesh, s);
   double lost = 0;
   for (const auto& pair : face.mesh.slip) lost += 0.5 * m[pair.steel] * m[pair.mercury] / (m[pair.steel] + m[pair.mercury]) * v * v;
   const auto once = solver.solve(face.moving(v, gap, 0, 1.2e-5), rows, o);  // the one impact
-  EXPECT_NEAR(once.dissipated, lost, 0.1 * lost);  // and the contact's work over what is left of the gap
+  EXPECT_NEAR(once.dissipated, lost, 0.1 * lost);                           // and the contact's work over what is left of the gap
   EXPECT_LT(once.energy_balance_error, 1e-9);
   EXPECT_GE(out.dissipated, lost);
   EXPECT_LT(out.energy_balance_error, 1e-9);

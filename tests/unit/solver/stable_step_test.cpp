@@ -105,17 +105,26 @@ TEST(StableTimeStep, LiesBetweenTheElementsBoundAndTheLimitOfTheMesh) {
     double viscosity = 0, steel_damping = 0;
     bool slip = false, symmetric = false;
   };
-  for (const Kind& kind : {Kind{"steel", 0}, {"mercury", 1}, {"mixed", 2}, {"viscous", 1, 2000}, {"viscous_mixed", 2, 2000}, {"damped_steel", 0, 0, 2e-7}, {"damped_mixed", 2, 2000, 2e-7},
-                           {"slip", 2, 0, 0, true}, {"symmetric", 2, 0, 0, false, true}, {"all", 2, 2000, 2e-7, true, true}})
+  for (const Kind& kind : {Kind{"steel", 0},
+                           {"mercury", 1},
+                           {"mixed", 2},
+                           {"viscous", 1, 2000},
+                           {"viscous_mixed", 2, 2000},
+                           {"damped_steel", 0, 0, 2e-7},
+                           {"damped_mixed", 2, 2000, 2e-7},
+                           {"slip", 2, 0, 0, true},
+                           {"symmetric", 2, 0, 0, false, true},
+                           {"all", 2, 2000, 2e-7, true, true}})
     for (const double distortion : {0.0, 0.15}) {
-      Mesh mesh = block({3, 2, 3}, {0, 0, 0}, {0.003, 0.003, 0.006}, [&](const Vec3& x) { return kind.material == 0 || (kind.material == 2 && x[2] < 0.002) ? Region::steel : Region::mercury; });
+      Mesh mesh = block({3, 2, 3}, {0, 0, 0}, {0.003, 0.003, 0.006},
+                        [&](const Vec3& x) { return kind.material == 0 || (kind.material == 2 && x[2] < 0.002) ? Region::steel : Region::mercury; });
       RandomStream random(5, 0);
       for (auto& x : mesh.nodes)
         for (auto& c : x) c += distortion * random.uniform(-0.001, 0.001);
       if (kind.symmetric)
         for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-          if (n % 4 == 0) mesh.fixed[n] |= 1;         // x = 0
-          if (n / 4 % 3 == 0) mesh.fixed[n] |= 2;     // y = 0
+          if (n % 4 == 0) mesh.fixed[n] |= 1;      // x = 0
+          if (n / 4 % 3 == 0) mesh.fixed[n] |= 2;  // y = 0
         }
       if (kind.slip) split(mesh, {Vec3{0, 0, 1}});
       RunSetup s = linear_setup(0, 0);
@@ -257,7 +266,8 @@ TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
   EXPECT_GT(ExplicitSolver(uneven, steel()).solve(s, {}, o).dissipated, 0);
 }
 
-// A thin wall that mercury weighs down is fast once the mercury lets it go: where faces may part the step is that of the mesh with both apart, and a run in which they do stays bounded.
+// A thin wall that mercury weighs down is fast once the mercury lets it go: where faces may part the step is that of the mesh with both apart, and a run in
+// which they do stays bounded.
 TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   Mesh mesh = block({6, 4, 5}, {0, 0, 0}, {0.012, 0.008, 0.0085}, [](const Vec3& x) { return x[2] > 0.0068 ? Region::steel : Region::mercury; });
   for (auto& x : mesh.nodes)
@@ -299,11 +309,16 @@ TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
       {"a film on them", [](RunSetup& s) { s.wetted_cutoff = 1e5, s.wall_film = 2e-4; }},
       {"hourglass", [&](RunSetup& s) { s.hourglass = 1, s.liquid.bulk_modulus = 20 * k; }},
       {"steel damping", [](RunSetup& s) { s.steel_stiffness_damping = 5e-7; }},
-      {"relaxing branches", [](RunSetup& s) { s.steel_branches = {{0.5, 1e-6}}; }},
+      {"relaxing branches",
+       [](RunSetup& s) {
+         s.steel_branches = {{0.5, 1e-6}};
+       }},
       {"mass damping", [](RunSetup& s) { s.steel_mass_damping = 5e6; }},
       {"a stiff law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(20 * k); }},
       {"a stiffer law", [&](RunSetup& s) { s.liquid_law = std::make_shared<OfStiffness>(60 * k); }},
-      {"lanes", [](RunSetup& s) { s.energies = {1.0, 1.0}; }}};
+      {"lanes", [](RunSetup& s) {
+         s.energies = {1.0, 1.0};
+       }}};
   for (const auto& [name, change] : changes) {
     RunSetup s = base;
     change(s);

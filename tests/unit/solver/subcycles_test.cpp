@@ -118,7 +118,7 @@ TEST(Subcycles, TheCheapestDivisionThatTheLiquidBears) {
   EXPECT_EQ(at_most(12, 12, 4), std::pair(12, 1));  // a liquid as fast as the steel
   EXPECT_EQ(at_most(6, 1, 4), std::pair(6, 3));     // not 8 steps for the sake of 4
   EXPECT_EQ(at_most(1, 1, 4), std::pair(1, 1));
-  layout.first_slow_block = 2;                      // nothing is slow
+  layout.first_slow_block = 2;  // nothing is slow
   EXPECT_EQ(at_most(12, 3, 4), std::pair(12, 1));
 }
 
@@ -178,7 +178,8 @@ TEST(Subcycles, ThreadsAndLanesDoNotMatter) {
     const auto pair = solver.solve(s, rows, o);
     EXPECT_EQ(pair.subcycles, one.subcycles);
     double apart = 0, size = 0;
-    for (std::size_t i = 0; i < one.observations.size(); ++i) apart += std::pow(pair.observations[i] - one.observations[i], 2), size += std::pow(one.observations[i], 2);
+    for (std::size_t i = 0; i < one.observations.size(); ++i)
+      apart += std::pow(pair.observations[i] - one.observations[i], 2), size += std::pow(one.observations[i], 2);
     EXPECT_LT(std::sqrt(apart / size), *precision == 'd' ? 1e-9 : 2e-3);
     s.energies = {1.0 + 1e-6, 1.0};  // control: the other lane is another run
     EXPECT_NE(solver.solve(s, rows, o).observations, pair.observations);

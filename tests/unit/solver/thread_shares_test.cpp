@@ -28,7 +28,8 @@ Layout layout_of(const std::vector<int>& elements) {
 
 double greatest(const std::vector<int>& cost, const std::vector<std::size_t>& first) {
   double most = 0;
-  for (std::size_t t = 0; t + 1 < first.size(); ++t) most = std::max(most, std::accumulate(cost.begin() + std::ptrdiff_t(first[t]), cost.begin() + std::ptrdiff_t(first[t + 1]), 0.0));
+  for (std::size_t t = 0; t + 1 < first.size(); ++t)
+    most = std::max(most, std::accumulate(cost.begin() + std::ptrdiff_t(first[t]), cost.begin() + std::ptrdiff_t(first[t + 1]), 0.0));
   return most;
 }
 

@@ -49,7 +49,8 @@ TEST(Warp, GivesTheParameterAndItsInverseOnALogarithmicFeature) {
   }
 }
 
-// The loop against its formula; it takes exp(-r) no smaller than exp(-700) = 1e-304. Features from the first to the last point of the box and warps on both sides of the series.
+// The loop against its formula; it takes exp(-r) no smaller than exp(-700) = 1e-304. Features from the first to the last point of the box and warps on both
+// sides of the series.
 TEST(MaternMeans, AgreeWithTheFormulaByEveryInstructionSet) {
   constexpr std::ptrdiff_t points = 3 * matern_padding;
   RandomStream random(6, 0);
@@ -74,9 +75,11 @@ TEST(MaternMeans, AgreeWithTheFormulaByEveryInstructionSet) {
         for (const auto isa : instruction_sets()) {
           Eigen::VectorXd out(n);
           std::vector<double> scratch(std::size_t(points + features * matern_padding));
-          matern_means(isa)({.points = points, .features = features, .at = at.data(), .weights = weights.data(), .kappa = kappas.data(), .stretch = stretch.data()}, x.data(),
-                            n, out.data(), scratch.data());
-          for (std::ptrdiff_t j = 0; j < n; ++j) EXPECT_NEAR(out[j], expected[j], 1e-9 * scale[j] + 1e-290) << name_of(isa) << ' ' << kappa << ' ' << features << ' ' << j;
+          matern_means(isa)(
+              {.points = points, .features = features, .at = at.data(), .weights = weights.data(), .kappa = kappas.data(), .stretch = stretch.data()}, x.data(),
+              n, out.data(), scratch.data());
+          for (std::ptrdiff_t j = 0; j < n; ++j)
+            EXPECT_NEAR(out[j], expected[j], 1e-9 * scale[j] + 1e-290) << name_of(isa) << ' ' << kappa << ' ' << features << ' ' << j;
         }
       }
 }

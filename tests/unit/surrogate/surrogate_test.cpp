@@ -14,7 +14,6 @@ using namespace calomel;
 
 namespace {
 
-
 /// Options under which every kind trains within a second.
 SurrogateOptions quick(const std::string& kind) {
   SurrogateOptions options;

@@ -1,6 +1,6 @@
 #pragma once
-/// Simulation-based calibration of a sampler: Talts, Betancourt, Simpson, Vehtari and Gelman 2018, arXiv:1804.06788. Parameters are drawn from the prior, data from them, and the rank of the
-/// true parameter among L draws from its posterior is uniform on 0, ..., L where the sampler is right, whatever the model.
+/// Simulation-based calibration of a sampler: Talts, Betancourt, Simpson, Vehtari and Gelman 2018, arXiv:1804.06788. Parameters are drawn from the prior, data
+/// from them, and the rank of the true parameter among L draws from its posterior is uniform on 0, ..., L where the sampler is right, whatever the model.
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <string>
@@ -33,7 +33,8 @@ class Widened : public LogDensity {
   const LogDensity& whole_;
 };
 
-/// Ranks of (mu, ln s), {0, ..., L}, of `replications` data sets of one value, so that the prior, and with it the Jacobian, counts. jacobian = false: the control, a posterior that is wrong.
+/// Ranks of (mu, ln s), {0, ..., L}, of `replications` data sets of one value, so that the prior, and with it the Jacobian, counts. jacobian = false: the
+/// control, a posterior that is wrong.
 inline std::array<std::vector<std::size_t>, 2> calibration_ranks(const std::string& kind, std::size_t replications, std::uint64_t seed, bool jacobian = true) {
   std::array<std::vector<std::size_t>, 2> ranks;
   const SamplerOptions options = calibration_options(kind);

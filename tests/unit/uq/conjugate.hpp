@@ -9,8 +9,8 @@
 
 namespace calomel::testing {
 
-/// y_i ~ N(mu, s), mu | s ~ N(m0, s / k0), s ~ inverse gamma(a0, b0), s a variance (Raiffa and Schlaifer 1961; Gelman et al. 2013, section 3.3). Coordinates mu, ln s, with the
-/// Jacobian s in the density, or, for controls, without. All constants are in the density.
+/// y_i ~ N(mu, s), mu | s ~ N(m0, s / k0), s ~ inverse gamma(a0, b0), s a variance (Raiffa and Schlaifer 1961; Gelman et al. 2013, section 3.3). Coordinates
+/// mu, ln s, with the Jacobian s in the density, or, for controls, without. All constants are in the density.
 class ConjugateNormal : public LogDensity {
  public:
   static constexpr double m0 = 0.5, k0 = 0.5, a0 = 2, b0 = 2;

@@ -146,8 +146,10 @@ TEST(Convergence, WalkersThatMoveTogetherAreNotCountedAsIndependent) {
   const std::size_t walkers = 8, n = 2000;
   std::vector<double> x(4 * walkers * n);
   for (std::size_t e = 0; e < 4; ++e) {
-    const auto common = chains_of(1, n, 0.9, [](std::size_t, std::size_t) { return 0.0; }, 50 + e);
-    const auto own = chains_of(walkers, n, 0.0, [](std::size_t, std::size_t) { return 0.0; }, 70 + e);
+    const auto common = chains_of(
+        1, n, 0.9, [](std::size_t, std::size_t) { return 0.0; }, 50 + e);
+    const auto own = chains_of(
+        walkers, n, 0.0, [](std::size_t, std::size_t) { return 0.0; }, 70 + e);
     for (std::size_t w = 0; w < walkers; ++w)
       for (std::size_t i = 0; i < n; ++i) x[(e * walkers + w) * n + i] = std::sqrt(0.5) * common[i] + std::sqrt(0.5) * own[w * n + i];
   }

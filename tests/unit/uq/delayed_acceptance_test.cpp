@@ -33,7 +33,7 @@ TEST(TwoStages, TheExactDensityIsSampledWhateverTheCheapOneIs) {
   for (const auto& p : a.parameters) {
     EXPECT_LT(std::abs(p.mean), 4 * p.mcse_mean);
     EXPECT_LT(std::abs(p.sd - 1), 4 * p.mcse_sd);
-    EXPECT_GT(std::abs(p.mean - 0.5), 4 * p.mcse_mean);            // control: the cheap one's mean
+    EXPECT_GT(std::abs(p.mean - 0.5), 4 * p.mcse_mean);         // control: the cheap one's mean
     EXPECT_GT(std::abs(p.sd - std::sqrt(1.3)), 4 * p.mcse_sd);  // and its deviation
   }
   for (std::size_t i = 0; i < r.log_density.size(); ++i) ASSERT_EQ(r.log_density[i], exact.log_density(std::span(r.coordinates.values).subspan(2 * i, 2)));

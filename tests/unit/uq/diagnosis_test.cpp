@@ -100,7 +100,8 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
 
   const NetcdfReader file(folder / "diagnosis.nc");
   EXPECT_EQ(file.attribute("explanation"), "echo");
-  const auto base = file.doubles("base"), explained = file.doubles("explained"), out = file.doubles("held_out_explained"), out_base = file.doubles("held_out_base"), mean = file.doubles("record_mean");
+  const auto base = file.doubles("base"), explained = file.doubles("explained"), out = file.doubles("held_out_explained"),
+             out_base = file.doubles("held_out_base"), mean = file.doubles("record_mean");
   ASSERT_EQ(mean.size(), sensors * times);
   const auto distance = [&](const std::vector<double>& x) {
     double sum = 0;
@@ -112,7 +113,8 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   EXPECT_NE(out_base, base);
 }
 
-// A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of the whole.
+// A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of
+// the whole.
 TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
   const Experiment experiment(0.3, 0, 0, 1, 1);
   ParameterGroup opened = Experiment::groups()[1];
@@ -181,6 +183,12 @@ TEST(Diagnosis, GoesOnWithoutADeadGauge) {
   const Diagnosis d = Experiment(0.25, 0, 0, 0, 21).diagnosed();
   EXPECT_THAT(d.dead, ElementsAre("S2"));
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo")) << d.verdict.reason;
+  // Where nothing is missing, a fault of what is left out would be the gauges' likeliest, as no record speaks against it.
+  const Diagnosis none = Experiment(0, 0, 0, 0, 1).diagnosed();
+  EXPECT_EQ(none.verdict.kind, VerdictKind::none) << none.verdict.reason;
+  const auto gauge = std::find_if(none.candidates.begin(), none.candidates.end(), [](const auto& c) { return !c.sensor.empty(); });
+  ASSERT_NE(gauge, none.candidates.end());
+  EXPECT_NE(gauge->sensor, "S2");
 }
 
 // A fault that is as the square of its number, as that of a turned gauge: linearised where the number comes out.
@@ -210,7 +218,8 @@ TEST(Diagnosis, AFaultyGaugeBesideAnEffectIsNamedWithIt) {
   const Diagnosis d = Experiment(0.015, 0, 0, 1.14, 1).diagnosed();
   ASSERT_THAT(d.verdict.mechanisms, ElementsAre("echo+sensor_response")) << d.verdict.reason;
   EXPECT_EQ(d.candidates[0].places.at("sensor_response"), "S2");
-  for (const auto& n : d.candidates[0].numbers) EXPECT_NEAR(n.mean, n.name == "echo.strength" ? 0.015 : 0.14, n.name == "echo.strength" ? 0.005 : 0.02) << n.name;
+  for (const auto& n : d.candidates[0].numbers)
+    EXPECT_NEAR(n.mean, n.name == "echo.strength" ? 0.015 : 0.14, n.name == "echo.strength" ? 0.005 : 0.02) << n.name;
 }
 
 // Numbers that do much of what a parameter does: told beside the parameters' mode, they take away what chi-squared says they do.
@@ -298,7 +307,8 @@ TEST(Diagnosis, WhatIsMissingIsDescribedByTheTermsThatWouldDoIt) {
   EXPECT_EQ(d.missing->asked, 2u);
   const Json json = read_json(folder / "diagnosis.json");
   EXPECT_EQ(json["missing"]["terms"].size(), 2u);
-  EXPECT_THAT(json["missing"]["sentence"].get<std::string>(), ::testing::AllOf(::testing::HasSubstr("acts like a change of"), ::testing::HasSubstr("at the end"), ::testing::HasSubstr("not a name")));
+  EXPECT_THAT(json["missing"]["sentence"].get<std::string>(),
+              ::testing::AllOf(::testing::HasSubstr("acts like a change of"), ::testing::HasSubstr("at the end"), ::testing::HasSubstr("not a name")));
 
   const Diagnosis spent = Experiment(0, 0, 0.3, 1, 1).diagnosed({}, Experiment::groups(), {.leaders = 2, .term_runs = 4});
   EXPECT_FALSE(spent.missing);
@@ -308,14 +318,17 @@ TEST(Diagnosis, WhatIsMissingIsDescribedByTheTermsThatWouldDoIt) {
 TEST(Diagnosis, SaysSoWhereNoTermDoesWhatIsMissing) {
   MissingTerms none{.asked = 135};
   EXPECT_EQ(plain_missing(none), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would do what is missing.");
-  const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7}, share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
+  const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7},
+      share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
   EXPECT_EQ(plain_term(mass), "-4.50 ± 0.70 kg/m²");
   EXPECT_EQ(plain_term(share), "+3.10 ± 0.40 %");
   MissingTerms told{.terms = {mass}, .asked = 135, .misfit_before = 0.05, .misfit_after = 0.04};
   EXPECT_EQ(plain_missing(told),
-            "What is missing acts like a change of mass by -4.50 ± 0.70 kg/m² on the top wall. With it a run leaves a misfit of 4.0 %, where the base model leaves 5.0 %. This describes an effect and its place; it is not a name.");
+            "What is missing acts like a change of mass by -4.50 ± 0.70 kg/m² on the top wall. With it a run leaves a misfit of 4.0 %, where the base model "
+            "leaves 5.0 %. This describes an effect and its place; it is not a name.");
   told.misfit_after = 0.06;
-  EXPECT_THAT(plain_missing(told), ::testing::HasSubstr("a run with it does not come nearer to the records (a misfit of 6.0 %, where the base model leaves 5.0 %)"));
+  EXPECT_THAT(plain_missing(told),
+              ::testing::HasSubstr("a run with it does not come nearer to the records (a misfit of 6.0 %, where the base model leaves 5.0 %)"));
   told.misfit_before = told.misfit_after = 0;  // it failed
   EXPECT_THAT(plain_missing(told), ::testing::HasSubstr("no run with it came through"));
 }

@@ -10,8 +10,7 @@ using namespace calomel;
 using namespace calomel::testing;
 using ::testing::HasSubstr;
 
-namespace {
-}
+namespace {}
 
 TEST(DelayedAcceptance, OneStageIsMetropolis) {
   const Eigen::MatrixXd z = Eigen::MatrixXd::Random(3, 2);

@@ -31,7 +31,9 @@ struct Fitted {
     std::vector<WeightedErrors> errors = fit.hypotheses;
     for (auto& h : errors) h.errors = h.errors.without(record_noise_term).with({record_noise_term, factor * fit.noise});
     const LogPosterior& p = *fit.posterior;
-    return {.posterior = {p.box(), p.emulator(), fit.coefficients, errors, factor * fit.noise, p.priors(), p.beyond_prior()}, .noise_ratio = p.emulator().noise_ratio(), .scale = factor};
+    return {.posterior = {p.box(), p.emulator(), fit.coefficients, errors, factor * fit.noise, p.priors(), p.beyond_prior()},
+            .noise_ratio = p.emulator().noise_ratio(),
+            .scale = factor};
   }
 };
 
@@ -47,7 +49,8 @@ TEST(DrawnNoiseDensity, IsTheMeanOfTheLikelihoodsWithItsExactGradient) {
   double sum = 0, highest = -1e300;
   for (const auto& d : drawn) highest = std::max(highest, d.posterior.density(at).log_likelihood);
   for (const auto& d : drawn) sum += std::exp(d.posterior.density(at).log_likelihood - highest) / 4;
-  const double likelihood = highest + std::log(sum), jacobian = f.fit.posterior->log_density(q) - f.fit.posterior->density(at).log_likelihood;  // and the prior: one for all
+  const double likelihood = highest + std::log(sum),
+               jacobian = f.fit.posterior->log_density(q) - f.fit.posterior->density(at).log_likelihood;  // and the prior: one for all
   EXPECT_NEAR(density.log_density({q.data(), 3}), likelihood + jacobian, 1e-9 * std::abs(likelihood));
   std::vector<double> gradient(3);
   EXPECT_EQ(density.log_density_and_gradient({q.data(), 3}, gradient), density.log_density({q.data(), 3}));
@@ -65,7 +68,8 @@ TEST(NoiseWidening, IsWhatOtherDrawsOfThePosteriorShow) {
   const Fitted f;
   const std::vector<DrawnNoise> wide{f.scaled(9)};
   const DrawnNoiseDensity density(wide);
-  const SamplerResult of_wide = short_chains(wide[0].posterior, start_at_mode(wide[0].posterior, f.fit.modes[0]), 2), of_estimate = short_chains(*f.fit.posterior, start_at_mode(*f.fit.posterior, f.fit.modes[0]), 3);
+  const SamplerResult of_wide = short_chains(wide[0].posterior, start_at_mode(wide[0].posterior, f.fit.modes[0]), 2),
+                      of_estimate = short_chains(*f.fit.posterior, start_at_mode(*f.fit.posterior, f.fit.modes[0]), 3);
   const NoiseWidening w = noise_widening(density, *f.fit.posterior, of_wide.coordinates, of_wide.quantities);
   const auto a = assess(of_wide.quantities).parameters, b = assess(of_estimate.quantities).parameters;
   EXPECT_GT(w.plug_in_draws, 300);
@@ -84,7 +88,8 @@ TEST(NoiseWidening, CountsDrawsByTheRecordsOrAlike) {
   const std::vector<DrawnNoise> same{f.scaled(1), f.scaled(1)}, unlike{f.scaled(1), f.scaled(25)};
   const auto widening = [&](const std::vector<DrawnNoise>& drawn) {
     const DrawnNoiseDensity density(drawn);
-    const SamplerResult r = run_sampler(density, start_at_mode(*f.fit.posterior, f.fit.modes[0]), {.warmup = 2000, .draws = 4000}, {.seed = 4, .journal = {}, .provenance = {}, .progress = {}});
+    const SamplerResult r = run_sampler(density, start_at_mode(*f.fit.posterior, f.fit.modes[0]), {.warmup = 2000, .draws = 4000},
+                                        {.seed = 4, .journal = {}, .provenance = {}, .progress = {}});
     return noise_widening(density, *f.fit.posterior, r.coordinates, r.quantities);
   };
   const NoiseWidening none = widening(same), some = widening(unlike);

@@ -21,7 +21,8 @@ inline constexpr std::size_t sensors = 6;
 inline double strain(std::size_t sensor, double t, double amplitude, double speed, double echo, double drift, double foreign) {
   const double x = double(sensor), us = 1e6 * t, arrival = 5 + 4 * x / speed;
   const double s = us > arrival ? (us - arrival) / 10 : 0, late = us > 50 + 2 * x ? us - 50 - 2 * x : 0;
-  return 1e-4 * (amplitude * std::sin(speed * s) * std::exp(-s / 8) + echo * std::sin(0.4 * late) + drift * (1 + 0.3 * x) * us / 100 + foreign * std::cos(0.9 * us) * (sensor % 2 ? 1 : -1) * std::exp(-us / 60));
+  return 1e-4 * (amplitude * std::sin(speed * s) * std::exp(-s / 8) + echo * std::sin(0.4 * late) + drift * (1 + 0.3 * x) * us / 100 +
+                 foreign * std::cos(0.9 * us) * (sensor % 2 ? 1 : -1) * std::exp(-us / 60));
 }
 
 inline Parameter handbook(const std::string& name, double mean, double sd) {
@@ -32,7 +33,8 @@ inline Parameter handbook(const std::string& name, double mean, double sd) {
 
 inline AddedParameter added(const std::string& group, const std::string& key, double low, double high, std::vector<double> strengths) {
   AddedParameter a;
-  a.parameter.name = group + '.' + key, a.parameter.key = "mechanism." + a.parameter.name, a.parameter.min = low, a.parameter.max = high, a.parameter.nominal = 0;
+  a.parameter.name = group + '.' + key, a.parameter.key = "mechanism." + a.parameter.name, a.parameter.min = low, a.parameter.max = high,
+  a.parameter.nominal = 0;
   a.strengths = std::move(strengths);
   return a;
 }
@@ -46,7 +48,8 @@ struct Experiment {
   Problem problem;
 
   explicit Experiment(double echo, double drift, double foreign, double gain, std::uint64_t seed, const std::vector<std::string>& conditions = {"default"})
-      : model(parameters, functions(echo, drift, foreign, gain), times, 1e-6, "strain", conditions), recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, seed)),
+      : model(parameters, functions(echo, drift, foreign, gain), times, 1e-6, "strain", conditions),
+        recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, seed)),
         problem(make_problem(model.shape(), recordings, {})) {}
   static std::vector<AnalyticModel::Function> functions(double echo, double drift, double foreign, double gain) {
     std::vector<AnalyticModel::Function> all;
@@ -68,7 +71,8 @@ struct Experiment {
       if (name == "correction.foreign") foreign += value;
       if (name == "correction.late") echo += value;
       for (std::size_t s = 0; s < sensors; ++s)
-        if (name == "sensor_response.gain" && (key == "mechanism." + name || key == "mechanism.sensor_response.S" + std::to_string(s) + ".gain")) gain[s] += value;
+        if (name == "sensor_response.gain" && (key == "mechanism." + name || key == "mechanism.sensor_response.S" + std::to_string(s) + ".gain"))
+          gain[s] += value;
     }
     RunRecord r{.done = true};
     std::uint64_t hash = 7 + std::uint64_t(level);
@@ -91,7 +95,11 @@ struct Experiment {
     };
   }
   [[nodiscard]] PosteriorInputs base() const {
-    PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = recording_options, .errors = {.values = 240, .band = 2e5, .young_sd = 0}, .emulator = {}};
+    PosteriorInputs base{.problem = problem,
+                         .recordings = recordings,
+                         .recording_options = recording_options,
+                         .errors = {.values = 240, .band = 2e5, .young_sd = 0},
+                         .emulator = {}};
     base.emulator.coarse_runs = 24, base.emulator.fine_runs = 10;
     base.parameters = parameters, base.levels = 2, base.discrepancy = true;
     base.centre = {1, 1}, base.half_width = {0.1, 0.1};
@@ -104,10 +112,12 @@ struct Experiment {
   }
   /// Terms that stand for what no group is.
   static std::vector<ParameterGroup> terms() {
-    return {{.name = "lateness", .place = "at the end", .added = {added("correction", "late", -1, 1, {0.1})}}, {.name = "foreignness", .place = "everywhere", .added = {added("correction", "foreign", -1, 1, {0.1})}}};
+    return {{.name = "lateness", .place = "at the end", .added = {added("correction", "late", -1, 1, {0.1})}},
+            {.name = "foreignness", .place = "everywhere", .added = {added("correction", "foreign", -1, 1, {0.1})}}};
   }
   /// Writes its artefacts to `folder`, where there is one.
-  [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}, std::vector<ParameterGroup> offered = groups(), DiagnosisOptions options = {.leaders = 2}) const {
+  [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}, std::vector<ParameterGroup> offered = groups(),
+                                    DiagnosisOptions options = {.leaders = 2}) const {
     const PosteriorInputs fitted = base();
     const DiagnosisInputs in{.base = fitted, .groups = std::move(offered), .terms = terms(), .run = runs(), .options = options, .say = {}, .round = {}};
     Diagnosis d = diagnose(in);

@@ -51,7 +51,8 @@ TEST(FirstOrderModel, IsTheEvidenceOfTheLinearModel) {
   const std::vector<double> weights{0.7, 0.3};
   std::vector<RecordErrors> errors;
   for (const std::size_t i : {0, 1}) errors.push_back({covariances[i], fit.errors->data(), infinity, std::log(weights[i])});
-  const LogPosterior posterior(fit.posterior->box(), fit.posterior->emulator(), fit.coefficients, errors, fit.noise, fit.posterior->priors(), fit.posterior->beyond_prior());
+  const LogPosterior posterior(fit.posterior->box(), fit.posterior->emulator(), fit.coefficients, errors, fit.noise, fit.posterior->priors(),
+                               fit.posterior->beyond_prior());
   const LocalMode mode = find_modes(posterior, {fit.modes[0].q}).at(0);
 
   const auto n = Eigen::Index(fit.errors->data().size());

@@ -91,7 +91,8 @@ TEST_F(Wiring, ALateClockIsWhatMovesAllRecords) {
   const Eigen::VectorXd change = grid.apply(moved) - grid.apply(history);
   for (std::size_t i = 0; i < 4; ++i)  // the ends have no difference
     EXPECT_LT((change - delay * late.by_number.col(0)).segment(at(i) + 1, size() - 2).norm(), 0.05 * change.segment(at(i) + 1, size() - 2).norm());
-  EXPECT_THAT(plain_late({.late = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6}), AllOf(HasSubstr("All records look 3.07 \u00b1 0.12 \u00b5s late"), HasSubstr("75.6"), HasSubstr("recordings.trigger_offset")));
+  EXPECT_THAT(plain_late({.late = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6}),
+              AllOf(HasSubstr("All records look 3.07 \u00b1 0.12 \u00b5s late"), HasSubstr("75.6"), HasSubstr("recordings.trigger_offset")));
   EXPECT_THAT(plain_late({.late = -2e-3, .sd = 1e-4, .log_bayes_factor = 9}), HasSubstr("2.00 \u00b1 0.10 ms early"));
 }
 

@@ -24,7 +24,8 @@ testing::Sloped mixture(std::vector<Part> parts) {
   return {d, [parts](std::span<const double> at, std::span<double> g) {
             const Eigen::Map<const Eigen::VectorXd> x(at.data(), Eigen::Index(at.size()));
             std::vector<double> logs;
-            for (const auto& p : parts) logs.push_back(std::log(p.weight) - double(x.size()) * std::log(p.sd) - 0.5 * (x - p.mean).squaredNorm() / (p.sd * p.sd));
+            for (const auto& p : parts)
+              logs.push_back(std::log(p.weight) - double(x.size()) * std::log(p.sd) - 0.5 * (x - p.mean).squaredNorm() / (p.sd * p.sd));
             const double top = *std::max_element(logs.begin(), logs.end());
             double sum = 0;
             for (const double l : logs) sum += std::exp(l - top);
@@ -98,14 +99,16 @@ SamplerOptions shortened(const std::string& kind) {
 /// Modes twenty deviations apart, which no chain crosses by itself: shares within 4 standard errors of some 2000 independent draws.
 TEST_P(EveryKind, DrawsFromAllModesInTheirShares) {
   const auto density = mixture({far, wide});
-  const auto r = run_sampler(density, start_at_modes(searched(density, 20)), shortened(GetParam()), {.seed = 2, .journal = {}, .provenance = {}, .progress = {}});
+  const auto r =
+      run_sampler(density, start_at_modes(searched(density, 20)), shortened(GetParam()), {.seed = 2, .journal = {}, .provenance = {}, .progress = {}});
   EXPECT_TRUE(assess(r.quantities, sampling_facts(r, 1)).converged) << assess(r.quantities, sampling_facts(r, 1)).message;
   EXPECT_NEAR(share_right(r), 0.7, 4 * std::sqrt(0.21 / 2000));
 }
 
 TEST_P(EveryKind, DrawsFromANarrowModeInItsShare) {
   const auto density = mixture({{0.5, Eigen::Vector2d(-5, -5), 1}, narrow});
-  const auto r = run_sampler(density, start_at_modes(searched(density, 15)), shortened(GetParam()), {.seed = 3, .journal = {}, .provenance = {}, .progress = {}});
+  const auto r =
+      run_sampler(density, start_at_modes(searched(density, 15)), shortened(GetParam()), {.seed = 3, .journal = {}, .provenance = {}, .progress = {}});
   EXPECT_NEAR(share_right(r), 0.5, 4 * std::sqrt(0.25 / 2000));
 }
 

@@ -16,7 +16,6 @@ using ::testing::HasSubstr;
 
 namespace {
 
-
 /// Ten normals of sds 1, 2, ... 10, and an exponential behind a wall as the last.
 Sloped walled() {
   return {11, [](std::span<const double> x, std::span<double> g) {
@@ -103,7 +102,8 @@ TEST(Nuts, DrawsAreNearlyIndependentAndEnergiesAreThoseOfTheDensity) {
 
 TEST(Nuts, WarmUpFindsScalesThatAreMillionsOff) {
   const auto tiny = normals(2, 1e-6);
-  const auto r = run_sampler(tiny, {.mean = Eigen::VectorXd::Zero(2), .covariance = {}, .points = Eigen::MatrixXd::Constant(2, 4, 1e-6)}, nuts(1000, 1000), {.seed = 8});
+  const auto r =
+      run_sampler(tiny, {.mean = Eigen::VectorXd::Zero(2), .covariance = {}, .points = Eigen::MatrixXd::Constant(2, 4, 1e-6)}, nuts(1000, 1000), {.seed = 8});
   const auto c = assess(r.quantities, sampling_facts(r, 1));
   EXPECT_TRUE(c.converged) << c.message;
   EXPECT_NEAR(c.parameters[0].sd, 1e-6, 4 * c.parameters[0].mcse_sd);

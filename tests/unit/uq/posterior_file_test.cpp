@@ -121,7 +121,8 @@ TEST(PosteriorFile, NcdumpShowsGroupsDimensionsAndUnits) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
-// With thinning a draw has several transitions: whether any of them diverged is what ArviZ takes for a mask. Predictions of some draws carry the numbers of those.
+// With thinning a draw has several transitions: whether any of them diverged is what ArviZ takes for a mask. Predictions of some draws carry the numbers of
+// those.
 TEST(PosteriorFile, DivergencesAreTruthsAndDrawsKeepTheirNumbers) {
   const std::string python3 = python_with_xarray();
   ASSERT_NE(python3, "") << no_xarray;
@@ -130,12 +131,18 @@ TEST(PosteriorFile, DivergencesAreTruthsAndDrawsKeepTheirNumbers) {
   r.energy.assign(n, 1.5), r.diverging.assign(n, 0), r.depth.assign(n, 3);
   r.diverging[2] = 2;
   auto groups = posterior_groups(parameters, r);
-  groups.push_back({.name = "posterior_predictive", .chains = 4, .draws = 2, .coordinates = {}, .variables = {{"strain", "1", {}, std::vector<double>(8, 0.5)}}, .draw_numbers = {9, 19}});
+  groups.push_back({.name = "posterior_predictive",
+                    .chains = 4,
+                    .draws = 2,
+                    .coordinates = {},
+                    .variables = {{"strain", "1", {}, std::vector<double>(8, 0.5)}},
+                    .draw_numbers = {9, 19}});
   const auto path = scratch("truths") / "posterior.nc";
   write_posterior(path, groups, {.stage = "sample"});
   const auto [text, well] = output_of(python3 +
                                       " -c 'import sys, xarray as x\np = sys.argv[1]\ns = x.open_dataset(p, group=\"sample_stats\")\n"
-                                      "print(s[\"diverging\"].dtype, int(s[\"diverging\"].sum()), s[\"tree_depth\"].dtype.kind, list(x.open_dataset(p, group=\"posterior_predictive\")[\"draw\"].values))' '" +
+                                      "print(s[\"diverging\"].dtype, int(s[\"diverging\"].sum()), s[\"tree_depth\"].dtype.kind, list(x.open_dataset(p, "
+                                      "group=\"posterior_predictive\")[\"draw\"].values))' '" +
                                       path.string() + "'");
   EXPECT_TRUE(well) << text;
   EXPECT_THAT(text, HasSubstr("bool 1 i [9, 19]"));
@@ -148,14 +155,15 @@ TEST(PosteriorFile, XarrayReadsEveryGroupWithItsCoordinates) {
   const auto path = scratch("xarray") / "posterior.nc";
   const auto r = some_draws();
   write_posterior(path, all_groups(r), {.stage = "sample"});
-  const auto [text, well] = output_of(
-      python3 + " -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
-      "print(dict(d.sizes), float(d[\"density\"].sel(chain=3, draw=19)), d.attrs[\"inference_library\"])\n"
-      "for g in [\"sample_stats\", \"log_likelihood\", \"posterior_predictive\", \"prior\", \"observed_data\", \"unconstrained_posterior\"]:\n"
-      "  e = x.open_dataset(p, group=g)\n  assert set(e.coords) == set(e.dims), g\n"
-      "  assert all(v.dims[:2] == (\"chain\", \"draw\") for v in e.data_vars.values()) or g == \"observed_data\", g\n"
-      "print(x.open_dataset(p, group=\"observed_data\")[\"strain\"].sel(sensor=\"B\", time=2e-6).item())' '" +
-      path.string() + "'");
+  const auto [text, well] =
+      output_of(python3 +
+                " -c 'import sys, xarray as x\np = sys.argv[1]\nd = x.open_dataset(p, group=\"posterior\")\n"
+                "print(dict(d.sizes), float(d[\"density\"].sel(chain=3, draw=19)), d.attrs[\"inference_library\"])\n"
+                "for g in [\"sample_stats\", \"log_likelihood\", \"posterior_predictive\", \"prior\", \"observed_data\", \"unconstrained_posterior\"]:\n"
+                "  e = x.open_dataset(p, group=g)\n  assert set(e.coords) == set(e.dims), g\n"
+                "  assert all(v.dims[:2] == (\"chain\", \"draw\") for v in e.data_vars.values()) or g == \"observed_data\", g\n"
+                "print(x.open_dataset(p, group=\"observed_data\")[\"strain\"].sel(sensor=\"B\", time=2e-6).item())' '" +
+                path.string() + "'");
   EXPECT_TRUE(well) << text;
   EXPECT_THAT(text, HasSubstr("{'chain': 4, 'draw': 20} " + number_text(r.quantities.at(3, 19, 0)) + " calomel\n6.0\n"));
 }

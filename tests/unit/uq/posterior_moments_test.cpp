@@ -11,7 +11,8 @@
 namespace calomel {
 namespace {
 
-/// Of the one free parameter of a posterior with the multiple beyond the finest mesh beside it: sums over q, as far as the density reaches, and over eight deviations of the multiple.
+/// Of the one free parameter of a posterior with the multiple beyond the finest mesh beside it: sums over q, as far as the density reaches, and over eight
+/// deviations of the multiple.
 Moments by_grid(const LogPosterior& posterior, const LocalMode& mode) {
   const PosteriorDensity density(posterior);
   const double sd_beyond = std::sqrt(mode.covariance(1, 1)), top = posterior.log_density(mode.q);

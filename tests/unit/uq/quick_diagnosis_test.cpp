@@ -33,7 +33,8 @@ struct Quick {
   Problem problem;
   explicit Quick(const Truth& truth)
       : model({handbook("amplitude", 1, 0.03), handbook("speed", 1, 0.03)}, functions(truth), times, 1e-6, "strain"),
-        recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, 5)), problem(make_problem(model.shape(), recordings, {})) {}
+        recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, 5)),
+        problem(make_problem(model.shape(), recordings, {})) {}
 
   static RunAdded runs() {
     return [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
@@ -73,11 +74,25 @@ struct Quick {
     return all;
   }
   [[nodiscard]] Diagnosis diagnosed(std::vector<ParameterGroup> offered, int max_runs = 10000) const {
-    PosteriorInputs base{.problem = problem, .recordings = recordings, .recording_options = recording_options,
-                         .errors = {.values = 180, .band = 2e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .young_sd = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0, .record_noise = 0}, .emulator = {}};
+    PosteriorInputs base{.problem = problem,
+                         .recordings = recordings,
+                         .recording_options = recording_options,
+                         .errors = {.values = 180,
+                                    .band = 2e5,
+                                    .energy_scale_sd = 0,
+                                    .gain_sd = 0,
+                                    .baseline = 0,
+                                    .coherent_noise = 0,
+                                    .young_sd = 0,
+                                    .beyond = 0,
+                                    .beyond_sd = 0,
+                                    .beyond_rest = 0,
+                                    .record_noise = 0},
+                         .emulator = {}};
     base.parameters = model.shape().parameters, base.levels = 1, base.discrepancy = true, base.draw_in = base.least_squares = true;
     base.centre = {1, 1}, base.half_width = {0.06, 0.06};
-    return diagnose({.base = base, .groups = std::move(offered), .run = runs(), .options = {.max_runs = max_runs, .leaders = 2, .pairs = false}, .say = {}, .round = {}});
+    return diagnose(
+        {.base = base, .groups = std::move(offered), .run = runs(), .options = {.max_runs = max_runs, .leaders = 2, .pairs = false}, .say = {}, .round = {}});
   }
 };
 
@@ -159,8 +174,8 @@ TEST(Diagnosis, OfAQuickModelNothingMissingIsNoneAndWhatNobodyOffersUnknown) {
   EXPECT_EQ(Quick({.foreign = 0.3}).diagnosed(Quick::groups()).verdict.kind, VerdictKind::unknown);
 }
 
-/// One record of a pulse that runs far: a model that is exact and costs nothing, whose parameters shift what it shows by many of its standard deviations. Late oscillations, where
-/// the dispersion is not 0; a lag is the rival.
+/// One record of a pulse that runs far: a model that is exact and costs nothing, whose parameters shift what it shows by many of its standard deviations. Late
+/// oscillations, where the dispersion is not 0; a lag is the rival.
 struct Traveller {
   std::vector<Parameter> parameters{handbook("speed", 1, 0.02), handbook("gain", 1, 0.02)};
   static double signal(double t, double speed, double gain, double dispersion, double lag) {
@@ -174,7 +189,9 @@ struct Traveller {
   Problem problem;
   explicit Traveller(double dispersion)
       : model(parameters, {[=](auto p, double t) { return signal(t, p[0], p[1], dispersion, 0); }}, 120, 1e-6, "V"),
-        recordings(pulses_of(model, {1.013, 0.99}, {.pulses = 1, .noise = 1e-3}, 3)), options(noise()), problem(make_problem(model.shape(), recordings, options)) {}
+        recordings(pulses_of(model, {1.013, 0.99}, {.pulses = 1, .noise = 1e-3}, 3)),
+        options(noise()),
+        problem(make_problem(model.shape(), recordings, options)) {}
   static RecordingOptions noise() {
     RecordingOptions o;
     o.unit = "V", o.noise = 1e-3;
@@ -187,17 +204,19 @@ struct Traveller {
     AddedParameter dispersion = added("dispersion", "strength", 0, 0.4, {0.1}), lag = added("lag", "time", 0, 8, {2});
     const DiagnosisInputs in{.base = base,
                              .groups = {{.name = "dispersion", .added = {dispersion}}, {.name = "lag", .added = {lag}}},
-                             .run = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> a) {
-                               std::vector<RunRecord> all(level.size());
-                               for (std::size_t i = 0; i < level.size(); ++i) {
-                                 const auto theta = thetas.col(Eigen::Index(i));
-                                 double by_dispersion = 0, by_lag = 0;
-                                 for (std::size_t k = 0; k < a.size(); ++k) (a[k].parameter.name == "lag.time" ? by_lag : by_dispersion) = theta[Eigen::Index(2 + k)];
-                                 all[i].done = true;
-                                 for (int t = 0; t < 120; ++t) all[i].mean.push_back(float(signal(1e-6 * t, theta[0], theta[1], by_dispersion, by_lag)));
-                               }
-                               return all;
-                             },
+                             .run =
+                                 [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> a) {
+                                   std::vector<RunRecord> all(level.size());
+                                   for (std::size_t i = 0; i < level.size(); ++i) {
+                                     const auto theta = thetas.col(Eigen::Index(i));
+                                     double by_dispersion = 0, by_lag = 0;
+                                     for (std::size_t k = 0; k < a.size(); ++k)
+                                       (a[k].parameter.name == "lag.time" ? by_lag : by_dispersion) = theta[Eigen::Index(2 + k)];
+                                     all[i].done = true;
+                                     for (int t = 0; t < 120; ++t) all[i].mean.push_back(float(signal(1e-6 * t, theta[0], theta[1], by_dispersion, by_lag)));
+                                   }
+                                   return all;
+                                 },
                              .options = {},
                              .say = {}};
     return diagnose(in);
@@ -238,7 +257,8 @@ TEST(Folds, OfASingleRecordAreQuartersOfItsTimeElseGauges) {
 
 /// Observations of this many gauges under two conditions, on a grid of their own.
 Problem of_two_conditions(std::size_t gauges) {
-  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, std::vector<AnalyticModel::Function>(gauges, [](auto p, double t) { return p[0] * std::sin(1e5 * t); }), 40, 1e-6);
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)},
+                            std::vector<AnalyticModel::Function>(gauges, [](auto p, double t) { return p[0] * std::sin(1e5 * t); }), 40, 1e-6);
   Problem problem = make_problem(model.shape(), pulses_of(model, {1}, {.pulses = 3, .noise = 0.1}, 2), {});
   problem.shape.conditions = {"weak", "strong"};
   for (std::size_t i = 0; i < gauges; ++i) problem.observations.push_back(problem.observations[i]), problem.observations.back().condition = 1;
@@ -272,7 +292,8 @@ TEST(Folds, AreFacesOfTheTargetAlone) {
 }
 
 TEST(Locate, TellsNothingOfTimesThatWereNotRecorded) {
-  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {[](auto p, double t) { return p[0] * std::sin(1e5 * t); }, [](auto p, double t) { return p[0] * std::cos(1e5 * t); }}, 160, 1e-6);
+  const AnalyticModel model({uniform_parameter("a", 0, 2, 1)},
+                            {[](auto p, double t) { return p[0] * std::sin(1e5 * t); }, [](auto p, double t) { return p[0] * std::cos(1e5 * t); }}, 160, 1e-6);
   auto recordings = pulses_of(model, {1}, {.pulses = 3, .noise = 0.1}, 2);
   for (std::size_t p = 0; p < 3; ++p)
     for (std::size_t t = 0; t < 160; ++t) {
@@ -281,7 +302,8 @@ TEST(Locate, TellsNothingOfTimesThatWereNotRecorded) {
     }
   const Problem problem = make_problem(model.shape(), recordings, {});
   const Decimation grid(problem, 400);
-  const LocatedMismatch l = locate(problem, grid, Eigen::VectorXd::Constant(Eigen::Index(grid.size()), 0.5), Eigen::MatrixXd::Identity(Eigen::Index(grid.size()), Eigen::Index(grid.size())));
+  const LocatedMismatch l = locate(problem, grid, Eigen::VectorXd::Constant(Eigen::Index(grid.size()), 0.5),
+                                   Eigen::MatrixXd::Identity(Eigen::Index(grid.size()), Eigen::Index(grid.size())));
   EXPECT_NEAR(l.windows.front().begin, 79.5e-6, 1e-9);  // the stretches are those of the records
   for (const auto& w : l.windows) EXPECT_NEAR(w.score, 0.25, 1e-12);
   EXPECT_NEAR(l.map(0, 7), 0.25, 1e-12);

@@ -15,8 +15,8 @@ using ::testing::HasSubstr;
 
 const std::vector<double> truth{1.02, 0.985};
 
-/// Runs whose speed rises steeply within `width` of the true one, where the amplitude is within 0.02 of the true one: a small part of the box, which a polynomial of order
-/// two over the box cannot follow. At the true values it is the plain model. Runs are made once.
+/// Runs whose speed rises steeply within `width` of the true one, where the amplitude is within 0.02 of the true one: a small part of the box, which a
+/// polynomial of order two over the box cannot follow. At the true values it is the plain model. Runs are made once.
 struct Steep {
   double slope, width;
   int made = 0;

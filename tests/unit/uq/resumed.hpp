@@ -38,10 +38,13 @@ class Stopping : public LogDensity {
 
 inline Provenance provenance_of(const SamplerOptions& options) { return {.stage = "sample", .options = {{"sampler", options.kind}}, .seed = 2}; }
 
-/// A run with seed 2 on two threads that is stopped after each `limit` evaluations is the run in one piece on one thread, to the last bit. At least `least` stops.
+/// A run with seed 2 on two threads that is stopped after each `limit` evaluations is the run in one piece on one thread, to the last bit. At least `least`
+/// stops.
 inline void expect_resumed_to_the_same_draws(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, std::size_t limit, int least,
                                              const LogDensity* cheap = nullptr) {
-  const auto sample = [&](const LogDensity& of, const SamplerRun& run) { return cheap ? run_sampler(*cheap, of, start, options, run) : run_sampler(of, start, options, run); };
+  const auto sample = [&](const LogDensity& of, const SamplerRun& run) {
+    return cheap ? run_sampler(*cheap, of, start, options, run) : run_sampler(of, start, options, run);
+  };
   const auto whole = sample(density, {.seed = 2});
   const auto journal = scratch("resumed_" + options.kind) / "posterior.journal";
   int stops = 0;

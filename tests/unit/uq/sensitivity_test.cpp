@@ -15,7 +15,8 @@ constexpr double pi = std::numbers::pi;
 /// A function of parameters on [low, high] each, with `times` values.
 class Function : public ForwardModel {
  public:
-  Function(std::size_t parameters, double low, double high, std::size_t times, std::function<std::vector<double>(std::span<const double>)> of) : of_(std::move(of)) {
+  Function(std::size_t parameters, double low, double high, std::size_t times, std::function<std::vector<double>(std::span<const double>)> of)
+      : of_(std::move(of)) {
     for (std::size_t k = 0; k < parameters; ++k) {
       Parameter p{.name = "x" + std::to_string(k + 1), .key = "x", .min = low, .max = high};
       p.nominal = 0.5 * (low + high);
@@ -37,16 +38,23 @@ class Function : public ForwardModel {
 };
 
 Sensitivity analysed(const Function& f, int samples, std::uint64_t seed = 1) {
-  return analyse_sensitivity({.model = f, .options = {.samples = samples, .measure = "uniform", .trajectories = 40}, .seed = seed, .threads = 1,
-                              .theta = [&](const Eigen::MatrixXd& u) {
-                                const auto& p = f.shape().parameters[0];
-                                return Eigen::MatrixXd(p.min + (p.max - p.min) * u.array());
-                              },
-                              .runs = {}, .progress = {}, .stop = nullptr});
+  return analyse_sensitivity({.model = f,
+                              .options = {.samples = samples, .measure = "uniform", .trajectories = 40},
+                              .seed = seed,
+                              .threads = 1,
+                              .theta =
+                                  [&](const Eigen::MatrixXd& u) {
+                                    const auto& p = f.shape().parameters[0];
+                                    return Eigen::MatrixXd(p.min + (p.max - p.min) * u.array());
+                                  },
+                              .runs = {},
+                              .progress = {},
+                              .stop = nullptr});
 }
 
 Function ishigami() {
-  return {3, -pi, pi, 1, [](std::span<const double> x) { return std::vector{std::sin(x[0]) + 7 * std::pow(std::sin(x[1]), 2) + 0.1 * std::pow(x[2], 4) * std::sin(x[0])}; }};
+  return {3, -pi, pi, 1,
+          [](std::span<const double> x) { return std::vector{std::sin(x[0]) + 7 * std::pow(std::sin(x[1]), 2) + 0.1 * std::pow(x[2], 4) * std::sin(x[0])}; }};
 }
 
 void expect_indices(const SobolIndices& s, const std::vector<double>& first, const std::vector<double>& total, double within) {

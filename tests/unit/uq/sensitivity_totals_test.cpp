@@ -13,7 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 
-
 /// Three parameters on [-1, 3]; its one value is their sum.
 class Sum : public ForwardModel {
  public:
@@ -45,10 +44,12 @@ struct Analysed {
 
 Analysed analysed(TotalsOfRuns totals, bool by_squares = false) {
   const Sum model;
-  const SensitivityInputs in{.model = model,
-                             .options = {.samples = 4096, .measure = by_squares ? "prior" : "uniform", .trajectories = 40, .run_totals = true},
-                             .theta = [&](const Eigen::MatrixXd& u) { return Eigen::MatrixXd(-1 + 4 * (by_squares ? Eigen::ArrayXXd(u.array().square()) : Eigen::ArrayXXd(u.array()))); },
-                             .totals = std::move(totals)};
+  const SensitivityInputs in{
+      .model = model,
+      .options = {.samples = 4096, .measure = by_squares ? "prior" : "uniform", .trajectories = 40, .run_totals = true},
+      .theta =
+          [&](const Eigen::MatrixXd& u) { return Eigen::MatrixXd(-1 + 4 * (by_squares ? Eigen::ArrayXXd(u.array().square()) : Eigen::ArrayXXd(u.array()))); },
+      .totals = std::move(totals)};
   Analysed out{.all = analyse_sensitivity(in), .total = {}, .json = {}, .csv = {}};
   out.json = sensitivity_json(out.all, in, "", {.stage = "sensitivity"}), out.csv = sensitivity_csv(out.all, model.shape().parameters);
   for (std::size_t q = 0; q < out.all.quantities.size(); ++q)

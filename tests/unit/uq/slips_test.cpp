@@ -25,7 +25,9 @@ TEST(Slips, TellAGaugeOfTheOtherSignAlone) { EXPECT_THAT(told({.gauge = 2, .gain
 
 TEST(Slips, TellADeadGaugeAndGoOnWithoutIt) { EXPECT_THAT(told({.gauge = 2, .gain = 0}), ElementsAre(HasSubstr("Gauge S2 records nothing but noise"))); }
 
-TEST(Slips, TellAGaugeOfAnotherUnitAlone) { EXPECT_THAT(told({.gauge = 2, .gain = 0.1}), ElementsAre(AllOf(HasSubstr("S2 reads 0.1 times"), HasSubstr("unit")))); }
+TEST(Slips, TellAGaugeOfAnotherUnitAlone) {
+  EXPECT_THAT(told({.gauge = 2, .gain = 0.1}), ElementsAre(AllOf(HasSubstr("S2 reads 0.1 times"), HasSubstr("unit"))));
+}
 
 TEST(Slips, TellAClockThatIsOff) {
   EXPECT_THAT(told({.late = 2e-6}), Contains(AllOf(HasSubstr("All records look"), HasSubstr("late"), HasSubstr("calomel diagnose"))));

@@ -88,7 +88,8 @@ TEST(Smc, TellsTheWeightsOfModesThatLieApart) {
     const double a = std::log(0.3) - 0.5 * std::pow(x[0] + 8, 2), b = std::log(0.7) - 0.5 * std::pow(x[0] - 8, 2);
     return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
   });
-  const auto r = run_sampler(two, {.mean = Eigen::VectorXd::Zero(1), .covariance = Eigen::MatrixXd::Constant(1, 1, 25), .points = {}}, smc(16, 500), {.seed = 5});
+  const auto r =
+      run_sampler(two, {.mean = Eigen::VectorXd::Zero(1), .covariance = Eigen::MatrixXd::Constant(1, 1, 25), .points = {}}, smc(16, 500), {.seed = 5});
   std::vector<double> shares(16, 0.0);
   for (std::size_t c = 0; c < 16; ++c)
     for (std::size_t i = 0; i < 500; ++i) shares[c] += double(r.coordinates.at(c, i, 0) < 0) / 500;
@@ -139,7 +140,8 @@ TEST(Smc, ADensityThatIsZeroAtAllParticlesIsAnError) {
   EXPECT_THROW((void)run_sampler(far, {.mean = {}, .covariance = {}, .points = Eigen::MatrixXd::Zero(1, 4)}, smc(4, 50), {}), NumericsError);
 }
 
-// A density on which particles hardly move ends at its budget, and says how far it came; with more it goes on from its journal to the draws of a run that was never cut off.
+// A density on which particles hardly move ends at its budget, and says how far it came; with more it goes on from its journal to the draws of a run that was
+// never cut off.
 TEST(Smc, ItsBudgetEndsItAndMoreGoesOn) {
   const auto density = banana();
   SamplerOptions options = smc(2, 500);

@@ -14,7 +14,8 @@ namespace calomel {
 namespace {
 
 /// Runs whose second parameter is off by so much; they fail where `fails` says so.
-std::function<std::vector<RunRecord>(const Eigen::MatrixXd&, const std::vector<int>&)> runs_off_by(double off, std::function<bool(const Eigen::VectorXd&)> fails = {}) {
+std::function<std::vector<RunRecord>(const Eigen::MatrixXd&, const std::vector<int>&)> runs_off_by(double off,
+                                                                                                   std::function<bool(const Eigen::VectorXd&)> fails = {}) {
   return [off, fails](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
     std::vector<RunRecord> all;
     for (std::size_t i = 0; i < level.size(); ++i) {
@@ -36,7 +37,9 @@ struct Fitted {
     in.discrepancy = false;
     fit = fit_posterior(in);
   }
-  [[nodiscard]] SamplerStart start() const { return {.mean = fit.posterior->q(fit.modes[0].at.theta, fit.modes[0].at.beyond), .covariance = 1e-4 * Eigen::MatrixXd::Identity(3, 3), .points = {}}; }
+  [[nodiscard]] SamplerStart start() const {
+    return {.mean = fit.posterior->q(fit.modes[0].at.theta, fit.modes[0].at.beyond), .covariance = 1e-4 * Eigen::MatrixXd::Identity(3, 3), .points = {}};
+  }
 };
 
 }  // namespace
@@ -60,7 +63,8 @@ TEST(TrueModelDensity, IsTheEmulatorsWhereARunIsWhatTheEmulatorSays) {
     const Eigen::VectorXd x = posterior.emulator().features(at.u, beyond);
     // The same prediction; the run's noise stands where the emulator's variance of the finest mesh stood.
     const double variance = 1 + posterior.emulator().variance(x - posterior.emulator().level_features(at.u, 0));
-    const double expected = posterior.density(at).log_prior + posterior.log_likelihood_of(f.fit.coefficients * x, variance) + (cheap.log_density({q.data(), 3}) - posterior.density(at).log_posterior());
+    const double expected = posterior.density(at).log_prior + posterior.log_likelihood_of(f.fit.coefficients * x, variance) +
+                            (cheap.log_density({q.data(), 3}) - posterior.density(at).log_posterior());
     EXPECT_NEAR(exact.log_density({q.data(), 3}), expected, 1e-3 * (1 + std::abs(expected)));  // records keep single precision
     std::vector<double> a(3), b(3);
     exact.constrain({q.data(), 3}, a), cheap.constrain({q.data(), 3}, b);
@@ -76,7 +80,9 @@ TEST(TrueModelDensity, DelayedAcceptanceGivesTheAnswerOfTheRuns) {
   const double sd = assess(run_sampler(cheap, f.start(), {.warmup = 2000, .draws = 1000}, {.seed = 1}).quantities).parameters[1].sd;
   const auto by_runs = [&](double off) {
     f.in.run = runs_off_by(off);
-    const auto r = run_sampler(cheap, exact, f.start(), {.kind = "delayed_acceptance", .warmup = 300, .draws = 500, .thin = 1, .delayed_acceptance = {.first_stage = 20}}, {.seed = 2, .threads = 2});
+    const auto r =
+        run_sampler(cheap, exact, f.start(), {.kind = "delayed_acceptance", .warmup = 300, .draws = 500, .thin = 1, .delayed_acceptance = {.first_stage = 20}},
+                    {.seed = 2, .threads = 2});
     EXPECT_LE(r.summary.evaluations, 4u * (1 + 20 + 500));
     EXPECT_GT(r.summary.acceptance[0], 0.4);
     return assess(r.quantities).parameters[1];

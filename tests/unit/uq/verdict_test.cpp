@@ -16,8 +16,20 @@ using ::testing::HasSubstr;
 EvidenceByScale with_and_without(double plain, double discrepancy) { return {{0, 0.5, plain}, {0.08, 0.5, discrepancy}}; }
 BaseEvidence poor() { return {.values = 100, .chi2 = 400, .misfit = 0.2, .held_out = 0.2, .by_scale = with_and_without(-120, -0.1), .base_pull = 1.5}; }
 BaseEvidence good() { return {.values = 100, .chi2 = 66, .misfit = 0.05, .held_out = 0.05, .by_scale = with_and_without(-0.2, -1.5), .base_pull = 0.4}; }
-Explanation beam() { return {.name = "beam_profile", .log_bayes_factor = 100, .by_scale = with_and_without(102, 97), .chi2 = 70, .misfit = 0.04, .held_out = 0.04, .farthest = 1, .base_pull = 0.3, .fitted = true}; }
-Explanation rear() { return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .misfit = 0.18, .base_pull = 1, .fitted = true}; }
+Explanation beam() {
+  return {.name = "beam_profile",
+          .log_bayes_factor = 100,
+          .by_scale = with_and_without(102, 97),
+          .chi2 = 70,
+          .misfit = 0.04,
+          .held_out = 0.04,
+          .farthest = 1,
+          .base_pull = 0.3,
+          .fitted = true};
+}
+Explanation rear() {
+  return {.name = "rear_reflection", .log_bayes_factor = 4, .by_scale = with_and_without(-90, 4), .chi2 = 350, .misfit = 0.18, .base_pull = 1, .fitted = true};
+}
 
 /// The same with all of its evidence less by so much.
 Explanation weaker(Explanation e, double by) {
@@ -59,7 +71,8 @@ TEST(Verdict, IsSureOfUnknownWhereAllNeedADiscrepancy) {
   EXPECT_GT(v.ranking[0].probability, 0.99);
 }
 
-// Each hypothesis has a prior and a tempered evidence of its own. Here one explanation is as likely without anything beside it as with; the base model is out of the question.
+// Each hypothesis has a prior and a tempered evidence of its own. Here one explanation is as likely without anything beside it as with; the base model is out
+// of the question.
 TEST(Verdict, AnExplanationIsAsProbableAsItsEvidenceAndPriorSay) {
   const Gates g;
   BaseEvidence base = poor();
@@ -94,7 +107,8 @@ TEST(Verdict, APairIsOneOfMany) {
   // With something beside it that needs a discrepancy, odds fall as there are more mechanisms.
   const auto against = [&](std::size_t mechanisms) {
     std::vector<Explanation> all{pair};
-    for (std::size_t i = 0; i < mechanisms; ++i) all.push_back(rear()), all.back().name = std::string(1, char('a' + i)), all.back().by_scale = with_and_without(-1000, i == 0 ? 55 : -1000);
+    for (std::size_t i = 0; i < mechanisms; ++i)
+      all.push_back(rear()), all.back().name = std::string(1, char('a' + i)), all.back().by_scale = with_and_without(-1000, i == 0 ? 55 : -1000);
     double named = 0, unknown = 0;
     for (const auto& r : judge(base, all).ranking) {
       if (r.name == pair.name) named = r.probability;
@@ -161,7 +175,8 @@ TEST(Verdict, SaysUnknownForEachReason) {
   x = beam(), x.held_out = 0.17, x.foretold = Foretold{.misfit_before = 0.2, .gauges_before = 0.18, .beginning_before = 0.16, .beginning = 0.08};
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);  // of the squares gauges lose 11 %, the beginning 75 %, the records 96 %
   x.foretold->beginning = 0.15;
-  EXPECT_THAT(reason(poor(), {x}), AllOf(HasSubstr("the misfit of gauges is 17 % and was 18 %"), HasSubstr("that of the first quarter of all records is 15 % and was 16 %")));
+  EXPECT_THAT(reason(poor(), {x}),
+              AllOf(HasSubstr("the misfit of gauges is 17 % and was 18 %"), HasSubstr("that of the first quarter of all records is 15 % and was 16 %")));
   x.held_out = 0.06;  // of which 89 %
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
   x.held_out.reset();  // no gauge was left out
@@ -211,7 +226,7 @@ TEST(Verdict, WhatANameAccountsForIsMeasuredUnderOneCovariance) {
   BaseEvidence base = poor();
   base.chi2 = 265;  // by an emulator so noisy that 200 are above that of nothing missing
   Explanation x = beam();
-  x.chi2 = 65 + 20;  // a tenth of them
+  x.chi2 = 65 + 20;                                      // a tenth of them
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);  // plausible in itself
   x.chi2 = 65 + 80;
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);

@@ -213,7 +213,8 @@ TEST(Coverage, OfAMechanismsNumbersInItsOwnUnits) {
               .strength = 0.1,
               .numbers = {{"sensor_response.low_pass", 5e4}}};
   Finding g = named("sensor_response");
-  g.ranking = {{.name = "sensor_response", .probability = 1, .numbers = {{"T2.sensor_response.low_pass", {1 / 2.1e-5, 1e-6 / (2.1e-5 * 2.1e-5)}}}, .gauge = "T2"}};
+  g.ranking = {
+      {.name = "sensor_response", .probability = 1, .numbers = {{"T2.sensor_response.low_pass", {1 / 2.1e-5, 1e-6 / (2.1e-5 * 2.1e-5)}}}, .gauge = "T2"}};
   const Score right = score_of({judged(fault, g)});
   EXPECT_EQ(right.numbers_covered.count, 1u);
   EXPECT_EQ(right.right_gauge.count, 1u);
@@ -277,11 +278,19 @@ TEST(Score, EffortAndEveryNumberInTheJson) {
 
 // What score.json lists of a case is all that is scored of it: counted again from there, with other suites, every number comes out the same.
 TEST(Score, IsTheSameOfTheCasesThatItLists) {
-  Truth fault{.family = Family::sensor, .mechanisms = {"sensor_response"}, .effects = {"gauge_fault"}, .gauge = "T2", .strength = 0.1, .parameters = {{"density", 13400}}, .numbers = {{"sensor_response.gain", 1.1}}};
+  Truth fault{.family = Family::sensor,
+              .mechanisms = {"sensor_response"},
+              .effects = {"gauge_fault"},
+              .gauge = "T2",
+              .strength = 0.1,
+              .parameters = {{"density", 13400}},
+              .numbers = {{"sensor_response.gain", 1.1}}};
   Finding named_fault = named("sensor_response"), silent = found(VerdictKind::unknown);
-  named_fault.ranking = {{.name = "sensor_response", .probability = 0.8, .numbers = {{"T2.sensor_response.gain", {1.11, 0.02}}}, .gauge = "T2"}, {.name = "none", .probability = 0.2}};
+  named_fault.ranking = {{.name = "sensor_response", .probability = 0.8, .numbers = {{"T2.sensor_response.gain", {1.11, 0.02}}}, .gauge = "T2"},
+                         {.name = "none", .probability = 0.2}};
   silent.wall = nan_, silent.heldout_before = nan_, silent.settled = false, silent.after["density"] = {nan_, 1};
-  const std::vector<JudgedCase> cases{judged(fault, named_fault), judged(nothing(), silent), judged(outside(), found(VerdictKind::unknown)), judged(pair(), named("beam_profile"))};
+  const std::vector<JudgedCase> cases{judged(fault, named_fault), judged(nothing(), silent), judged(outside(), found(VerdictKind::unknown)),
+                                      judged(pair(), named("beam_profile"))};
   Json json = score_json(score_of(cases), cases);
   const auto path = scratch_file("scored.json");
   std::string rule;

@@ -14,10 +14,11 @@ using ::testing::ElementsAre;
 /// Names of a provenance's inputs in a folder where what it may hash stands.
 class Provenances : public ::testing::Test {
  protected:
-  const std::filesystem::path dir = folder_with("provenances", {{"case.toml", slice_case + "[parameter.density]\nmin = 12000\nmax = 14500\n[recordings]\nfile = \"records.csv\"\n"},
-                                                                {"records.csv", "sensor,pulse,time,strain\n"},
-                                                                {"campaign.nc", "runs"},
-                                                                {"surrogate.nc", "learnt"}});
+  const std::filesystem::path dir =
+      folder_with("provenances", {{"case.toml", slice_case + "[parameter.density]\nmin = 12000\nmax = 14500\n[recordings]\nfile = \"records.csv\"\n"},
+                                  {"records.csv", "sensor,pulse,time,strain\n"},
+                                  {"campaign.nc", "runs"},
+                                  {"surrogate.nc", "learnt"}});
   Provenance of(const std::string& method, std::vector<std::string> set = {}) const {
     const CommandLine command{.verb = "calibrate", .case_file = dir / "case.toml", .out = dir, .overrides = std::move(set), .quiet = true};
     const StudyInputs inputs(command);
@@ -54,9 +55,12 @@ TEST_F(Provenances, ChangeWithTheSurrogateOfTheBasinAlone) {
 
 // What a diagnosis of a model outside offers is no part of its runs, but of its verdict.
 TEST(ProvenancesOfModelsOutside, ADiagnosisHangsOnWhatItOffers) {
-  const auto dir = folder_with("provenances_outside", {{"case.toml", "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[output]\nsensors = [\"A\"]\ntime = { step = 1.0, count = 2 }\n"
-                                                                      "[recordings]\nfile = \"records.csv\"\n[parameter.a]\nmin = 0.0\nmax = 1.0\n[mechanism.drag.parameter.b]\noff = 0.0\nmin = 0.0\nmax = 1.0\n"},
-                                                        {"records.csv", "sensor,pulse,time,strain\n"}});
+  const auto dir = folder_with(
+      "provenances_outside",
+      {{"case.toml",
+        "[model]\nkind = \"umbridge\"\nurl = \"http://127.0.0.1:1\"\nname = \"m\"\n[output]\nsensors = [\"A\"]\ntime = { step = 1.0, count = 2 }\n"
+        "[recordings]\nfile = \"records.csv\"\n[parameter.a]\nmin = 0.0\nmax = 1.0\n[mechanism.drag.parameter.b]\noff = 0.0\nmin = 0.0\nmax = 1.0\n"},
+       {"records.csv", "sensor,pulse,time,strain\n"}});
   const auto of = [&](std::vector<std::string> set) {
     const CommandLine command{.verb = "diagnose", .case_file = dir / "case.toml", .out = dir, .overrides = std::move(set), .quiet = true};
     const StudyInputs inputs(command);

@@ -30,8 +30,10 @@ TEST(CalibrationLines, MapTellsWhatIsIdentifiedOnlyWhereThereIsAnAnswer) {
 }
 
 TEST(CalibrationLines, ACorrectionThatIsMissingOrPartialSaysWhy) {
-  EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::one_size), testing::AllOf(HasSubstr("spe: predictions are not corrected for the mesh"), HasSubstr("emulator.element_sizes")));
+  EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::one_size),
+              testing::AllOf(HasSubstr("spe: predictions are not corrected for the mesh"), HasSubstr("emulator.element_sizes")));
   EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::from_file), testing::AllOf(HasSubstr("comes from a file"), Not(HasSubstr("emulator.element_sizes"))));
   EXPECT_EQ(viscosity_left_sentence("enc", 812.3456, 2000),
-            "enc: the case's mesh has a regularising viscosity of 812.3 Pa s, the emulator one of 2000, and emulator.viscosity_sd = 0: the difference is not taken off");
+            "enc: the case's mesh has a regularising viscosity of 812.3 Pa s, the emulator one of 2000, and emulator.viscosity_sd = 0: the difference is not "
+            "taken off");
 }

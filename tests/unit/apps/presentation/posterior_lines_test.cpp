@@ -10,7 +10,8 @@ TEST(PosteriorLines, ARoundTellsItsRunsTheModeAndTheVariance) {
   const std::vector<Parameter> parameters{{.name = "density"}, {.name = "sound_speed"}};
   EXPECT_EQ(round_line(round, parameters), "emulator: 48 coarse and 14 fine runs: density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
   round.failed = 3;
-  EXPECT_EQ(round_line(round, parameters), "emulator: 48 coarse and 14 fine runs (3 failed): density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
+  EXPECT_EQ(round_line(round, parameters),
+            "emulator: 48 coarse and 14 fine runs (3 failed): density 13310 ± 21, sound_speed 1462 ± 2; emulator's variance 0.25");
 }
 
 TEST(PosteriorLines, EveryParameterHasALineOfItsDraws) {

@@ -8,12 +8,16 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(RunLines, TheFloorIsToldByGaugeWithWhatStandsBesideIt) {
-  RepeatabilityFloor floor{.members = std::vector<FloorMember>(8), .conditions = {"default"}, .sensors = {"A", "B"}, .relative = {0.0123, 0.04}, .worst = 0.04, .mean = 0.026};
+  RepeatabilityFloor floor{
+      .members = std::vector<FloorMember>(8), .conditions = {"default"}, .sensors = {"A", "B"}, .relative = {0.0123, 0.04}, .worst = 0.04, .mean = 0.026};
   floor.comparisons = {{.name = "precision", .what = "single against double precision", .relative = {0.0004, 0.0006}, .mean = 0.0005, .worst = 0.0006},
                        {.name = "finer_mesh", .what = "elements of half the size", .message = "left out: too many elements"}};
-  EXPECT_THAT(floor_lines(floor), ElementsAre("repeatability floor of the ensemble mean over 8 jitters of mesh, viscosity and energies: 2.60 % of the signal (mean over sensors), 4.00 % at worst",
-                                              "  A: 1.23 %", "  B: 4.00 %", "single against double precision: 0.05 % (mean over sensors), 0.06 % at worst",
-                                              "elements of half the size: left out: too many elements"));
+  EXPECT_THAT(
+      floor_lines(floor),
+      ElementsAre(
+          "repeatability floor of the ensemble mean over 8 jitters of mesh, viscosity and energies: 2.60 % of the signal (mean over sensors), 4.00 % at worst",
+          "  A: 1.23 %", "  B: 4.00 %", "single against double precision: 0.05 % (mean over sensors), 0.06 % at worst",
+          "elements of half the size: left out: too many elements"));
   floor.conditions = {"low", "high"}, floor.relative = {0.01, 0.02, 0.03, 0.04};
   const auto lines = floor_lines(floor);
   EXPECT_EQ(lines[2], "  low B: 2.00 %");
@@ -52,5 +56,6 @@ TEST(RunLines, WhatIsFoundAndWhatIsMadeFirst) {
   EXPECT_EQ(made_first_line("finished campaign", "a.out", "running"), "no finished campaign in a.out: running it first");
   EXPECT_EQ(resumed_line("", 120, false), "simulate: goes on from step 120");
   EXPECT_EQ(resumed_line("low", 120, true), "simulate: condition low is finished and kept");
-  EXPECT_EQ(simulate_line({.elements = 1200, .steps = 160, .wall = 0.5, .element_steps = 384000}), "simulate: 1200 elements, 160 steps, 0.5 s, 0.384 million element-steps a second");
+  EXPECT_EQ(simulate_line({.elements = 1200, .steps = 160, .wall = 0.5, .element_steps = 384000}),
+            "simulate: 1200 elements, 160 steps, 0.5 s, 0.384 million element-steps a second");
 }

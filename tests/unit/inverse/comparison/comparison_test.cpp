@@ -23,8 +23,9 @@ Json summary(double density, double sound_speed, double accuracy_a, double accur
           {"mae", 10},
           {"nominal_mae", 20},
           {"mae_unit", "microstrain"},
-          {"sensors", {{{"name", "A"}, {"accuracy", accuracy_a}, {"mae", 9}, {"nominal_accuracy", 55}, {"nominal_mae", 19}},
-                       {{"name", "B"}, {"accuracy", accuracy_b}, {"mae", 11}, {"nominal_accuracy", 65}, {"nominal_mae", 21}}}},
+          {"sensors",
+           {{{"name", "A"}, {"accuracy", accuracy_a}, {"mae", 9}, {"nominal_accuracy", 55}, {"nominal_mae", 19}},
+            {{"name", "B"}, {"accuracy", accuracy_b}, {"mae", 11}, {"nominal_accuracy", 65}, {"nominal_mae", 21}}}},
           {"evaluations", 404000},
           {"model_runs", 9},
           {"search_s", 4.0},
@@ -78,8 +79,11 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   const Json plain = summary(13300, 1400, 60, 50);
   Json corrected = summary(13310, 1400, 95, 93);
   corrected["scores_on"] = "the finest mesh of the emulator";
-  corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}, {"nominal_accuracy", 54}}, {{"name", "B"}, {"accuracy", 73}}}}};
-  const std::vector<MethodSummary> mixed{{"enc", corrected}, {"map", plain}}, alike{{"enc", corrected}, {"spe", corrected}}, none{{"enc", plain}, {"spe", plain}};
+  corrected["mesh"]["working_mesh"] = {{"accuracy", 72},
+                                       {"nominal_accuracy", 58},
+                                       {"sensors", {{{"name", "A"}, {"accuracy", 71}, {"nominal_accuracy", 54}}, {{"name", "B"}, {"accuracy", 73}}}}};
+  const std::vector<MethodSummary> mixed{{"enc", corrected}, {"map", plain}}, alike{{"enc", corrected}, {"spe", corrected}},
+      none{{"enc", plain}, {"spe", plain}};
   const auto c = compare_calibrations(mixed);
   EXPECT_THAT(c.accuracy[0].values, ElementsAre(71, 60));
   EXPECT_EQ(c.accuracy[0].nominal, 54);
@@ -99,7 +103,8 @@ TEST(Comparison, ScoresAreOfOneMesh) {
 TEST(Comparison, AMethodWithoutScoresOnTheCommonMeshHasNone) {
   Json corrected = summary(13310, 1400, 95, 93), finest = map_summary(13400, 1390);
   corrected["scores_on"] = finest["scores_on"] = "the finest mesh of the emulator";
-  corrected["mesh"]["working_mesh"] = {{"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}}, {{"name", "B"}, {"accuracy", 73}}}}};
+  corrected["mesh"]["working_mesh"] = {
+      {"accuracy", 72}, {"nominal_accuracy", 58}, {"sensors", {{{"name", "A"}, {"accuracy", 71}}, {{"name", "B"}, {"accuracy", 73}}}}};
   const std::vector<MethodSummary> alike{{"enc", corrected}, {"map", finest}}, bare{{"enc", summary(13300, 1400, 60, 50)}, {"map", finest}};
   const auto c = compare_calibrations(alike), without = compare_calibrations(bare);
   EXPECT_EQ(c.scores_on, "the finest mesh of the emulator");
@@ -138,8 +143,8 @@ TEST(Comparison, AnAnswerHasItsPlaceInThePosterior) {
   }
   // The same deviations in each parameter: along the ridge of constant impedance within, across it outside.
   EXPECT_EQ(place(-1.5, 1.5).sentence, "ENC lies within the posterior (1.5 deviations from its mode, 69 % of it nearer).");
-  EXPECT_THAT(place(1.5, 1.5).sentence,
-              testing::AllOf(HasSubstr("ENC lies outside the posterior: 6.7 deviations from its mode, more than 99.9 % of it nearer"), HasSubstr("impedance +"), Not(HasSubstr("density"))));
+  EXPECT_THAT(place(1.5, 1.5).sentence, testing::AllOf(HasSubstr("ENC lies outside the posterior: 6.7 deviations from its mode, more than 99.9 % of it nearer"),
+                                                       HasSubstr("impedance +"), Not(HasSubstr("density"))));
   const Json j = comparison_json(place(-1, 1), {.stage = "comparison"});
   EXPECT_EQ(j["in_posterior"].size(), 1u);
   EXPECT_EQ(j["in_posterior"][0]["method"], "enc");
@@ -155,7 +160,8 @@ TEST(Comparison, EveryAnswerButMapsIsPlacedAndOneOutsideIsADisagreement) {
   EXPECT_FALSE(c.in_posterior[0].outside());
   EXPECT_TRUE(c.in_posterior[1].outside());
   EXPECT_FALSE(c.agree);
-  EXPECT_THAT(c.sentence, testing::AllOf(HasSubstr("ENC lies within"), HasSubstr("; SPE lies outside the posterior: 9.2 deviations"), HasSubstr("density -4.0 sd (-3.0 %)")));
+  EXPECT_THAT(c.sentence, testing::AllOf(HasSubstr("ENC lies within"), HasSubstr("; SPE lies outside the posterior: 9.2 deviations"),
+                                         HasSubstr("density -4.0 sd (-3.0 %)")));
 }
 
 TEST(Comparison, APlaceThatCannotBeToldIsNotAgreement) {

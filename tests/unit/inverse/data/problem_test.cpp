@@ -115,7 +115,8 @@ Problem with_a_quiet_gauge(double size, double offset = 0, double noise = 1) {
   for (std::size_t s = 0; s < 3; ++s)
     for (std::size_t p = 0; p < 4; ++p)
       for (std::size_t t = 0; t < n; ++t)
-        r.values[r.at(0, s, p, t)] = s < 2 ? 100 * std::sin(0.3 * double(t)) + random.normal() : offset + size * std::sin(0.3 * double(t)) + noise * random.normal();
+        r.values[r.at(0, s, p, t)] =
+            s < 2 ? 100 * std::sin(0.3 * double(t)) + random.normal() : offset + size * std::sin(0.3 * double(t)) + noise * random.normal();
   return make_problem(shape_of({"A", "B", "C"}, n, 1e-6), r, {});
 }
 
@@ -128,7 +129,8 @@ TEST(DeadGauge, IsOneThatRecordsItsNoiseAlone) {
 }
 
 TEST(DeadGauge, IsNotAQuietOneWhoseRecordStandsOutOfItsNoise) {
-  EXPECT_THAT(with_a_quiet_gauge(2).dead, testing::IsEmpty());           // half of its mean square is that of one pulse's noise, of four pulses it is eight times as large
+  EXPECT_THAT(with_a_quiet_gauge(2).dead,
+              testing::IsEmpty());  // half of its mean square is that of one pulse's noise, of four pulses it is eight times as large
   EXPECT_THAT(with_a_quiet_gauge(15, 0, 40).dead, testing::IsEmpty());  // noise hides it, but no more than others would be hidden: it is not small beside them
 }
 

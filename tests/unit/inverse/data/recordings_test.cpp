@@ -172,7 +172,8 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   EXPECT_EQ(r.values, (std::vector<double>{5, 6}));
   EXPECT_EQ(r.unit, "microstrain");
   EXPECT_DOUBLE_EQ(*r.noise_of("A", options), 2);
-  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not. The noise that the case gives goes with the values.
+  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not. The noise that the case gives goes with the
+  // values.
   options.unit = "strain";
   EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
   EXPECT_DOUBLE_EQ(*read_recordings(path, options).noise_of("A", options), 2e-6);
@@ -189,10 +190,29 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
 }
 
 TEST(Recordings, UnitsAreReadAsFilesSpellThem) {
-  for (const auto& [word, quantity, size] : std::vector<std::tuple<std::string, std::string, double>>{
-           {"V", "voltage", 1}, {"Volts", "voltage", 1}, {"volt", "voltage", 1}, {"mV", "voltage", 1e-3}, {"Millivolts", "voltage", 1e-3}, {"kPa", "pressure", 1e3}, {"MPa", "pressure", 1e6}, {"mPa", "pressure", 1e-3},
-           {"mbar", "pressure", 1e2}, {"kilopascal", "pressure", 1e3}, {"1", "strain", 1}, {"Strain", "strain", 1}, {"Microstrain", "strain", 1e-6}, {"uE", "strain", 1e-6}, {"um/m", "strain", 1e-6}, {"\xc2\xb5\xce\xb5", "strain", 1e-6},
-           {"mm", "length", 1e-3}, {"m/s", "velocity", 1}, {"mm/s", "velocity", 1e-3}, {"ms", "time", 1e-3}, {"\xc2\xb5s", "time", 1e-6}, {"Seconds", "time", 1}, {"sec", "time", 1}}) {
+  for (const auto& [word, quantity, size] : std::vector<std::tuple<std::string, std::string, double>>{{"V", "voltage", 1},
+                                                                                                      {"Volts", "voltage", 1},
+                                                                                                      {"volt", "voltage", 1},
+                                                                                                      {"mV", "voltage", 1e-3},
+                                                                                                      {"Millivolts", "voltage", 1e-3},
+                                                                                                      {"kPa", "pressure", 1e3},
+                                                                                                      {"MPa", "pressure", 1e6},
+                                                                                                      {"mPa", "pressure", 1e-3},
+                                                                                                      {"mbar", "pressure", 1e2},
+                                                                                                      {"kilopascal", "pressure", 1e3},
+                                                                                                      {"1", "strain", 1},
+                                                                                                      {"Strain", "strain", 1},
+                                                                                                      {"Microstrain", "strain", 1e-6},
+                                                                                                      {"uE", "strain", 1e-6},
+                                                                                                      {"um/m", "strain", 1e-6},
+                                                                                                      {"\xc2\xb5\xce\xb5", "strain", 1e-6},
+                                                                                                      {"mm", "length", 1e-3},
+                                                                                                      {"m/s", "velocity", 1},
+                                                                                                      {"mm/s", "velocity", 1e-3},
+                                                                                                      {"ms", "time", 1e-3},
+                                                                                                      {"\xc2\xb5s", "time", 1e-6},
+                                                                                                      {"Seconds", "time", 1},
+                                                                                                      {"sec", "time", 1}}) {
     const auto unit = reading_unit(word);
     ASSERT_TRUE(unit) << word;
     EXPECT_EQ(unit->quantity, quantity) << word;

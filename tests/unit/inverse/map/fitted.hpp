@@ -21,14 +21,16 @@ struct Fitted {
     in.parameters = problem.shape.parameters;
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> records;
-      for (std::size_t i = 0; i < level.size(); ++i) records.push_back(evaluate_run(model, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false));
+      for (std::size_t i = 0; i < level.size(); ++i)
+        records.push_back(evaluate_run(model, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false));
       return records;
     };
   }
   Fitted(const Fitted&) = delete;  // `in` refers to its neighbours
 
   /// About `centre`, half as wide as told, of the logarithm where the lower bound is positive.
-  MapSummary map(std::vector<double> centre, std::vector<double> half_width, const std::vector<MechanismDirections>& left_out = {}, const NestedModel* nested = nullptr) {
+  MapSummary map(std::vector<double> centre, std::vector<double> half_width, const std::vector<MechanismDirections>& left_out = {},
+                 const NestedModel* nested = nullptr) {
     in.centre = std::move(centre), in.half_width = std::move(half_width);
     fit = fit_posterior(in);
     std::function<std::vector<MechanismDirections>(std::span<const double>)> directions;

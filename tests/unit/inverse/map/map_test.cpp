@@ -23,7 +23,8 @@ constexpr std::size_t times = 120;
 
 /// y = a + b t on the unit interval, normal priors.
 AnalyticModel line() {
-  return {{normal_parameter("a", 0, 2), normal_parameter("b", 1, 3)}, {[](auto theta, double t) { return theta[0] + theta[1] * t / (step * times); }}, times, step};
+  return {
+      {normal_parameter("a", 0, 2), normal_parameter("b", 1, 3)}, {[](auto theta, double t) { return theta[0] + theta[1] * t / (step * times); }}, times, step};
 }
 
 RecordingOptions noise_of(double sd) {
@@ -112,7 +113,8 @@ AnalyticModel ringing() {
   return {{uniform_parameter("frequency", 10e3, 30e3, 20e3), uniform_parameter("damping", 1e3, 5e4, 1e4)},
           {[](auto p, double t) { return 100 * std::exp(-p[1] * t) * std::sin(2 * M_PI * p[0] * t); },
            [](auto p, double t) { return 80 * std::exp(-p[1] * t) * (1 - std::cos(2 * M_PI * p[0] * t)); }},
-          200, step};
+          200,
+          step};
 }
 
 struct Coverage {
@@ -161,7 +163,8 @@ TEST(Map, IndependentErrorsUnderCorrelatedNoiseDoNotCover) {
 
 TEST(Map, ARidgeOfConstantImpedanceIsNamed) {
   // A model that knows of density and sound speed only their product.
-  const AnalyticModel model({uniform_parameter("density", 11000, 15000, 13500), uniform_parameter("sound_speed", 1200, 1700, 1450), uniform_parameter("tensile_cutoff", 5e4, 5e5, 1.5e5)},
+  const AnalyticModel model({uniform_parameter("density", 11000, 15000, 13500), uniform_parameter("sound_speed", 1200, 1700, 1450),
+                             uniform_parameter("tensile_cutoff", 5e4, 5e5, 1.5e5)},
                             {[](auto p, double t) { return 5e-6 * p[0] * p[1] * std::sin(8e4 * t) + 2e-4 * p[2] * std::sin(3e4 * t); },
                              [](auto p, double t) { return 3e-6 * p[0] * p[1] * std::cos(6e4 * t) + 1e-4 * p[2] * std::cos(1e5 * t); }},
                             200, step);
@@ -211,8 +214,8 @@ TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
   Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
   const auto summary = f.map({20.5e3, 1.3e4}, {0.06, 0.3});
   const Json j = map_json(summary, f.in, f.fit, {});
-  for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae", "parameters", "covariance", "log_likelihood", "log_prior",
-                          "log_evidence_laplace", "chi2", "effective_data"})
+  for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae",
+                          "parameters", "covariance", "log_likelihood", "log_prior", "log_evidence_laplace", "chi2", "effective_data"})
     EXPECT_TRUE(j.contains(key)) << key;
   EXPECT_EQ(j["covariance"].size(), 2u);
   EXPECT_EQ(j["scores_on"], "the case's own mesh");
@@ -223,8 +226,13 @@ TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
 TEST(Map, AGaugeThatDoesNotFitIsSeenThoughChiSquaredIsContent) {
   // The second gauge reads 6 % less than the model has it; the mesh's error is taken for granted at 30 % of the amplitude.
   const std::vector<Parameter> parameters{uniform_parameter("a", 0.5, 2, 1)};
-  const AnalyticModel model{parameters, {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 30 * p[0] * std::cos(1.1e5 * t); }}, 60, step};
-  const AnalyticModel truth{parameters, {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 28.2 * p[0] * std::cos(1.1e5 * t); }}, 60, step};
+  const AnalyticModel model{
+      parameters, {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 30 * p[0] * std::cos(1.1e5 * t); }}, 60, step};
+  const AnalyticModel truth{
+      parameters,
+      {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 28.2 * p[0] * std::cos(1.1e5 * t); }},
+      60,
+      step};
   MechanismDirections other{.name = "other", .keys = {"k"}, .off = {0}, .directions = Eigen::MatrixXd::Zero(120, 1)};
   for (Eigen::Index t = 8; t < 60; ++t) other.directions(t, 0) = std::cos(0.2 * double(t));  // another phase
   const auto of = [&](const AnalyticModel& recorded) {

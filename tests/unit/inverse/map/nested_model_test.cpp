@@ -22,7 +22,10 @@ double unit_time(double t) { return t / (step * double(times)); }
 
 /// y = a + b t + c t^2 on the unit interval; normal priors; the nested model has no c.
 AnalyticModel parabola() {
-  return {{normal_parameter("a", 0, 2), normal_parameter("b", 1, 3), normal_parameter("c", 0, 4)}, {[](auto p, double t) { return p[0] + p[1] * unit_time(t) + p[2] * unit_time(t) * unit_time(t); }}, times, step};
+  return {{normal_parameter("a", 0, 2), normal_parameter("b", 1, 3), normal_parameter("c", 0, 4)},
+          {[](auto p, double t) { return p[0] + p[1] * unit_time(t) + p[2] * unit_time(t) * unit_time(t); }},
+          times,
+          step};
 }
 
 struct Case {

@@ -146,9 +146,8 @@ TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
   const CorrectedModel shifted(model, mesh), unshifted(model, no_mesh);
   const GuardedModel guarded(shifted, feasibility);
   thetas(1, 9) = 1990;  // where the model itself fails
-  for (const ForwardModel* m :
-       {static_cast<const ForwardModel*>(&model), static_cast<const ForwardModel*>(&shifted),
-        static_cast<const ForwardModel*>(&unshifted), static_cast<const ForwardModel*>(&guarded)}) {
+  for (const ForwardModel* m : {static_cast<const ForwardModel*>(&model), static_cast<const ForwardModel*>(&shifted),
+                                static_cast<const ForwardModel*>(&unshifted), static_cast<const ForwardModel*>(&guarded)}) {
     const HistoryBasis basis = m->basis();
     const Eigen::MatrixXf expected = m->means(thetas, 1), y = (basis.directions * m->coefficients(thetas)).colwise() + basis.offset;
     EXPECT_EQ(basis.directions.cols(), 7 + (m == &shifted || m == &guarded ? MultilevelRegression::coefficients(3, 2) : 0));

@@ -28,7 +28,8 @@ struct Compared {
     in.centre = {13500, 1450, 1e4}, in.half_width = {0.06, 0.03, 5e3};
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> records;
-      for (std::size_t i = 0; i < level.size(); ++i) records.push_back(evaluate_run(level[i] == 0 ? fine : coarse, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false));
+      for (std::size_t i = 0; i < level.size(); ++i)
+        records.push_back(evaluate_run(level[i] == 0 ? fine : coarse, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false));
       return records;
     };
     fit = fit_posterior(in);
@@ -55,7 +56,8 @@ TEST(ComparedPosterior, IndependentIsTheSumOverTheSamplesOfTheModelsOwnHistories
     EXPECT_GT(samples, 300u);
     return -0.5 * sum;
   };
-  const auto a = posterior.point(posterior.q(std::vector<double>{13600, 1440, 1e4}, 0)), b = posterior.point(posterior.q(std::vector<double>{13450, 1446, 1e4}, 0));
+  const auto a = posterior.point(posterior.q(std::vector<double>{13600, 1440, 1e4}, 0)),
+             b = posterior.point(posterior.q(std::vector<double>{13450, 1446, 1e4}, 0));
   EXPECT_NEAR(a.theta[2], 1e4, 1e-6);  // the nuisance, held at its nominal value
   const double expected = by_samples(a) - by_samples(b), got = posterior.density(a).log_likelihood - posterior.density(b).log_likelihood;
   EXPECT_GT(std::abs(expected), 10);
@@ -69,7 +71,10 @@ TEST(ComparedPosterior, NoMeshErrorsKeepsTheOtherTermsAndNothingElse) {
   const auto at = posterior.point(posterior.q(c.fit.modes[0].at.theta, 0));
   EXPECT_EQ(at.beyond, 0);
   const ErrorModel bare(c.problem, c.recordings, c.recording_options, c.in.errors, {});  // without the last difference: noise, baseline and gain
-  for (const auto& t : c.fit.errors->terms()) EXPECT_TRUE(t.name == beyond_term || t.name == record_noise_term || std::any_of(bare.terms().begin(), bare.terms().end(), [&](const auto& b) { return b.name == t.name; })) << t.name;
+  for (const auto& t : c.fit.errors->terms())
+    EXPECT_TRUE(t.name == beyond_term || t.name == record_noise_term ||
+                std::any_of(bare.terms().begin(), bare.terms().end(), [&](const auto& b) { return b.name == t.name; }))
+        << t.name;
   const Eigen::VectorXd r = bare.data() - c.fit.coefficients * posterior.emulator().features(at.u, 0);
   const double chi2 = r.dot(Cholesky(bare.covariance()).solve(r));
   EXPECT_NEAR(posterior.density(at).chi2, chi2, 1e-6 * chi2);

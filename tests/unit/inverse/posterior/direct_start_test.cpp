@@ -18,7 +18,11 @@ TEST(DirectStart, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMi
   const Recordings recordings = pulses_of(model, {1.03, 1}, {.pulses = 5, .noise = 0.01}, 3);
   const RecordingOptions options;
   const Problem problem = make_problem(model.shape(), recordings, options);
-  PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = options, .errors = {.values = 100, .band = 5e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0}, .emulator = {}};
+  PosteriorInputs in{.problem = problem,
+                     .recordings = recordings,
+                     .recording_options = options,
+                     .errors = {.values = 100, .band = 5e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0},
+                     .emulator = {}};
   in.parameters = model.shape().parameters;
   in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
     std::vector<RunRecord> all(level.size());

@@ -17,7 +17,8 @@ constexpr double noise_sd = 0.05;
 /// Two sensors linear in two parameters, runs with a noise of their own that is three times as large on the coarse mesh.
 struct Noisy {
   std::vector<Parameter> parameters{normal_parameter("a", 2, 0.5), normal_parameter("b", 0.5, 0.5)};
-  AnalyticModel model{parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5); }, [](auto p, double t) { return p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
+  AnalyticModel model{
+      parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5); }, [](auto p, double t) { return p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
   Recordings recordings = pulses_of(model, {2.2, 0.7}, {.pulses = 8, .noise = 0.1}, 3);
   RecordingOptions recording_options;
   Problem problem = make_problem(model.shape(), recordings, recording_options);
@@ -98,7 +99,7 @@ TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficients
       return m;
     };
     drawn_mean += spread(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);    // Rubin's weights, as if no square had been taken away
+    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // Rubin's weights, as if no square had been taken away
     (void)spread(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // and the residuals taken as they are
   }
   const double variance = square - mean * mean;  // 2 / 15 of sigma^4; known to 4 %
@@ -120,7 +121,8 @@ TEST(DrawNoise, LiesAboutTheEstimateAndIsTheSameOnAnyThreads) {
   double scale = 0, square = 0, log_ratio = 0, ratio_square = 0;
   for (const auto& d : drawn) {
     EXPECT_DOUBLE_EQ(d.noise_ratio[0], 1);
-    scale += d.scale / n, square += d.scale * d.scale / n, log_ratio += std::log(d.noise_ratio[1]) / n, ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
+    scale += d.scale / n, square += d.scale * d.scale / n, log_ratio += std::log(d.noise_ratio[1]) / n,
+        ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
   }
   const double spread = std::sqrt(square - scale * scale), ratio_spread = std::sqrt(ratio_square - log_ratio * log_ratio), truth = std::log(9.0);
   EXPECT_NEAR(scale, 1, 0.1);

@@ -250,7 +250,8 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
     Eigen::MatrixXd mesh(n, n);
     for (Eigen::Index a = 0; a < n; ++a)
       for (Eigen::Index b = 0; b < n; ++b) mesh(a, b) = 4 * white_noise(grid)(std::abs(grid.times()[at + a] - grid.times()[at + b]));  // (0.5 * 4)^2
-    expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, m.noise().split_half) / 6 + 0.09) + mesh + std::pow(0.05, 2) * m.data().segment(at, n) * m.data().segment(at, n).transpose() +
+    expected.block(at, at, n, n) += noise.pulse * (std::max(1.0, m.noise().split_half) / 6 + 0.09) + mesh +
+                                    std::pow(0.05, 2) * m.data().segment(at, n) * m.data().segment(at, n).transpose() +
                                     Eigen::MatrixXd::Constant(n, n, std::pow(2 * noise.sd(), 2));
   }
   const auto second = Eigen::Index(grid.offset(1)), rest = Eigen::Index(grid.size()) - second;
@@ -266,7 +267,9 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
 TEST(ErrorModel, AnUncertainTriggerIsWhatLateRecordsDifferBy) {
   constexpr double delay = 0.4e-6;
   const auto at = [](double late) {
-    const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {[=](auto, double t) { return 100 * std::sin(6e4 * (t - late)); }, [=](auto, double t) { return 60 * std::sin(9e4 * (t - late)); }}, 300, 1e-6);
+    const AnalyticModel model(
+        {uniform_parameter("a", 0, 2, 1)},
+        {[=](auto, double t) { return 100 * std::sin(6e4 * (t - late)); }, [=](auto, double t) { return 60 * std::sin(9e4 * (t - late)); }}, 300, 1e-6);
     const auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 0.5}, 3);
     return ErrorModel(make_problem(model.shape(), recordings, {}), recordings, {}, {.values = 100, .trigger_sd = delay}, {});
   };
@@ -304,16 +307,20 @@ TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
   EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
 }
 
-// What is not known of a gauge and of the beam is not known of a single pulse either: a target recorded once was held for known to its noise, and earlier pulses were named where nothing was left out.
+// What is not known of a gauge and of the beam is not known of a single pulse either: a target recorded once was held for known to its noise, and earlier
+// pulses were named where nothing was left out.
 TEST(ErrorModel, ASinglePulseHasTheErrorsOfItsGaugesAndAnEnergyOfItsOwn) {
   OnePulse s;
   s.plain.gain_sd = 0.03, s.plain.energy_scale_sd = 0.02, s.plain.baseline = 0.5;
   const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
   const Eigen::VectorXd y = m.data();
   Eigen::MatrixXd expected = s.noise + 4e-4 * y * y.transpose();
-  for (const Eigen::Index at : {0, 40}) expected.block(at, at, 40, 40) += 9e-4 * y.segment(at, 40) * y.segment(at, 40).transpose() + Eigen::MatrixXd::Constant(40, 40, 1);
+  for (const Eigen::Index at : {0, 40})
+    expected.block(at, at, 40, 40) += 9e-4 * y.segment(at, 40) * y.segment(at, 40).transpose() + Eigen::MatrixXd::Constant(40, 40, 1);
   EXPECT_LT(s.off(m, expected), 1e-9);
-  const auto with_energy = [&](const RecordingOptions& options) { return ErrorModel(s.problem, s.recordings, options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .energy_sd = 0.04}); };
+  const auto with_energy = [&](const RecordingOptions& options) {
+    return ErrorModel(s.problem, s.recordings, options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .energy_sd = 0.04});
+  };
   EXPECT_LT(s.off(with_energy(s.options), expected + 16e-4 * y * y.transpose()), 1e-9);
   s.options.energy_sd = 0.05;  // the recordings' word comes first
   EXPECT_LT(s.off(with_energy(s.options), expected + 25e-4 * y * y.transpose()), 1e-9);
@@ -323,7 +330,8 @@ TEST(ErrorModel, NumericalNoiseIsThatOfThePulsesThatWereRecorded) {
   const Eigen::MatrixXd of_a_run = Eigen::VectorXd::LinSpaced(80, 1, 2).asDiagonal();
   OnePulse s;
   s.plain.record_noise = 0.5;
-  const ErrorModel one(s.problem, s.recordings, s.options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});  // a run is the mean over eight
+  const ErrorModel one(s.problem, s.recordings, s.options, s.plain,
+                       {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});  // a run is the mean over eight
   EXPECT_LT(s.off(one.with_record_noise(of_a_run), s.noise + 0.25 * 8 * of_a_run), 1e-12);
   const Small repeated;  // whose scatter tells it
   const ErrorModel six(repeated.problem, repeated.recordings, {}, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});
@@ -381,7 +389,8 @@ TEST(Discrepancy, InOnePlaceAloneIsAsLargeOverAllRecordsAsOneEverywhere) {
     for (const auto& w : local) {
       total += std::exp(w.log_weight);
       const Eigen::MatrixXd more = w.errors.covariance() - plain.covariance();
-      for (Eigen::Index g = 0; g < 3; ++g) EXPECT_EQ(more.block(20 * g, 0, 20, 60).cwiseAbs().maxCoeff() > 0, std::find(place.begin(), place.end(), std::size_t(g)) != place.end());
+      for (Eigen::Index g = 0; g < 3; ++g)
+        EXPECT_EQ(more.block(20 * g, 0, 20, 60).cwiseAbs().maxCoeff() > 0, std::find(place.begin(), place.end(), std::size_t(g)) != place.end());
       EXPECT_NEAR(more.trace() / (w.discrepancy * w.discrepancy * everywhere), 1, 0.01);
     }
     EXPECT_NEAR(total, 1, 1e-12);

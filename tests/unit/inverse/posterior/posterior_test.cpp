@@ -22,12 +22,17 @@ namespace {
 /// Two sensors linear in two parameters; the coarse mesh is off by a constant and a slope.
 struct Lines {
   std::vector<Parameter> parameters{normal_parameter("a", 2, 0.5), uniform_parameter("b", -4, 4, 0)};
-  AnalyticModel fine{parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5); }, [](auto p, double t) { return p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
-  AnalyticModel coarse{parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5) + 0.1; }, [](auto p, double t) { return 1.05 * p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
+  AnalyticModel fine{
+      parameters, {[](auto p, double t) { return p[0] * (1 + t / 3e-5); }, [](auto p, double t) { return p[1] * std::cos(4e4 * t) - p[0]; }}, 60, 1e-6};
+  AnalyticModel coarse{parameters,
+                       {[](auto p, double t) { return p[0] * (1 + t / 3e-5) + 0.1; }, [](auto p, double t) { return 1.05 * p[1] * std::cos(4e4 * t) - p[0]; }},
+                       60,
+                       1e-6};
   Recordings recordings = pulses_of(fine, {2.2, 0.7}, {.pulses = 8, .noise = 0.5}, 3);
   RecordingOptions recording_options;
   Problem problem = make_problem(fine.shape(), recordings, recording_options);
-  ErrorOptions errors{.values = 40, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
+  ErrorOptions errors{
+      .values = 40, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
   EmulatorBox box{parameters, std::vector<double>{0.5, -3}, std::vector<double>{3.5, 3}};
 
   /// 20 coarse and 8 fine runs with numerical noise.
@@ -44,7 +49,12 @@ struct Lines {
     const ErrorModel model(problem, recordings, recording_options, with, {});
     const Eigen::MatrixXd outputs = model.grid().apply(histories);
     const MultilevelRegression e(runs, outputs, Eigen::VectorXd::Ones(outputs.rows()));
-    return {box, e, e.fit(outputs), {{model}}, numerical_noise(model.grid(), e.residuals(outputs), e.freedom(), 25e-6), {Prior(parameters[0]), Prior(parameters[1])},
+    return {box,
+            e,
+            e.fit(outputs),
+            {{model}},
+            numerical_noise(model.grid(), e.residuals(outputs), e.freedom(), 25e-6),
+            {Prior(parameters[0]), Prior(parameters[1])},
             {with.beyond, with.beyond_sd}};
   }
 };
@@ -79,7 +89,8 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   EXPECT_NEAR(density.chi2, chi2, 1e-6 * chi2);
   ASSERT_FALSE(std::isinf(model.freedom()));
   // With the scale learnt from replicates the Gaussian becomes a t of the same chi-squared.
-  const double f = model.freedom(), t = std::lgamma((f + p) / 2) - std::lgamma(f / 2) - 0.5 * p * std::log(f * M_PI) - 0.5 * log_det - 0.5 * (f + p) * std::log1p(chi2 / f);
+  const double f = model.freedom(),
+               t = std::lgamma((f + p) / 2) - std::lgamma(f / 2) - 0.5 * p * std::log(f * M_PI) - 0.5 * log_det - 0.5 * (f + p) * std::log1p(chi2 / f);
   EXPECT_NEAR(density.log_likelihood, t, 1e-6 * std::abs(t));
   EXPECT_NEAR(density.log_prior, Prior(lines.parameters[0]).log_density(2.4) - std::log(8.0), 1e-9);
   EXPECT_NEAR(posterior.whitened_residual(at, 0).squaredNorm(), chi2, 1e-6 * chi2);
@@ -136,7 +147,8 @@ TEST(LogPosterior, DensityByTheUnconstrainedCoordinatesHasTheSameMassAsByThePara
       // The same rectangle about the mode in either coordinates, each with its own even grid.
       const Eigen::Vector2d low(1.7, -0.3), high(2.7, 1.7), part((i + 0.5) / n, (j + 0.5) / n);
       const Eigen::Vector2d at = low + part.cwiseProduct(high - low);
-      by_theta += std::exp(posterior.density(posterior.point(posterior.q(std::vector<double>{at[0], at[1]}, 0))).log_posterior() - top) * (high - low).prod() / (n * n);
+      by_theta +=
+          std::exp(posterior.density(posterior.point(posterior.q(std::vector<double>{at[0], at[1]}, 0))).log_posterior() - top) * (high - low).prod() / (n * n);
       const Eigen::VectorXd q_low = posterior.q(std::vector<double>{low[0], low[1]}, 0), q_high = posterior.q(std::vector<double>{high[0], high[1]}, 0);
       const Eigen::VectorXd q = q_low + part.cwiseProduct(q_high - q_low);
       by_q += std::exp(posterior.log_density(q) - top) * (q_high - q_low).prod() / (n * n);
@@ -257,12 +269,14 @@ TEST(FitPosterior, MovesItsBoxToAnAnswerOutsideTheFirst) {
 
 /// A model of one parameter in [1, 2] or, with `shift`, in bounds moved by it, whose posterior lies at the upper bound; runs carry no noise.
 PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const PosteriorInputs&, const PosteriorFit&)>& look = {}) {
-  const AnalyticModel model({uniform_parameter("a", 1 + shift, 2 + shift, 1.5 + shift)}, {[shift](auto p, double t) { return 100 * std::sin((p[0] - shift) * t * 4e4); }}, 50, 1e-6, "strain");
+  const AnalyticModel model({uniform_parameter("a", 1 + shift, 2 + shift, 1.5 + shift)},
+                            {[shift](auto p, double t) { return 100 * std::sin((p[0] - shift) * t * 4e4); }}, 50, 1e-6, "strain");
   const auto recordings = pulses_of(model, {2 + shift}, {.pulses = 6, .noise = 1}, 3);
   const RecordingOptions options;
   const Problem problem = make_problem(model.shape(), recordings, options);
   PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = options};
-  in.errors = {.values = 50, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
+  in.errors = {
+      .values = 50, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
   in.parameters = problem.shape.parameters, in.draw_in = true, in.centre = {1.8 + shift}, in.half_width = {0.2};
   in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
     std::vector<RunRecord> records;

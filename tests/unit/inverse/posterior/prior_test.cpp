@@ -28,8 +28,7 @@ TEST(Prior, IntegratesToOneAndItsQuantileIsTheInverse) {
     const Prior prior(p);
     const auto density = [&](double x) { return std::exp(prior.log_density(x)); };
     EXPECT_NEAR(integrate.integrate(density, prior.low(), prior.high()), 1, 1e-7) << p.prior;
-    for (const double u : {0.02, 0.4, 0.93})
-      EXPECT_NEAR(integrate.integrate(density, prior.low(), prior.quantile(u)), u, 1e-6) << p.prior;
+    for (const double u : {0.02, 0.4, 0.93}) EXPECT_NEAR(integrate.integrate(density, prior.low(), prior.quantile(u)), u, 1e-6) << p.prior;
   }
 }
 

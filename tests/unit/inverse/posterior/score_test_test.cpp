@@ -20,7 +20,8 @@ constexpr std::size_t times = 60;
 struct Case {
   AnalyticModel model{{uniform_parameter("a", 0.5, 2, 1)},
                       {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 30 * p[0] * std::cos(1.1e5 * t); }},
-                      times, 1e-6};
+                      times,
+                      1e-6};
   Recordings recordings = pulses_of(model, {1}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
   Problem problem = make_problem(model.shape(), recordings, {});
   ErrorModel errors{problem, recordings, {}, {.values = 120, .band = 1e9}, {}};
@@ -49,7 +50,8 @@ struct Case {
   /// Two shapes in time that the model knows nothing of.
   [[nodiscard]] MechanismDirections other() const {
     MechanismDirections l{.name = "other", .keys = {"early", "late"}, .off = {0, 3}, .directions = Eigen::MatrixXd::Zero(Eigen::Index(2 * times), 2)};
-    for (std::size_t t = 0; t < times; ++t) l.directions(Eigen::Index(t), 0) = std::exp(-double(t) / 20), l.directions(Eigen::Index(times + t), 1) = std::sin(0.25 * double(t));
+    for (std::size_t t = 0; t < times; ++t)
+      l.directions(Eigen::Index(t), 0) = std::exp(-double(t) / 20), l.directions(Eigen::Index(times + t), 1) = std::sin(0.25 * double(t));
     return l;
   }
   /// A residual of the covariance times `scale`, seen beside the fitted direction, with `amount` of the other shapes.
@@ -126,7 +128,8 @@ TEST(ScoreTests, SeesThroughACovarianceThatIsTooWideWhereChiSquaredDoesNot) {
   const Eigen::Vector2d amount(3, 1.5);
   const Eigen::VectorXd r = c.residual(scale, amount, 1);
   const double freedom = double(r.size() - 1);
-  EXPECT_LT(Cholesky(c.errors.covariance()).solve_lower(Eigen::MatrixXd(r - c.errors.grid().apply(Eigen::VectorXd(0.3 * c.fitted.col(0))))).squaredNorm(), freedom);  // by its size nothing is missing
+  EXPECT_LT(Cholesky(c.errors.covariance()).solve_lower(Eigen::MatrixXd(r - c.errors.grid().apply(Eigen::VectorXd(0.3 * c.fitted.col(0))))).squaredNorm(),
+            freedom);  // by its size nothing is missing
   const auto s = c.tests(r, {gauge_gains(c.problem, c.history), c.other()});
   EXPECT_TRUE(s.stands_out) << s.p_value;
   EXPECT_EQ(s.mechanisms[0].name, "other");
@@ -143,7 +146,8 @@ TEST(ScoreTests, SeesThroughACovarianceThatIsTooWideWhereChiSquaredDoesNot) {
 
 TEST(ScoreTests, WhatTheParametersCanDoIsNotHeldAgainstTheModel) {
   const Case c;
-  const MechanismDirections same{.name = "same", .keys = {"k"}, .off = {0}, .directions = 1e-6 * c.fitted}, none{.name = "none", .keys = {"k"}, .off = {0}, .directions = 0 * c.fitted};
+  const MechanismDirections same{.name = "same", .keys = {"k"}, .off = {0}, .directions = 1e-6 * c.fitted},
+      none{.name = "none", .keys = {"k"}, .off = {0}, .directions = 0 * c.fitted};
   const auto s = c.tests(c.residual(0.1, {3, 1.5}, 1), {same, none});
   for (const auto& m : s.mechanisms) {
     EXPECT_EQ(m.directions, 0) << m.name;

@@ -230,7 +230,9 @@ TEST(Spe, TheChosenLambdasComeNearTheBestOfThePathOnFreshPoints) {
   double best = 0, strong = 0, weak = 0, validated = 0, crossed = 0;
   for (std::uint64_t set = 0; set < 10; ++set) {
     RandomStream random(7, set);
-    const auto points = [&](Eigen::Index n) { return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(3, n, [&] { return 0.5 * (1 - std::cos(M_PI * random.uniform())); })); };
+    const auto points = [&](Eigen::Index n) {
+      return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(3, n, [&] { return 0.5 * (1 - std::cos(M_PI * random.uniform())); }));
+    };
     ScatteredData data;
     data.units = points(120), data.values.resize(120), data.weights = Eigen::VectorXd::Ones(120);
     for (Eigen::Index i = 0; i < 120; ++i) {
