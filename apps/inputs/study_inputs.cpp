@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 
 #include "apps/inputs/posterior_case.hpp"
@@ -14,9 +15,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double long_after = 2;  ///< times the records' end, from which on a run's end is told
+constexpr double no_strain = 0.01;  ///< root mean square, more than a gauge lives through
+constexpr double long_after = 2;    ///< times the records' end, from which on a run's end is told
 
-/// Holds what the case says of times and units against its records. Errors: InputError for records of a target that are no strain.
+/// Holds what the case says of times and units against its records. Errors: InputError for records of a target that are no strain, or cannot be.
 void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
   if (study.on_mesh() && recordings.unit != "strain")
     throw study.file.located(InputError({.problem = "the gauges of a target tell strain",
@@ -24,6 +26,16 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
                                          .value = '"' + recordings.unit + '"',
                                          .range = "strain, microstrain",
                                          .suggestion = name_suggestion(recordings.unit, std::vector<std::string>{"strain", "microstrain"})}));
+  double squares = 0, samples = 0;
+  for (const double v : recordings.values)
+    if (std::isfinite(v)) squares += v * v, ++samples;
+  if (study.on_mesh() && squares > no_strain * no_strain * samples)
+    throw study.file.located(
+        InputError({.problem = fmt::format("the records have a root mean square strain of {:.3g}, which no gauge lives through", std::sqrt(squares / samples)),
+                    .key = "recordings.unit",
+                    .value = "\"strain\"",
+                    .range = "strain, microstrain",
+                    .suggestion = "if they are in microstrain, write unit = \"microstrain\""}));
   if (recordings.time.size() < 2) return;
   const double end = recordings.time.back(), length = end - recordings.time.front();
   if (!shape.times.empty() && shape.times.back() > long_after * end)

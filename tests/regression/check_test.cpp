@@ -66,6 +66,17 @@ TEST(Check, HoldsTimesAndUnitsAgainstTheRecords) {
               testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("did you mean \"microstrain\"?")));
 }
 
+TEST(Check, RefusesMicrostrainThatIsCalledStrain) {
+  std::string records = "sensor,pulse,time_s,strain\n";
+  for (const char* pulse : {"1", "2"})
+    for (int i = 0; i <= 20; ++i) records += std::string("A,") + pulse + ',' + std::to_string(i) + "e-6," + std::to_string(i) + "\n";
+  const auto dir = folder_with("check_microstrain", {{"case.toml", slice_case + more + "[recordings]\nfile = \"records.csv\"\n"}, {"records.csv", records}});
+  const auto out = run(dir, "check case.toml");
+  EXPECT_EQ(out.status, 2);
+  EXPECT_THAT(out.said, testing::AllOf(HasSubstr("recordings.unit"), HasSubstr("root mean square strain of 11.7"), HasSubstr("write unit = \"microstrain\"")));
+  EXPECT_EQ(run(dir, "check case.toml --set recordings.unit=microstrain").status, 0);
+}
+
 TEST(Check, WarnsOnceOfWhatTheRecordsLack) {
   std::string records = "sensor,pulse,time_s,strain\n";
   for (const char* pulse : {"1", "2"})

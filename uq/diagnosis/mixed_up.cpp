@@ -25,21 +25,38 @@ double correlation(const Decimation& grid, const Eigen::VectorXd& records, const
   return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
 }
 
+double median(std::vector<double> x) {
+  const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
 /// Median over the gauges of |correlation| with their own simulation.
 double likeness(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
   std::vector<double> own;
   for (std::size_t i = 0; i < grid.observations(); ++i) own.push_back(std::abs(correlation(grid, records, simulation, i, i)));
-  std::nth_element(own.begin(), own.begin() + std::ptrdiff_t(own.size() / 2), own.end());
-  return own[own.size() / 2];
+  return median(std::move(own));
+}
+
+/// |record| / |simulation| of every gauge over the middle one of that of all, which the pulse's energy has; 1 where fewer than three leave it open which of
+/// them is right.
+std::vector<double> sizes(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < grid.observations(); ++i) all.push_back(part(grid, records, i).norm() / part(grid, simulation, i).norm());
+  if (all.size() < 3) return std::vector<double>(all.size(), 1.0);
+  const double middle = median(all);
+  for (auto& x : all) x /= middle;
+  return all;
 }
 
 }  // namespace
 
 std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
   const std::size_t n = grid.observations();
+  const std::vector<double> size = sizes(grid, records, simulation);
   std::vector<MixedUp> out;
   for (std::size_t i = 0; i < n; ++i) {
-    const double own = correlation(grid, records, simulation, i, i), factor = part(grid, records, i).norm() / part(grid, simulation, i).norm();
+    const double own = correlation(grid, records, simulation, i, i), factor = size[i];
     const bool other_size = own >= alike && std::max(factor, 1 / factor) > far_larger;
     if (own <= -alike || other_size)
       out.push_back({.gauge = problem.label(problem.observations[i]), .other = {}, .own = own, .like = std::abs(own), .factor = factor});

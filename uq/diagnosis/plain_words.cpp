@@ -415,8 +415,9 @@ std::string plain_missing(const MissingTerms& m) {
 
 std::string plain_mixed_up(const MixedUp& m) {
   if (m.own > 0 && m.other.empty())
-    return fmt::format("Gauge {} reads {:.2g} times what is simulated there, in the same course (correlation {:.2f}): see to its unit and its gain.", m.gauge,
-                       m.factor, m.own);
+    return fmt::format(
+        "Gauge {} reads {:.2g} times what the others let expect there, in the course that is simulated (correlation {:.2f}): see to its unit and its gain.",
+        m.gauge, m.factor, m.own);
   if (m.other.empty())
     return fmt::format(
         "Gauge {} reads what is simulated there with the other sign (correlation {:.2f}): see whether it is wired the wrong way round, or its direction wrong.",

@@ -58,9 +58,11 @@ TEST_F(Wiring, AnotherUnitIsTold) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].gauge, problem.label(problem.observations[2]));
     EXPECT_NEAR(found[0].factor, factor, 1e-12 * factor);
-    EXPECT_THAT(plain_mixed_up(found[0]), AllOf(HasSubstr(found[0].gauge + " reads"), HasSubstr("times what is simulated there"), HasSubstr("unit")));
+    EXPECT_THAT(plain_mixed_up(found[0]), AllOf(HasSubstr(found[0].gauge + " reads"), HasSubstr("times what the others let expect there"), HasSubstr("unit")));
   }
 }
+
+TEST_F(Wiring, OfAllGaugesAnotherSizeIsTheEnergys) { EXPECT_THAT(mixed_up(problem, grid, 20 * simulation, simulation), IsEmpty()); }
 
 TEST_F(Wiring, OfTwoGaugesTakenForEachOtherIsToldOnce) {
   Eigen::VectorXd records = simulation;
