@@ -22,7 +22,7 @@ Diagnosis DiagnosisEngine::run() {
   say("base fit");
   PosteriorInputs base = in_.base;
   base.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return counted(thetas, level, {}); };
-  base.go_on = [this](const PosteriorFit& f) { return mixed_up(in_.base.problem, f).empty(); };  // such records lead a fit astray
+  base.go_on = [this](const PosteriorFit& f) { return !surely_mixed_up(in_.base.problem, f); };  // such records lead a fit astray
   out_.base = fit_posterior(base);
   if (base.least_squares) out_.base = held_to_the_model(base, std::move(out_.base));
   if (base.gauge_places) places_ = base.gauge_places(mode().at.theta);

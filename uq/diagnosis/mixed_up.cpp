@@ -70,17 +70,37 @@ std::vector<MixedUp> mixed_up(const Problem& problem, const Decimation& grid, co
   return out;
 }
 
-std::vector<MixedUp> mixed_up(const Problem& problem, const PosteriorFit& fit) {
+namespace {
+
+/// A simulation on the grid and how like its gauges' records it is.
+struct Likest {
+  Eigen::VectorXd simulation;
+  double likeness = 0;
+};
+
+/// That of a fit's runs and its mode which most gauges are like.
+Likest likest(const PosteriorFit& fit) {
   const Decimation& grid = fit.errors->grid();
   const Eigen::VectorXd& records = fit.errors->data();
-  Eigen::VectorXd nearest = fit.prediction(fit.modes[0].at);
-  double greatest = likeness(grid, records, nearest);
+  Likest best{.simulation = fit.prediction(fit.modes[0].at)};
+  best.likeness = likeness(grid, records, best.simulation);
   for (const auto& run : fit.runs) {
     if (!run.record.done) continue;
     Eigen::VectorXd simulation = grid.apply(run.record.history());
-    if (const double like = likeness(grid, records, simulation); like > greatest) greatest = like, nearest = std::move(simulation);
+    if (const double like = likeness(grid, records, simulation); like > best.likeness) best = {std::move(simulation), like};
   }
-  return mixed_up(problem, grid, records, nearest);
+  return best;
+}
+
+}  // namespace
+
+std::vector<MixedUp> mixed_up(const Problem& problem, const PosteriorFit& fit) {
+  return mixed_up(problem, fit.errors->grid(), fit.errors->data(), likest(fit).simulation);
+}
+
+bool surely_mixed_up(const Problem& problem, const PosteriorFit& fit) {
+  const Likest best = likest(fit);
+  return best.likeness >= alike && !mixed_up(problem, fit.errors->grid(), fit.errors->data(), best.simulation).empty();
 }
 
 AddedDirections lateness(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& history) {

@@ -29,6 +29,9 @@ struct MixedUp {
 /// from all.
 [[nodiscard]] std::vector<MixedUp> mixed_up(const Problem& problem, const PosteriorFit& fit);
 
+/// Whether gauges are mixed up by a run that most gauges are like, by 0.9: more runs would not change it.
+[[nodiscard]] bool surely_mixed_up(const Problem& problem, const PosteriorFit& fit);
+
 /// All records together, by the clock of the simulation.
 struct LateRecords {
   double late = 0, sd = 0;      ///< [s]; early where it is negative
