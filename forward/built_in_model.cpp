@@ -2,31 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <deque>
-#include <future>
-#include <mutex>
 
 #include "base/json.hpp"
+#include "forward/effective_load.hpp"
+#include "forward/kept_states.hpp"
 #include "forward/mechanism/correction.hpp"
-#include "forward/mechanism/left_states.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/mesh_extent.hpp"
 #include "forward/sensor/channel.hpp"
 
 namespace calomel {
 
-std::vector<double> pulse_energies(const EnsembleOptions& o) {
-  std::vector<double> a;
-  const boost::math::normal standard;
-  for (int i = 0; i < o.pulses; ++i) a.push_back(o.pulses == 1 ? 1.0 : 1 + o.energy_sd * boost::math::quantile(standard, (i + o.quantile_shift) / o.pulses));
-  return a;
-}
-
 namespace {
-
-constexpr double on_mirror_plane = 1e-6;  ///< [m]
 
 std::vector<LocatedGauge> locate_gauges(const Mesh& mesh, const std::vector<SensorOptions>& sensors) {
   const GaugeLocator locator(mesh);
@@ -47,38 +35,12 @@ Mesh mesh_of(const GeometryOptions& g) try { return make_mesh(g); } catch (const
   throw InputError(parts);
 }
 
-/// The load must find its place on a mesh from outside.
-void expect_something_moves(const ForwardCase& c, const Mesh& mesh) {
-  if (c.load.kind == "end_stress" && mesh.loaded.empty())
-    throw InputError(
-        {.problem = "the mesh has no loaded faces for the end_stress", .key = "geometry.sets.loaded", .suggestion = "name the set of those faces"});
-  if (c.load.kind != "end_stress" && mesh.quality.mercury_volume == 0)
-    throw InputError({.problem = "the mesh holds no mercury to heat",
-                      .key = "load.kind",
-                      .suggestion = "name its sets with geometry.sets.mercury, or use kind = \"end_stress\""});
-}
-
-/// Where the target is, across the beam.
-std::string extent_text(const Mesh& mesh) {
-  const auto along = [&](std::size_t c) {
-    const auto [low, high] = extent(mesh, c);
-    return fmt::format("{:.4g} to {:.4g} m", low, high);
-  };
-  return mesh.plane_strain ? "the target reaches from z = " + along(2) : "the target reaches from y = " + along(1) + " and from z = " + along(2);
-}
-
-/// Calls f(mechanism) for every one that is enabled and not off.
-template <class F>
-void for_active(const ForwardCase& c, F&& f) {
-  for (const auto& m : c.active_mechanisms()) f(m);
-}
-
 /// Shares of the states that earlier pulses have left; empty where there are none.
 std::vector<double> left_shares(const ForwardCase& c) {
   std::vector<double> shares;
-  for_active(c, [&](const EnabledMechanism& m) {
+  for (const auto& m : c.active_mechanisms()) {
     if (m.entry->left) shares = m.entry->left(m.values);
-  });
+  }
   return shares;
 }
 
@@ -90,7 +52,7 @@ void set_to_zero(std::span<double> histories, std::size_t times) {
 
 /// What mechanisms make of the mesh.
 void change_mesh(const ForwardCase& c, Mesh& mesh) {
-  for_active(c, [&](const EnabledMechanism& m) {
+  for (const auto& m : c.active_mechanisms()) {
     if (m.entry->mesh) try {
         m.entry->mesh(m.values, mesh);
       } catch (const InputError& e) {
@@ -98,77 +60,27 @@ void change_mesh(const ForwardCase& c, Mesh& mesh) {
         if (!parts.key.starts_with("mechanism.")) parts.key = "mechanism." + m.name + (parts.key.empty() ? "" : '.' + parts.key);
         throw InputError(parts);
       }
-  });
+  }
 }
 
 std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& gauges, const ForwardCase& at) {
   std::vector<ObservationRow> rows;
   for (const auto& g : gauges) {
     rows.push_back({g.axial.nodes, g.axial.weights});
-    for_active(at, [&](const EnabledMechanism& m) {
+    for (const auto& m : at.active_mechanisms()) {
       if (m.entry->gauge) m.entry->gauge(m.values, g, rows.back());
-    });
+    }
   }
   return rows;
 }
 
-/// How the whole is modelled where only one side of a plane across the axis is.
-std::string whole_model(char axis, const ForwardCase& at) {
-  return axis == 'y' && at.geometry.half ? "set geometry.half = false" : fmt::format("use a mesh without symmetry_{}", axis);
-}
-
-void expect_rear(const EnabledMechanism& m, const Mesh& mesh) {
-  if (m.entry->needs_rear && mesh.rear.empty())
-    throw InputError({.problem = "the target has no rear face that swallows waves, on which alone it acts",
-                      .key = "mechanism." + m.name + ".enabled",
-                      .value = "true",
-                      .suggestion = "set geometry.rear = \"non_reflecting\" (a mesh from a file: geometry.sets.rear), or remove the mechanism"});
-}
-
-/// What breaks a symmetry by which only a part is modelled cannot show there.
-void expect_symmetric(const EnabledMechanism& m, const ForwardCase& at, const Mesh& mesh) {
-  for (const auto& k : m.entry->keys) {
-    if (!hidden_by_mirror(k, mesh)) continue;
-    const double value = m.values[k.name];
-    if (value == at.off_value(k)) continue;
-    const char axis = "xyz"[*k.off_centre];
-    throw InputError(
-        {.problem = fmt::format(
-             "only one side of a plane across {0} is modelled, and the other is taken for its mirror image: what is off centre along {0} cannot show", axis),
-         .key = "mechanism." + m.name + '.' + k.name,
-         .value = number_text(value),
-         .suggestion = whole_model(axis, at)});
+/// gain times what mechanisms make of x(t - delay) of the channel: the delay first, as an offset that a mechanism adds does not set in with it.
+void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
+  if (s.delay != 0) shift(s.delay, interval, y);
+  for (const auto& m : at.active_mechanisms()) {
+    if (m.entry->channel) m.entry->channel(m.values, s.name, interval, y);
   }
-}
-
-/// A beam off the plane by which only a part is modelled would be two beams.
-void expect_on_mirror_planes(const LoadOptions& load, const Mesh& mesh, const ForwardCase& at) {
-  if (load.kind != "initial_pressure") return;
-  for (const auto& m : mesh.mirrors) {
-    if (m.axis == 0) continue;
-    const double centre = load.profile.center[std::size_t(m.axis - 1)];
-    if (std::abs(centre - m.at) < on_mirror_plane) continue;
-    const char axis = "xyz"[m.axis];
-    throw InputError(
-        {.problem = fmt::format(
-             "only one side of the plane {} = {} m is modelled, and the other is taken for its mirror image: a beam off that plane would be two beams", axis,
-             number_text(m.at)),
-         .key = "load.profile.center",
-         .value = number_text(centre),
-         .suggestion = whole_model(axis, at) + ", or put the beam on the plane"});
-  }
-}
-
-/// The load with what mechanisms change of it, on a target whose outer front face is at x = front.
-LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh, double front) {
-  LoadOptions load = at.load;
-  load.profile.front = front;
-  expect_on_mirror_planes(load, mesh, at);
-  for_active(at, [&](const EnabledMechanism& m) {
-    expect_symmetric(m, at, mesh), expect_rear(m, mesh);
-    if (m.entry->load) m.entry->load(m.values, mesh, load);
-  });
-  return load;
+  for (auto& v : y) v *= s.gain;
 }
 
 }  // namespace
@@ -176,19 +88,6 @@ LoadOptions effective_load(const ForwardCase& at, const Mesh& mesh, double front
 double regularising_viscosity(const ForwardCase& c, const Mesh& mesh) {
   return std::max(c.mercury.regularising_viscosity, c.mercury.least_mesh_viscosity * c.mercury.density * c.mercury.sound_speed * mesh.liquid_element_size);
 }
-
-namespace {
-
-/// gain times what mechanisms make of x(t - delay) of the channel: the delay first, as an offset that a mechanism adds does not set in with it.
-void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
-  if (s.delay != 0) shift(s.delay, interval, y);
-  for_active(at, [&](const EnabledMechanism& m) {
-    if (m.entry->channel) m.entry->channel(m.values, s.name, interval, y);
-  });
-  for (auto& v : y) v *= s.gain;
-}
-
-}  // namespace
 
 BuiltInModel::BuiltInModel(const ForwardCase& forward_case, EnsembleOptions ensemble, int threads)
     : BuiltInModel(forward_case, ensemble, threads, mesh_of(forward_case.geometry)) {
@@ -210,10 +109,7 @@ BuiltInModel::BuiltInModel(ForwardCase forward_case, EnsembleOptions ensemble, i
   gauges_ = locate_gauges(*mesh_, case_.sensors);
   const LoadOptions load = effective_load(case_, *mesh_, front_);
   heating_ = heating_shape(*mesh_, load.profile);
-  if (load.kind == "initial_pressure" && !(heating_.integral > 0))
-    throw InputError({.problem = fmt::format("the pulse passes the mercury by and heats nothing; {}", extent_text(*mesh_)),
-                      .key = "load.profile.center",
-                      .suggestion = "lengths are in metres"});
+  expect_heat(load, heating_, *mesh_);
   solver_ = std::make_unique<ExplicitSolver>(*mesh_, LinearElastic::from_young(case_.steel.young, case_.steel.poisson), threads);
   shape_.unit = case_.sensor_unit;
   shape_.parameters = case_.parameters;
@@ -244,23 +140,23 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.wall_film = at.mercury.wall_film;
   s.energies = std::move(energies);
   s.end = at.time.end, s.output_interval = at.time.output_interval;
-  for_active(at, [&](const EnabledMechanism& m) {
+  for (const auto& m : at.active_mechanisms()) {
     if (m.entry->setup) m.entry->setup(m.values, s);
-  });
+  }
   LoadOptions load = effective_load(at, mesh, front_);
   if (at.load.kind == "end_stress")
     s.end_stress = at.end_stress;
   else
     load.factor *= put_heat(s, at, mesh, load, condition);
-  for_active(at, [&](const EnabledMechanism& m) {
+  for (const auto& m : at.active_mechanisms()) {
     if (m.entry->fields) m.entry->fields(m.values, mesh, load, s);
-  });
-  for_active(at, [&](const EnabledMechanism& m) {
-    if (!m.entry->liquid) return;
+  }
+  for (const auto& m : at.active_mechanisms()) {
+    if (!m.entry->liquid) continue;
     if (s.liquid_law && m.entry != &correction())
       throw InputError({.problem = "two mechanisms replace the law of the liquid; only one can", .key = "mechanism." + m.name + ".enabled", .value = "true"});
     s.liquid_law = m.entry->liquid(m.values, s);
-  });
+  }
   return s;
 }
 
@@ -291,39 +187,6 @@ double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& me
   s.p0_at = [profile = load.profile, peak, plane = mesh.plane_strain](const Vec3& x) { return peak * profile.shape(x, plane); };
   return strength;
 }
-
-/// States by what decides them; those made last are kept.
-struct BuiltInModel::KeptStates {
-  using States = std::shared_ptr<const std::vector<LeftState>>;
-  static constexpr std::size_t most = 4;
-  std::mutex guard;
-  std::deque<std::pair<std::string, std::shared_future<States>>> kept;
-
-  /// Of this key: as they are kept, or made; where another thread is making them they are waited for. Errors: those of `make`.
-  template <class Make>
-  States of(const std::string& key, const Make& make) {
-    std::promise<States> promise;
-    {
-      std::unique_lock lock(guard);
-      const auto there = std::find_if(kept.begin(), kept.end(), [&](const auto& k) { return k.first == key; });
-      if (there != kept.end()) {
-        const auto states = there->second;
-        lock.unlock();
-        return states.get();
-      }
-      kept.emplace_back(key, promise.get_future().share());
-      if (kept.size() > most) kept.pop_front();
-    }
-    try {
-      const auto states = std::make_shared<const std::vector<LeftState>>(make());
-      promise.set_value(states);
-      return states;
-    } catch (...) {
-      promise.set_exception(std::current_exception());
-      throw;
-    }
-  }
-};
 
 bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const {
   const std::vector<double> shares = left_shares(at);
@@ -415,25 +278,7 @@ Prediction BuiltInModel::evaluate(std::span<const double> theta) const {
       }
     }
 
-    double mean_energy = 0, squares = 0;
-    for (const double a : out.energies) mean_energy += a / double(m);
-    for (const double a : out.energies) squares += (a - mean_energy) * (a - mean_energy);
-    // Pulses of one energy tell no slope, and two pulses no scatter: these are left empty, as zeros would say that energy does nothing.
-    const bool slopes = out.energies.front() != out.energies.back(), scatters = m > 2;
-    out.mean.assign(values, 0), out.energy_slope.assign(slopes ? values : 0, 0), out.scatter.assign(scatters ? values : 0, 0);
-    for (std::size_t i = 0; i < values; ++i) {
-      double mean = 0, slope = 0, rest = 0;
-      for (std::size_t r = 0; r < m; ++r) mean += pulses[r * values + i] / double(m);
-      if (slopes)
-        for (std::size_t r = 0; r < m; ++r) slope += (out.energies[r] - mean_energy) * pulses[r * values + i] / squares;
-      for (std::size_t r = 0; r < m; ++r) {
-        const double d = pulses[r * values + i] - mean - slope * (out.energies[r] - mean_energy);
-        rest += d * d;
-      }
-      out.mean[i] = mean;
-      if (slopes) out.energy_slope[i] = slope;
-      if (scatters) out.scatter[i] = std::sqrt(rest / double(m - 2));
-    }
+    mean_over_energies(pulses, out);
     out.pulses.assign(pulses.begin(), pulses.end());
   } catch (const NumericsError& e) {
     out = Prediction{.ok = false, .message = e.what()};

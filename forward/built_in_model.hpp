@@ -4,21 +4,12 @@
 #include <functional>
 #include <memory>
 
+#include "forward/ensemble.hpp"
 #include "forward/forward_case.hpp"
 #include "forward/model.hpp"
 #include "forward/sensor/gauge.hpp"
 
 namespace calomel {
-
-/// How a record's mean is imitated: the mean of `pulses` runs whose relative energies are the quantiles (i + 1/2)/m of a
-/// normal with the measured pulse-to-pulse spread. One pulse: a single run at energy 1. Another `quantile_shift` than 1/2
-/// gives an equally good set of energies, for the repeatability floor.
-struct EnsembleOptions {
-  int pulses = 8;
-  double energy_sd = 0.015;
-  double quantile_shift = 0.5;
-};
-std::vector<double> pulse_energies(const EnsembleOptions& options);
 
 /// eta of the case's mercury on a mesh [Pa s]: the case's own, or what the mesh asks for where that is more.
 [[nodiscard]] double regularising_viscosity(const ForwardCase& forward_case, const Mesh& mesh);
@@ -42,6 +33,8 @@ struct ModelDescription {
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
 };
+
+class KeptStates;  // forward/kept_states.hpp
 
 class BuiltInModel : public ForwardModel {
  public:
@@ -97,7 +90,6 @@ class BuiltInModel : public ForwardModel {
   /// Where a mechanism says that earlier pulses have left something, puts that into the run's initial state; its gauges are then to be set to zero. Errors: as
   /// setup(), and those of the long run.
   bool start_from_what_is_left(RunSetup& s, const ForwardCase& at, const Mesh& mesh, const ExplicitSolver& solver, std::size_t condition) const;
-  struct KeptStates;
 
   ForwardCase case_;
   EnsembleOptions ensemble_;
