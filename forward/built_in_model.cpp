@@ -38,9 +38,8 @@ Mesh mesh_of(const GeometryOptions& g) try { return make_mesh(g); } catch (const
 /// Shares of the states that earlier pulses have left; empty where there are none.
 std::vector<double> left_shares(const ForwardCase& c) {
   std::vector<double> shares;
-  for (const auto& m : c.active_mechanisms()) {
+  for (const auto& m : c.active_mechanisms())
     if (m.entry->left) shares = m.entry->left(m.values);
-  }
   return shares;
 }
 
@@ -67,9 +66,8 @@ std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& ga
   std::vector<ObservationRow> rows;
   for (const auto& g : gauges) {
     rows.push_back({g.axial.nodes, g.axial.weights});
-    for (const auto& m : at.active_mechanisms()) {
+    for (const auto& m : at.active_mechanisms())
       if (m.entry->gauge) m.entry->gauge(m.values, g, rows.back());
-    }
   }
   return rows;
 }
@@ -77,9 +75,8 @@ std::vector<ObservationRow> observation_rows(const std::vector<LocatedGauge>& ga
 /// gain times what mechanisms make of x(t - delay) of the channel: the delay first, as an offset that a mechanism adds does not set in with it.
 void respond(const ForwardCase& at, const SensorOptions& s, double interval, std::span<double> y) {
   if (s.delay != 0) shift(s.delay, interval, y);
-  for (const auto& m : at.active_mechanisms()) {
+  for (const auto& m : at.active_mechanisms())
     if (m.entry->channel) m.entry->channel(m.values, s.name, interval, y);
-  }
   for (auto& v : y) v *= s.gain;
 }
 
@@ -140,17 +137,15 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.wall_film = at.mercury.wall_film;
   s.energies = std::move(energies);
   s.end = at.time.end, s.output_interval = at.time.output_interval;
-  for (const auto& m : at.active_mechanisms()) {
+  for (const auto& m : at.active_mechanisms())
     if (m.entry->setup) m.entry->setup(m.values, s);
-  }
   LoadOptions load = effective_load(at, mesh, front_);
   if (at.load.kind == "end_stress")
     s.end_stress = at.end_stress;
   else
     load.factor *= put_heat(s, at, mesh, load, condition);
-  for (const auto& m : at.active_mechanisms()) {
+  for (const auto& m : at.active_mechanisms())
     if (m.entry->fields) m.entry->fields(m.values, mesh, load, s);
-  }
   for (const auto& m : at.active_mechanisms()) {
     if (!m.entry->liquid) continue;
     if (s.liquid_law && m.entry != &correction())

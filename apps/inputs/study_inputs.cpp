@@ -18,9 +18,9 @@ namespace {
 constexpr double no_strain = 0.01;  ///< root mean square, more than a gauge lives through
 constexpr double long_after = 2;    ///< times the records' end, from which on a run's end is told
 
-/// Holds what the case says of times and units against its records. Errors: InputError for records of a target that are no strain, or cannot be.
-void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
-  if (study.on_mesh() && recordings.unit != "strain")
+/// Errors: InputError for records of a target that are no strain, or cannot be.
+void expect_strain(const StudyCase& study, const Recordings& recordings) {
+  if (recordings.unit != "strain")
     throw study.file.located(InputError({.problem = "the gauges of a target tell strain",
                                          .key = "recordings.unit",
                                          .value = '"' + recordings.unit + '"',
@@ -29,13 +29,18 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
   double squares = 0, samples = 0;
   for (const double v : recordings.values)
     if (std::isfinite(v)) squares += v * v, ++samples;
-  if (study.on_mesh() && squares > no_strain * no_strain * samples)
+  if (squares > no_strain * no_strain * samples)
     throw study.file.located(
         InputError({.problem = fmt::format("the records have a root mean square strain of {:.3g}, which no gauge lives through", std::sqrt(squares / samples)),
                     .key = "recordings.unit",
                     .value = "\"strain\"",
                     .range = "strain, microstrain",
                     .suggestion = "if they are in microstrain, write unit = \"microstrain\""}));
+}
+
+/// Holds what the case says of times and units against its records. Errors: those of expect_strain.
+void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
+  if (study.on_mesh()) expect_strain(study, recordings);
   if (recordings.time.size() < 2) return;
   const double end = recordings.time.back(), length = end - recordings.time.front();
   if (!shape.times.empty() && shape.times.back() > long_after * end)

@@ -139,18 +139,20 @@ bool constant(const Observation& o) {
 /// Takes out the gauges that are dead, and says so. Errors: InputError where all are.
 void leave_out_dead(Problem& p, const Recordings& recordings) {
   if (p.observations.empty()) return;
-  std::vector<double> sizes;
-  for (const auto& o : p.observations) sizes.push_back(std::sqrt(o.mean_square));
-  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double usual = *middle;
+  std::vector<double> squares;
+  for (const auto& o : p.observations) squares.push_back(o.mean_square);
+  const auto middle = squares.begin() + std::ptrdiff_t(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  const double small = quiet * quiet * *middle;
   const bool some_change = !std::ranges::all_of(p.observations, constant);
-  std::erase_if(p.observations, [&](const Observation& o) {
-    const bool shows_nothing = o.mean_square < noise_alone * o.noise_square && std::sqrt(o.mean_square) < quiet * usual;
-    if (o.peak > 0 && (o.samples < long_enough || !((some_change && constant(o)) || shows_nothing))) return false;
-    p.dead.push_back(p.label(o));
-    return true;
-  });
+  const auto dead = [&](const Observation& o) {
+    if (o.peak == 0) return true;
+    if (o.samples < long_enough) return false;
+    return (some_change && constant(o)) || (o.mean_square < noise_alone * o.noise_square && o.mean_square < small);
+  };
+  for (const auto& o : p.observations)
+    if (dead(o)) p.dead.push_back(p.label(o));
+  std::erase_if(p.observations, dead);
   if (p.dead.empty()) return;
   if (p.observations.empty())
     throw InputError({.problem = "no sensor records anything: every mean record is 0 throughout",

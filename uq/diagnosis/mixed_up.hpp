@@ -16,10 +16,11 @@ namespace calomel {
 /// simulation) / |record| |simulation|; or like it, but more than five times as large or as small.
 struct MixedUp {
   std::string gauge;  ///< Problem::label
-  std::string other;  ///< the gauge whose simulation the record is like, its record being like this gauge's simulation; empty: of the other sign
+  std::string other;  ///< the gauge whose simulation the record is like, its record being like this gauge's simulation; empty: the record is like its own, with
+                      ///< the other sign (own below 0) or in another size
   double own = 0;     ///< correlation with the gauge's own simulation
   double like = 0;    ///< with what it is like: |own|, or the lesser of the two of the pair
-  double factor = 1;  ///< |record| / |simulation|
+  double factor = 1;  ///< |record| / |simulation|, over the middle one of that of all gauges
 };
 
 /// Each pair once. records, simulation: (size) on the grid.
