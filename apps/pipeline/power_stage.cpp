@@ -13,6 +13,7 @@
 #include "apps/presentation/power_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "base/artefact.hpp"
+#include "base/median.hpp"
 #include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "base/random.hpp"
@@ -87,10 +88,9 @@ Planned planned(const StudyInputs& inputs, const Mesh& mesh) {
   ForwardCase& c = out.study.forward;
   std::vector<double> lengths;
   for (const auto& s : c.sensors) lengths.push_back(s.gauge_length);
-  std::sort(lengths.begin(), lengths.end());
   for (const auto& place : free_places(mesh, c.sensors, options.gauges)) {
     SensorOptions s{.name = fmt::format("new {}", out.gauges.size() + 1), .position = place.position, .direction = place.direction};
-    s.gauge_length = lengths.empty() ? 0 : lengths[lengths.size() / 2];
+    s.gauge_length = lengths.empty() ? 0 : upper_median(lengths);
     out.gauges.push_back(
         fmt::format("a gauge along {} at ({:.3g}, {:.3g}, {:.3g}) m", s.direction[0] > 0 ? "x" : "z", s.position[0], s.position[1], s.position[2]));
     c.sensors.push_back(std::move(s));

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/errors.hpp"
+#include "base/median.hpp"
 #include "forward/mesh/topology.hpp"
 
 namespace calomel {
@@ -160,10 +161,7 @@ double median_liquid_edge(const Mesh& mesh) {
   std::vector<double> shortest;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     if (mesh.region[e] == Region::mercury) shortest.push_back(shortest_edge(mesh, e));
-  if (shortest.empty()) return 0;
-  const auto middle = shortest.begin() + std::ptrdiff_t(shortest.size() / 2);
-  std::nth_element(shortest.begin(), middle, shortest.end());
-  return *middle;
+  return shortest.empty() ? 0 : upper_median(std::move(shortest));
 }
 
 Mesh assemble_mesh(BareGrid grid, const AssemblyOptions& options) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/median.hpp"
 #include "base/not_finite.hpp"
 
 namespace calomel {
@@ -141,9 +142,7 @@ void leave_out_dead(Problem& p, const Recordings& recordings) {
   if (p.observations.empty()) return;
   std::vector<double> squares;
   for (const auto& o : p.observations) squares.push_back(o.mean_square);
-  const auto middle = squares.begin() + std::ptrdiff_t(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  const double small = quiet * quiet * *middle;
+  const double small = quiet * quiet * upper_median(std::move(squares));
   const bool some_change = !std::ranges::all_of(p.observations, constant);
   const auto dead = [&](const Observation& o) {
     if (o.peak == 0) return true;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/median.hpp"
 #include "inverse/data/record_rows.hpp"
 
 namespace calomel {
@@ -40,9 +41,8 @@ TimeGrid fit_grid(const RecordRows& table, const std::vector<const RecordRow*>& 
       throw at_row(table, *std::max(series[i - 1], series[i], [](auto* a, auto* b) { return a->line < b->line; }), "this sample is given twice",
                    "equal times may come from rounding when the file was printed: write more digits");
   }
-  std::vector<double> sorted = gaps;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  double step = sorted[sorted.size() / 2];
+  const double median_gap = upper_median(gaps);
+  double step = median_gap;
   std::size_t worst = 0;
   for (int pass = 0; pass < 3; ++pass) {  // the fitted step corrects the median of rounded gaps
     double sk = 0, st = 0, skk = 0, skt = 0;
@@ -65,14 +65,13 @@ TimeGrid fit_grid(const RecordRows& table, const std::vector<const RecordRow*>& 
   }));
   if (grid.residual > 0.2 || (grid.residual > 0.01 && (n < 20 || 4 * missing_it < n))) {
     for (std::size_t i = 1; i < n; ++i) {  // name the first uneven gap rather than the largest remainder of the fit
-      const double r = gaps[i - 1] / sorted[sorted.size() / 2];
+      const double r = gaps[i - 1] / median_gap;
       if (std::abs(r - std::round(r)) > 0.2 || r < 0.5) {
         worst = i;
         break;
       }
     }
-    throw at_row(table, *series[worst],
-                 fmt::format("irregular time: the samples of this series are not evenly spaced (median step {:.6g} s)", sorted[sorted.size() / 2]),
+    throw at_row(table, *series[worst], fmt::format("irregular time: the samples of this series are not evenly spaced (median step {:.6g} s)", median_gap),
                  "resample the record on even steps");
   }
   return grid;

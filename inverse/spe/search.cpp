@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "base/median.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
 #include "inverse/spe/unit_box.hpp"
@@ -49,11 +50,7 @@ std::vector<double> median_costs(const std::vector<SparsePolynomial>& surrogates
     for (std::size_t i = 0; i < all.size(); ++i) all[i].push_back(restored(transform, values[i]));
   }
   std::vector<double> out;
-  for (auto& v : all) {
-    const auto middle = v.begin() + std::ptrdiff_t(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    out.push_back(*middle);
-  }
+  for (auto& v : all) out.push_back(upper_median(std::move(v)));
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/median.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
@@ -25,17 +26,11 @@ double correlation(const Decimation& grid, const Eigen::VectorXd& records, const
   return y.size() == f.size() && size > 0 ? y.dot(f) / size : 0.0;
 }
 
-double median(std::vector<double> x) {
-  const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
-
 /// Median over the gauges of |correlation| with their own simulation.
 double likeness(const Decimation& grid, const Eigen::VectorXd& records, const Eigen::VectorXd& simulation) {
   std::vector<double> own;
   for (std::size_t i = 0; i < grid.observations(); ++i) own.push_back(std::abs(correlation(grid, records, simulation, i, i)));
-  return median(std::move(own));
+  return upper_median(std::move(own));
 }
 
 /// |record| / |simulation| of every gauge over the middle one of that of all, which the pulse's energy has; 1 where fewer than three leave it open which of
@@ -44,7 +39,7 @@ std::vector<double> sizes(const Decimation& grid, const Eigen::VectorXd& records
   std::vector<double> all;
   for (std::size_t i = 0; i < grid.observations(); ++i) all.push_back(part(grid, records, i).norm() / part(grid, simulation, i).norm());
   if (all.size() < 3) return std::vector<double>(all.size(), 1.0);
-  const double middle = median(all);
+  const double middle = upper_median(all);
   for (auto& x : all) x /= middle;
   return all;
 }
