@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <ostream>
 
 #include "base/artefact.hpp"
@@ -23,8 +24,9 @@ void add_threads(CLI::App& verb, CommandLine& command, const std::string& doc) {
 
 CLI::Option* add_seed(CLI::App& verb, CommandLine& command, const std::string& doc) {
   return verb.add_option("--seed", command.seed, doc)->type_name("S")->check([](const std::string& text) {
-    const bool whole = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-    return whole ? std::string() : "a seed is a whole number from 0 on, not " + text;
+    std::uint64_t seed = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+    return error == std::errc() && end == text.data() + text.size() ? std::string() : "a seed is a whole number from 0 to 2^64 - 1, not " + text;
   });
 }
 

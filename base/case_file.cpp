@@ -93,6 +93,22 @@ void merge(toml::table& into, toml::table&& from) {
   }
 }
 
+/// The table of this name among those of `key`. Errors: InputError naming the known ones.
+toml::table* named_element(toml::array& list, const std::string& name, const std::string& key, const std::string& origin) {
+  std::vector<std::string> known;
+  for (auto& node : list) {
+    auto& element = *node.as_table();
+    known.push_back(element["name"].value_or(std::string()));
+    if (known.back() == name) return &element;
+  }
+  throw InputError({.problem = "no element has this name",
+                    .key = key,
+                    .value = '"' + name + '"',
+                    .range = join(known),
+                    .suggestion = name_suggestion(name, known),
+                    .file = origin});
+}
+
 void apply_override(toml::table& root, const std::string& text) {
   const std::string origin = "--set " + text;
   const auto equals = text.find('=');
@@ -123,6 +139,14 @@ void apply_override(toml::table& root, const std::string& text) {
   for (auto dot = path.find('.'); dot != std::string::npos; begin = dot + 1, dot = path.find('.', begin)) {
     const std::string key = path.substr(begin, dot - begin);
     if (!at->contains(key)) at->insert(key, toml::parse("", origin));
+    if (auto* list = at->get_as<toml::array>(key); list && list->is_array_of_tables()) {  // an element by its name: sensor.B.gain
+      const auto after = path.find('.', dot + 1);
+      at = named_element(*list, path.substr(dot + 1, after == std::string::npos ? after : after - dot - 1), key, origin);
+      if (after == std::string::npos)
+        throw InputError({.problem = "an override sets one key of it", .key = path, .suggestion = "e.g. --set " + path + ".KEY=VALUE", .file = origin});
+      dot = after;
+      continue;
+    }
     at = at->get_as<toml::table>(key);
     if (!at) throw InputError({.problem = fmt::format("\"{}\" is a value, not a table", key), .key = path, .file = origin});
   }

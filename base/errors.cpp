@@ -46,22 +46,34 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return previous[b.size()];
 }
 
+namespace {
+
+/// Edit distance to a known name; a name that begins it is one edit away.
+std::size_t distance_to(std::string_view name, std::string_view known) {
+  return name.size() > 2 && name != known && known.starts_with(name) ? 1 : edit_distance(name, known);
+}
+
+}  // namespace
+
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
   std::string best;
   std::size_t distance = std::string_view::npos;
   for (const auto& k : known)
-    if (const auto d = edit_distance(name, k); d < distance) distance = d, best = k;
+    if (const auto d = distance_to(name, k); d < distance) distance = d, best = k;
   return best;
 }
 
 std::string name_suggestion(std::string_view name, std::span<const std::string> known) {
   const std::string near = nearest_name(name, known);
-  return near.empty() || 2 * edit_distance(name, near) > std::max(name.size(), near.size()) ? "" : "did you mean \"" + near + "\"?";
+  return near.empty() || 2 * distance_to(name, near) > std::max(name.size(), near.size()) ? "" : "did you mean \"" + near + "\"?";
 }
 
 InputError unreadable_file(std::string key, const std::filesystem::path& path) {
   std::vector<std::string> there;
   std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return InputError(
+        {.problem = "this is a directory, not a file", .key = std::move(key), .value = '"' + path.string() + '"', .suggestion = "name the file in it"});
   for (const auto& entry : std::filesystem::directory_iterator(path.has_parent_path() ? path.parent_path() : ".", ignored))
     there.push_back(entry.path().filename().string());
   std::sort(there.begin(), there.end());

@@ -67,7 +67,7 @@ inline void expect(bool holds, const char* what, const char* file = __builtin_FI
 /// Edit distance of two names (Levenshtein 1966), a neighbouring swap counting as one edit.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The known name nearest to `name`; empty when there is none at all.
+/// The known name nearest to `name`, one that it begins counting as one edit away; empty when there is none at all.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
 
 /// `did you mean "NAME"?` with the known name nearest to `name`, where no more than half of its letters differ, else nothing.

@@ -133,7 +133,10 @@ void NetcdfWriter::commit() {
 
 NetcdfReader::NetcdfReader(std::filesystem::path path) : path_(std::move(path)) {
   const std::lock_guard guard(hdf5_lock());
-  check(nc_open(path_.c_str(), NC_NOWRITE, &id_), path_, "cannot be read as netCDF");
+  if (const int status = nc_open(path_.c_str(), NC_NOWRITE, &id_); status != NC_NOERR)
+    throw InputError({.problem = std::string("cannot be read as netCDF: ") + nc_strerror(status),
+                      .suggestion = "check the path and the format; an artefact of this program that is damaged is set aside by --fresh",
+                      .file = path_.string()});
 }
 
 NetcdfReader::~NetcdfReader() {

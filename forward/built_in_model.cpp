@@ -170,7 +170,7 @@ double BuiltInModel::put_heat(RunSetup& s, const ForwardCase& at, const Mesh& me
   const double own_peak = peak_of(load.peak_pressure, load.energy), strength = at.conditions.empty() || own_peak == 0 ? 1 : peak / own_peak;
   if (at.load.policy == "gruneisen") {
     const double ratio = at.mercury.sound_speed / nominal_speed;
-    if (std::abs(ratio - 1) > 0.15)
+    if (std::abs(ratio - 1) > gruneisen_reach)
       throw NumericsError(fmt::format("the gruneisen policy holds for a sound speed within 15 % of nominal ({:.5g} m/s), this is {:.5g} m/s", nominal_speed,
                                       at.mercury.sound_speed));
     peak *= gruneisen(at.mercury, at.mercury.sound_speed) / gamma;

@@ -19,9 +19,16 @@ namespace {
 /// sensors = "sensors.csv": name,x,y,z,dx,dy,dz,gauge_length.
 std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) {
   std::ifstream in(path);
-  if (!in) throw unreadable_file("sensors", path);
+  if (!in || std::filesystem::is_directory(path)) throw unreadable_file("sensors", path);
+  const std::string columns = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres";
   std::vector<SensorOptions> all;
   std::string line;
+  const auto number_of = [](const std::string& word) {
+    std::size_t read = 0;
+    const double x = std::stod(word, &read);
+    if (!std::isfinite(x) || word.find_first_not_of(" \t\"", read) != std::string::npos) throw std::invalid_argument(word);
+    return x;
+  };
   for (int number = 1; std::getline(in, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#' || (number == 1 && line.rfind("name", 0) == 0)) continue;
@@ -29,21 +36,18 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
     std::stringstream cells(line);
     for (std::string w; std::getline(cells, w, ',');) words.push_back(w);
     const auto fail = [&](const std::string& problem) {
-      return InputError({.problem = problem,
-                         .value = '"' + line + '"',
-                         .suggestion = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres",
-                         .file = path.string(),
-                         .line = number});
+      return InputError({.problem = problem, .value = '"' + line + '"', .suggestion = columns, .file = path.string(), .line = number});
     };
     if (words.size() < 7 || words.size() > 8) throw fail(fmt::format("7 or 8 columns are expected, {} given", words.size()));
     SensorOptions s;
     s.name = words[0];
     try {
-      for (std::size_t k = 0; k < 3; ++k) s.position[k] = std::stod(words[1 + k]), s.direction[k] = std::stod(words[4 + k]);
-      if (words.size() == 8) s.gauge_length = std::stod(words[7]);
+      for (std::size_t k = 0; k < 3; ++k) s.position[k] = number_of(words[1 + k]), s.direction[k] = number_of(words[4 + k]);
+      if (words.size() == 8) s.gauge_length = number_of(words[7]);
     } catch (const std::exception&) {
-      throw fail("a number is expected");
+      throw fail(number == 1 ? "a header begins with name, and a row has numbers behind its name" : "numbers are expected behind the name");
     }
+    if (std::ranges::count(all, s.name, &SensorOptions::name) > 0) throw fail("two sensors have the same name");
     try {
       s.validate();
     } catch (const InputError& e) {
@@ -51,6 +55,7 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
     }
     all.push_back(s);
   }
+  if (all.empty()) throw InputError({.problem = "the file lists no sensor", .suggestion = columns, .file = path.string()});
   return all;
 }
 
@@ -87,8 +92,13 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     for (const auto& k : m.entry->keys)
       if (k.name == rest.substr(own ? dot + 1 : 0)) found.info.unit = k.unit, found.info.range = between(k.least, k.greatest);
   }
+  const auto first = key.find('.'), second = key.find('.', first + 1);
+  std::string absent = key.starts_with("mechanism.") && second != std::string::npos ? key.substr(first + 1, second - first - 1) : "";
+  if (!mechanisms().contains(absent) || self.enables(absent)) absent.clear();
   if (!found.number && !found.optional)
-    throw InputError({.problem = "names no number of the case", .value = '"' + key + '"', .suggestion = name_suggestion(key, known)});
+    throw InputError({.problem = "names no number of the case",
+                      .value = '"' + key + '"',
+                      .suggestion = absent.empty() ? name_suggestion(key, known) : fmt::format("set mechanism.{}.enabled = true", absent)});
   return found;
 }
 
@@ -105,7 +115,7 @@ void TimeOptions::validate() const {
     throw InputError({.problem = fmt::format("the end must be a multiple of output_interval = {} s (1 to 5 million samples)", number_text(output_interval)),
                       .key = "end",
                       .value = number_text(end),
-                      .suggestion = fmt::format("e.g. end = {}", number_text(std::max(1.0, std::round(ratio)) * output_interval))});
+                      .suggestion = fmt::format("e.g. end = {:.12g}", std::max(1.0, std::round(ratio)) * output_interval)});
 }
 
 void ConditionOptions::validate() const {
@@ -147,6 +157,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
     file.accept("sensors");
     file.locating([&] { c.sensors = read_sensor_table(file.resolve(*table)); });
   }
+  if (file.has("sensor") && file.count("sensor") == 0)
+    throw file.located(InputError({.problem = "sensors are a list of tables",
+                                   .key = "sensor",
+                                   .suggestion = "write [[sensor]] above each; one of the file named by sensors is changed there"}));
   for (std::size_t i = 0; i < file.count("sensor"); ++i) {
     SensorOptions s;
     file.read(fmt::format("sensor[{}]", i), s);
@@ -183,6 +197,14 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.listed_mechanisms = std::move(mechanism_tables.listed);
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
+  if (c.load.policy == "gruneisen")
+    for (const auto& p : c.parameters)
+      if (const double low = (1 - gruneisen_reach) * c.mercury.sound_speed, high = (1 + gruneisen_reach) * c.mercury.sound_speed;
+          p.key == "material.mercury.sound_speed" && (p.min < low || p.max > high))
+        c.notes.push_back(
+            fmt::format("load.policy = \"gruneisen\" holds for a sound speed of {:.5g} to {:.5g} m/s, within 15 % of nominal: runs outside of it fail, "
+                        "and [parameter.{}] goes from {} to {}",
+                        low, high, p.name, number_text(p.min), number_text(p.max)));
   bind_parameters(file, c.parameters, [&](const Parameter& p) {
     const double value = c.number(p.key);
     return p.key.starts_with("mechanism.") && std::abs(value) == anywhere ? std::clamp(value, p.min, p.max)

@@ -53,6 +53,11 @@ std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table)
     p.name = name;
     p.key = table + '.' + name;
     file.read("parameter." + name, p);
+    if (const auto same = std::ranges::find(all, p.key, &Parameter::key); same != all.end())
+      throw file.located(InputError({.problem = "this number is the parameter " + same->name + " already",
+                                     .key = "parameter." + name + (file.has("parameter." + name + ".key") ? ".key" : ""),
+                                     .value = '"' + p.key + '"',
+                                     .suggestion = "take one of the two out, or give it another key"}));
     all.push_back(std::move(p));
   }
   return all;

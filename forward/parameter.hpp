@@ -50,9 +50,9 @@ struct Parameter {
 /// {name: value} of the values in `theta`, (n) with n no more than the parameters.
 Json named(std::span<const Parameter> parameters, std::span<const double> theta);
 
-/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for a name that
-/// posterior.nc has for something else (chain, draw, beyond), and one of other characters than letters, digits, _ and -, which keys of runs and files cannot
-/// hold.
+/// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for two of one
+/// number, for a name that posterior.nc has for something else (chain, draw, beyond), and for one of other characters than letters, digits, _ and -, which
+/// keys of runs and files cannot hold.
 std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
 
 /// Holds each parameter against its number in the case, which is its nominal value where it has none of its own. `number`: of a parameter.

@@ -175,7 +175,7 @@ std::filesystem::path StudyCase::recordings_file() const {
 Recordings StudyCase::matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const {
   const auto path = recordings_file();
   auto read = file.locating([&] { return read_recordings(path, *recordings); });
-  const auto unmatched = match_sensors(read, sensors, file.path(), path);
+  const auto unmatched = match_sensors(read, sensors, file.path(), path, recordings->exclude);
   warnings.insert(warnings.end(), unmatched.begin(), unmatched.end());
   return read;
 }

@@ -26,16 +26,24 @@ void expect_strain(const StudyCase& study, const Recordings& recordings) {
                                          .value = '"' + recordings.unit + '"',
                                          .range = "strain, microstrain",
                                          .suggestion = name_suggestion(recordings.unit, std::vector<std::string>{"strain", "microstrain"})}));
-  double squares = 0, samples = 0;
-  for (const double v : recordings.values)
-    if (std::isfinite(v)) squares += v * v, ++samples;
-  if (squares > no_strain * no_strain * samples)
-    throw study.file.located(
-        InputError({.problem = fmt::format("the records have a root mean square strain of {:.3g}, which no gauge lives through", std::sqrt(squares / samples)),
-                    .key = "recordings.unit",
-                    .value = "\"strain\"",
-                    .range = "strain, microstrain",
-                    .suggestion = "if they are in microstrain, write unit = \"microstrain\""}));
+  double squares = 0, samples = 0, most = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < recordings.values.size(); ++i)
+    if (const double v = recordings.values[i]; std::isfinite(v)) {
+      squares += v * v, ++samples;
+      if (std::abs(v) > most) most = std::abs(v), at = i;
+    }
+  if (squares <= no_strain * no_strain * samples) return;
+  const std::size_t n = recordings.time.size(), sensor = at / n / recordings.pulses.size() % recordings.sensors.size();
+  const std::string& unit = study.recordings->unit;
+  throw study.file.located(InputError(
+      {.problem = fmt::format("the records have a root mean square strain of {:.3g}, which no gauge lives through; the largest is {:.3g} of {} at {:.6g} s",
+                              std::sqrt(squares / samples), most, recordings.sensors[sensor], recordings.time[at % n]),
+       .key = "recordings.unit",
+       .value = '"' + unit + '"',
+       .range = "strain, microstrain",
+       .suggestion =
+           unit == "strain" ? "if they are in microstrain, write unit = \"microstrain\"" : "see whether that sample is a dropout, and write nan for it"}));
 }
 
 /// Holds what the case says of times and units against its records. Errors: those of expect_strain.

@@ -68,6 +68,8 @@ std::string policy_text(const LoadOptions& load);
 /// Names and meaning of the loads.
 const Registry<std::string>& loads();
 
+constexpr double gruneisen_reach = 0.15;  ///< relative distance of the sound speed from its nominal value within which the policy "gruneisen" holds
+
 /// Gruneisen coefficient beta c^2 / c_p [-].
 double gruneisen(const MercuryOptions& m, double sound_speed);
 

@@ -211,7 +211,8 @@ class TimeLoop {
     std::ifstream in(options_.checkpoint.path, std::ios::binary);
     if (!in) return;
     const auto fail = [&](const std::string& problem) {
-      throw InputError({.problem = problem, .suggestion = "delete it to begin the run anew", .file = options_.checkpoint.path.string()});
+      throw InputError(
+          {.problem = problem, .suggestion = "delete it, or set it aside with --fresh, to begin the run anew", .file = options_.checkpoint.path.string()});
     };
     char head[sizeof(magic)] = {};
     std::array<std::int64_t, 3> numbers{};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "base/median.hpp"
 #include "base/not_finite.hpp"
@@ -129,6 +130,23 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
   return o;
 }
 
+/// Two mean records that are equal at every sample, and not 0.
+bool same_records(const Observation& a, const Observation& b) {
+  return a.peak > 0 && a.samples >= long_enough && a.compared == b.compared && a.mean_f == b.mean_f && a.mean_square == b.mean_square;
+}
+
+/// The numbers of two pulses of a gauge that are equal at every sample, and not 0 throughout; none where there are no such two.
+std::optional<std::pair<int, int>> equal_pulses(const Recordings& r, std::size_t c, std::size_t s) {
+  const std::size_t n = r.time.size();
+  if (n < long_enough) return {};
+  for (std::size_t p = 0; p < r.pulses.size(); ++p)
+    for (std::size_t q = 0; q < p; ++q) {
+      const double *a = &r.values[r.at(c, s, p, 0)], *b = &r.values[r.at(c, s, q, 0)];
+      if (std::equal(a, a + n, b) && std::any_of(a, a + n, [](double v) { return v != 0; })) return std::pair(r.pulses[q], r.pulses[p]);
+    }
+  return {};
+}
+
 /// The same value at every sample.
 bool constant(const Observation& o) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -196,6 +214,7 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
       throw InputError({.problem = "noise is given for a sensor that is not declared",
                         .key = "recordings.noise." + name,
                         .value = number_text(sd),
+                        .range = join(shape.sensors),
                         .suggestion = name_suggestion(name, shape.sensors)});
 
   // 1. The record times within the simulation's.
@@ -208,6 +227,11 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
     throw InputError({.problem = fmt::format("the record ({:.6g} to {:.6g} s) and the simulation ({:.6g} to {:.6g} s) do not overlap", recordings.time.front(),
                                              recordings.time.back(), shape.times.front(), shape.times.back()),
                       .key = "recordings.trigger_offset",
+                      .suggestion = "check the unit of time and recordings.trigger_offset"});
+  if (end - begin == 1 && recordings.time.size() > 1 && shape.times.size() > 1)
+    throw InputError({.problem = fmt::format("a single sample of the record ({:.6g} to {:.6g} s) lies within the simulation ({:.6g} to {:.6g} s)",
+                                             recordings.time.front(), recordings.time.back(), shape.times.front(), shape.times.back()),
+                      .key = "recordings.file",
                       .suggestion = "check the unit of time and recordings.trigger_offset"});
   p.time.assign(recordings.time.begin() + std::ptrdiff_t(begin), recordings.time.begin() + std::ptrdiff_t(end));
   p.outside = recordings.time.size() - p.time.size();
@@ -234,9 +258,20 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
         Observation o = observe(recordings, c, std::size_t(it - recordings.sensors.begin()), begin, end, options);
         o.condition = mc, o.sensor = ms;
         if (o.samples == 0) continue;
+        if (const auto same = equal_pulses(recordings, c, std::size_t(it - recordings.sensors.begin())))
+          p.warnings.push_back(
+              fmt::format("sensor {}: pulses {} and {} are the same at every sample: is one a copy of the other?", p.label(o), same->first, same->second));
+        if (const auto noise = recordings.noise_of(shape.sensors[ms], options); noise && *noise > o.peak)
+          p.warnings.push_back(fmt::format("sensor {}: the noise of {:.3g} is larger than its record, {:.3g} at most: is recordings.noise in the data's unit?",
+                                           p.label(o), *noise, o.peak));
         if (o.bandless > 0) p.warnings.push_back(fmt::format("sensor {}: {} samples have one pulse left and no band", p.label(o), o.bandless));
         p.observations.push_back(std::move(o));
       }
+  for (std::size_t i = 0; i < p.observations.size(); ++i)
+    for (std::size_t j = i + 1; j < p.observations.size(); ++j)
+      if (same_records(p.observations[i], p.observations[j]))
+        p.warnings.push_back(fmt::format("sensors {} and {} have the same record at every sample: is one a copy of the other?", p.label(p.observations[i]),
+                                         p.label(p.observations[j])));
   leave_out_dead(p, recordings);
   if (p.observations.empty()) throw InputError({.problem = "no declared sensor is recorded within the simulation", .key = "recordings.file"});
   const std::size_t narrow =

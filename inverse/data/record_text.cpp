@@ -93,6 +93,40 @@ std::optional<double> time_column(std::string_view field) {
   return cut == std::string::npos ? 1.0 : seconds_in(std::string_view(word).substr(cut + 1));
 }
 
+/// The fields of a line that may be a header: between blanks a unit in brackets belongs to the word before it, "time [us]".
+void split_header(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  split(line, separator, fields);
+  if (separator != ' ') return;
+  std::vector<std::string_view> joined;
+  for (const auto f : fields) {
+    const bool unit = f.size() > 2 && ((f.front() == '[' && f.back() == ']') || (f.front() == '(' && f.back() == ')'));
+    if (unit && !joined.empty())
+      joined.back() = {joined.back().data(), std::size_t(f.data() + f.size() - joined.back().data())};
+    else
+      joined.push_back(f);
+  }
+  fields = std::move(joined);
+}
+
+/// The unit of a column that is called time and is in a unit that is no time's, "time [min]"; empty of any other column.
+std::string unknown_time_unit(std::string_view field) {
+  const std::string word = lowered(field);
+  const auto open = word.find_first_of("[(");
+  if (open == std::string::npos || time_column(field)) return {};
+  const auto name = trimmed(std::string_view(word).substr(0, open));
+  return name == "time" || name == "t" ? std::string(field) : std::string();
+}
+
+/// A column's name without the unit that is written behind it in square brackets, "A [V]", and that unit; none where it is no unit that is known.
+std::pair<std::string, std::string> name_and_unit(const std::string& column) {
+  const auto open = column.find_last_of('[');
+  if (open == std::string::npos || open == 0 || column.back() != ']') return {column, {}};
+  const std::string unit = column.substr(open + 1, column.size() - open - 2);
+  const auto known = reading_unit(unit);
+  if (!known || known->quantity == "time" || unit == "1") return {column, {}};
+  return {std::string(trimmed(std::string_view(column).substr(0, open))), unit};
+}
+
 /// What the header line says: the place of each column.
 struct Header {
   char separator = ',';
@@ -101,6 +135,7 @@ struct Header {
   bool wide = false;
   int sensor = -1, pulse = -1, time = -1, condition = -1, value = -1;
   std::vector<std::string> names;
+  std::string unit;  ///< of the values, where it stands behind their columns' names
 };
 
 bool is_sensor_column(const std::string& word) { return word == "sensor" || word == "gauge"; }
@@ -120,7 +155,7 @@ Header read_header(std::string_view line, int number, const std::string& file) {
   h.line = number;
   h.separator = separator_of(line);
   std::vector<std::string_view> fields;
-  split(line, h.separator, fields);
+  split_header(line, h.separator, fields);
   while (!fields.empty() && fields.back().empty()) fields.pop_back();
   std::vector<int> others;
   for (int i = 0; i < int(fields.size()); ++i) {
@@ -138,6 +173,13 @@ Header read_header(std::string_view line, int number, const std::string& file) {
       others.push_back(i);
   }
   h.wide = h.sensor < 0;
+  for (const int i : others) {
+    auto [name, unit] = name_and_unit(h.names[std::size_t(i)]);
+    h.names[std::size_t(i)] = name;
+    if (i != others.front() && unit != h.unit)
+      fail(file, number, "the columns are not all in one unit", '"' + std::string(fields[std::size_t(i)]) + '"', "write them in one unit, or to one file each");
+    h.unit = unit;
+  }
   for (std::size_t i = 0; i < h.names.size(); ++i) {
     if (h.names[i].empty()) fail(file, number, "the header leaves a column without a name");
     for (std::size_t k = 0; k < i; ++k)
@@ -256,6 +298,8 @@ std::optional<ReadingUnit> reading_unit(std::string_view word) {
 RecordRows parse_record_text(std::string_view text, const std::string& file) {
   RecordRows out;
   out.files = {file};
+  if (text.substr(0, 4096).find('\0') != std::string_view::npos)
+    fail(file, 1, "this is no text file: it has zero bytes", "", "write it as text (ASCII or UTF-8), or as netCDF");
   Lines lines(text);
   std::string_view line;
   std::vector<std::string_view> fields;
@@ -264,8 +308,12 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
   // 1. The header: the first line that names a time column.
   std::optional<Header> header;
   int skipped = 0;
-  std::string first_words;
-  int first_line = 0;
+  std::string first_words, strange_time;
+  int first_line = 0, strange_line = 0;
+  const auto of_strange_time = [&] {
+    if (!strange_time.empty())
+      fail(file, strange_line, "the unit of time is not known (allowed: s, ms, us, ns)", '"' + strange_time + '"', "write the times in one of these");
+  };
   while (!header && lines.next(line)) {
     const auto body = trimmed(line);
     if (body.empty() || body.front() == '#') continue;
@@ -274,11 +322,15 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
       out.unit = labview.unit;
       continue;
     }
-    split(line, separator_of(line), fields);
+    split_header(line, separator_of(line), fields);
+    for (const auto f : fields)
+      if (auto unit = unknown_time_unit(f); !unit.empty() && strange_time.empty()) strange_time = std::move(unit), strange_line = lines.number();
     double x = 0;
-    if (fields.size() >= 2 && std::all_of(fields.begin(), fields.end(), [&](auto f) { return parse_number(f, x) != Field::text; }))
+    if (fields.size() >= 2 && std::all_of(fields.begin(), fields.end(), [&](auto f) { return parse_number(f, x) != Field::text; })) {
+      of_strange_time();
       fail(file, lines.number(), "missing header: numbers stand before any line that names the columns", "",
            "begin with sensor,pulse,time,strain or with time and one name a sensor");
+    }
     if (looks_like_header(fields)) {
       if (Lines ahead = lines; skipped > 0 && !labview.step) {  // "Time,11:57" of an instrument's own header is none
         std::string_view after;
@@ -286,7 +338,8 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
         while (ahead.next(after) && (trimmed(after).empty() || trimmed(after).front() == '#')) {
         }
         split(after, separator_of(line), row);
-        if (row.size() != fields.size() || parse_number(row[0], x) == Field::text) {
+        const auto time = std::size_t(std::ranges::find_if(fields, [](auto f) { return time_column(f).has_value(); }) - fields.begin());
+        if (row.size() != fields.size() || parse_number(row[time], x) == Field::text) {
           ++skipped;
           continue;
         }
@@ -298,6 +351,7 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
     if (skipped > 200) break;
   }
   if (!header) {
+    of_strange_time();
     if (skipped == 0) fail(file, std::max(1, lines.number()), "the file is empty");
     fail(file, first_line, "missing header: no line names the columns", '"' + first_words + '"',
          "begin with sensor,pulse,time,strain or with time and one name a sensor");
@@ -307,6 +361,7 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
   // 2. The rows.
   const Header& h = *header;
   out.wide = h.wide;
+  if (!h.unit.empty()) out.unit = h.unit;
   Names sensors(out.sensors), conditions(out.conditions);
   const bool comment = lowered(h.names.back()) == "comment";
   const std::size_t columns = h.names.size() - (comment ? 1 : 0);

@@ -139,10 +139,16 @@ std::pair<double, std::string> unit_of_model(const RecordRows& table, const std:
 /// From the values of a text file to the inner unit: factor and name.
 std::pair<double, std::string> unit_of_strain(const RecordRows& table, const std::string& unit) {
   std::string own = table.unit;
-  if (table.value_column == "microstrain" || table.value_column == "strain") {
+  const bool strain = unit == "strain" || unit == "microstrain";
+  for (const char* other : {"stress", "pressure", "force", "voltage", "displacement", "velocity", "acceleration", "temperature"})
+    if (strain && own.empty() && table.value_column == other)
+      throw InputError({.problem = fmt::format("the column of values is called {} in {}", other, table.files[0]),
+                        .key = "recordings.unit",
+                        .value = '"' + unit + '"',
+                        .suggestion = "call it strain if it is strain; of other readings say the unit (unit, and sensor_unit under [case])"});
+  if (table.value_column == "microstrain") {  // strain is the customary header, whatever the unit
     own = table.value_column;
-    if (own == "strain") own.clear();  // the customary header, whatever the unit
-    if (own == "microstrain" && unit != "microstrain")
+    if (unit != "microstrain")
       throw InputError({.problem = "the column is called microstrain in " + table.files[0],
                         .key = "recordings.unit",
                         .value = '"' + unit + '"',
@@ -240,6 +246,7 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
       throw InputError({.problem = "a sensor to exclude is not recorded in " + path.string(),
                         .key = "recordings.exclude",
                         .value = '"' + name + '"',
+                        .range = join(all.sensors),
                         .suggestion = name_suggestion(name, all.sensors)});
   std::vector<std::size_t> sensors, samples;
   for (std::size_t s = 0; s < all.sensors.size(); ++s)
@@ -266,7 +273,7 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
 }
 
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,
-                                       const std::filesystem::path& recordings_file) {
+                                       const std::filesystem::path& recordings_file, std::span<const std::string> excluded) {
   std::vector<std::string> without;  // declared ones that have no record: the likeliest meant
   for (const auto& name : declared)
     if (std::find(recordings.sensors.begin(), recordings.sensors.end(), name) == recordings.sensors.end()) without.push_back(name);
@@ -284,7 +291,9 @@ std::vector<std::string> match_sensors(const Recordings& recordings, std::span<c
            .line = recordings.sensor_lines[s]});
   std::vector<std::string> warnings;
   for (const auto& name : without)
-    warnings.push_back(fmt::format("sensor {} is declared but not recorded in {}: it is predicted, not compared", name, recordings_file.filename().string()));
+    warnings.push_back(std::ranges::count(excluded, name) > 0 ? fmt::format("sensor {} is left out by recordings.exclude: it is predicted, not compared", name)
+                                                              : fmt::format("sensor {} is declared but not recorded in {}: it is predicted, not compared", name,
+                                                                            recordings_file.filename().string()));
   return warnings;
 }
 

@@ -99,10 +99,10 @@ Recordings read_recordings_file(const std::filesystem::path& path, const std::st
 /// Errors: those of read_recordings_file; InputError when a name in `exclude` is not recorded or nothing is left.
 Recordings read_recordings(const std::filesystem::path& path, const RecordingOptions& options);
 
-/// Holds the recorded sensors against the declared ones; returns the warnings (declared but not recorded).
+/// Holds the recorded sensors against the declared ones; returns the warnings (declared but not recorded, or left out: `excluded`).
 /// Errors: InputError for the first sensor that is recorded but not declared, naming it and both files.
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,
-                                       const std::filesystem::path& recordings_file);
+                                       const std::filesystem::path& recordings_file, std::span<const std::string> excluded = {});
 
 /// Writes strain(sensor, pulse, time) (a leading condition dimension when there are named conditions).
 void write_recordings(const std::filesystem::path& path, const Recordings& recordings);

@@ -119,6 +119,7 @@ TEST(ChallengeVerb, AnswersWhatItDoesNotKnow) {
   EXPECT_THAT(refused("make --seed 1 --out suite --suite smal"), AllOf(HasSubstr("--suite"), HasSubstr("did you mean \"small\"?")));
   EXPECT_THAT(refused("make --out suite"), HasSubstr("--seed"));
   EXPECT_THAT(refused("make --seed 1"), HasSubstr("--out"));
+  EXPECT_THAT(refused("make --seed 99999999999999999999 --out suite"), HasSubstr("2^64 - 1"));  // would be another seed without a word
   EXPECT_THAT(refused("make --seed 1 --out suite --none -1"), HasSubstr("--none"));
   EXPECT_THAT(refused("make --seed 1 --out suite --effects beem"), HasSubstr("did you mean \"beam\"?"));
   EXPECT_THAT(refused("make --seed 1 --out suite --generator nowhere"), AllOf(HasSubstr("nowhere"), HasSubstr("--target reference_generator")));

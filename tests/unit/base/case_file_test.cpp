@@ -44,6 +44,18 @@ struct Load {
   }
 };
 
+struct Named {
+  std::string name;
+  int pulses = 1;
+  Inner profile;
+  template <class V>
+  void visit(V& v) {
+    v("name", name, {.doc = "name"});
+    v("pulses", pulses, {.doc = "number"});
+    v.table("profile", profile, "shape");
+  }
+};
+
 std::string message_of(const std::string& text) {
   CaseFile file = CaseFile::from_text(text);
   Load load;
@@ -147,6 +159,34 @@ TEST(CaseFile, SaysThatAnOverrideIsWrongAndNotTheLineThatItReplaces) {
   std::filesystem::remove(path);
 }
 
+TEST(CaseFile, AnOverrideFindsAnElementOfAListByItsName) {
+  const auto path = std::filesystem::temp_directory_path() / ("calomel_case_file_" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(path) << "[[load]]\nname = \"A\"\n[[load]]\nname = \"B\"\npulses = 3\n";
+  const auto with = [&](const std::string& override_text) { return CaseFile(path, std::vector<std::string>{override_text}); };
+  const auto error = [&](const std::string& override_text) -> std::string {
+    try {
+      (void)with(override_text);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  for (const char* override_text : {"load.B.pulses=5", "load[1].pulses=5"}) {
+    CaseFile file = with(override_text);
+    Named a, b;
+    file.read("load[0]", a), file.read("load[1]", b);
+    EXPECT_EQ(a.pulses, 1);
+    EXPECT_EQ(b.pulses, 5);
+  }
+  CaseFile file = with("load.A.profile.decay=0.2");
+  Named a;
+  file.read("load[0]", a);
+  EXPECT_EQ(a.profile.decay, 0.2);
+  EXPECT_THAT(error("load.C.pulses=5"), testing::AllOf(HasSubstr("no element has this name"), HasSubstr("\"C\""), HasSubstr("A, B")));
+  EXPECT_THAT(error("load.B=5"), HasSubstr("load.B.KEY=VALUE"));
+  std::filesystem::remove(path);
+}
+
 TEST(CaseFile, ShowsNumbersAsTheyAreWritten) { EXPECT_THAT(message_of("[load.profile]\nwidths = [0.1, 0.05, 1]\n"), HasSubstr("[0.1, 0.05, 1]")); }
 
 TEST(CaseFile, AsksForADecimalPoint) {
@@ -165,7 +205,14 @@ TEST(UnreadableFile, NamesKeyPathAndTheNearestThatIsThere) {
   EXPECT_THAT(unreadable_file("sensors", folder / "sensor.csv").what(),
               testing::AllOf(HasSubstr("sensors = "), HasSubstr("sensor.csv"), HasSubstr("did you mean \"sensors.csv\"?")));
   EXPECT_THAT(unreadable_file("sensors", folder / "gauges.txt").what(), testing::AllOf(HasSubstr("check the name"), testing::Not(HasSubstr("did you mean"))));
+  EXPECT_THAT(unreadable_file("sensors", folder).what(), HasSubstr("this is a directory"));
   std::filesystem::remove_all(folder);
+}
+
+TEST(NameSuggestion, ANameThatBeginsAKnownOneIsNear) {
+  const std::vector<std::string> known{"band", "gain_sd", "baseline"};
+  EXPECT_EQ(name_suggestion("gain", known), "did you mean \"gain_sd\"?");
+  EXPECT_EQ(name_suggestion("bend", known), "did you mean \"band\"?");
 }
 
 TEST(CaseFile, SetsANumberByPath) {

@@ -2,11 +2,16 @@
 
 #include <gmock/gmock.h>
 
+#include <fmt/format.h>
+
+#include "base/artefact.hpp"
 #include "base/json.hpp"
+#include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -39,7 +44,51 @@ std::string complaint(const std::string& more) {
   return "no error";
 }
 
+/// What is said of a case with these sensors in a file.
+std::string complaint_of_sensors(const std::string& rows) {
+  const auto folder = scratch("sensors");
+  write_atomically(folder / "gauges.csv", rows);
+  std::string text = small_case_text();
+  text = "sensors = \"gauges.csv\"\n" + text.substr(0, text.find("[[sensor]]"));
+  write_atomically(folder / "case.toml", text);
+  try {
+    CaseFile file(folder / "case.toml");
+    (void)ForwardCase::read(file);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
 }  // namespace
+
+TEST(ForwardCase, ATableOfSensorsIsHeldToItsLines) {
+  const std::string head = "name,x,y,z,dx,dy,dz,gauge_length\n", row = "A,0.02,0,0.03,1,0,0,0.003\n";
+  EXPECT_EQ(complaint_of_sensors(head + row), "no error");
+  EXPECT_THAT(complaint_of_sensors(head + row + row), AllOf(HasSubstr("gauges.csv:3: "), HasSubstr("two sensors have the same name")));
+  EXPECT_THAT(complaint_of_sensors(head + "A,nan,0,0.03,1,0,0\n"), AllOf(HasSubstr("gauges.csv:2: "), HasSubstr("numbers are expected")));
+  EXPECT_THAT(complaint_of_sensors(head + "A,0.02mm,0,0.03,1,0,0\n"), AllOf(HasSubstr("gauges.csv:2: "), HasSubstr("numbers are expected")));
+  EXPECT_THAT(complaint_of_sensors("nmae,x,y,z,dx,dy,dz\n" + row), AllOf(HasSubstr("gauges.csv:1: "), HasSubstr("a header begins with name")));
+  EXPECT_THAT(complaint_of_sensors(""), AllOf(HasSubstr("gauges.csv"), HasSubstr("lists no sensor"), HasSubstr("name,x,y,z")));
+}
+
+TEST(ForwardCase, ANumberIsOneParameter) {
+  EXPECT_THAT(complaint(parameters + "[parameter.rho]\nkey = \"material.mercury.density\"\nmin = 13000\nmax = 14000\n"),
+              AllOf(HasSubstr("parameter.rho.key"), HasSubstr("is the parameter density already")));
+}
+
+TEST(ForwardCase, AMechanismThatIsNotEnabledIsSuggested) {
+  EXPECT_THAT(complaint("[parameter.alpha]\nkey = \"mechanism.bubbly_liquid.alpha0\"\nmin = 1e-6\nmax = 1e-3\n"),
+              HasSubstr("set mechanism.bubbly_liquid.enabled = true"));
+}
+
+TEST(ForwardCase, TellsWhereRunsOfTheGruneisenPolicyFail) {
+  const auto of = [](double low, double high) {
+    return small_case(fmt::format("[parameter.sound_speed]\nmin = {}\nmax = {}\n", low, high), "peak_pressure = 25e6\npolicy = \"gruneisen\"").notes;
+  };
+  EXPECT_THAT(of(1300, 1600), ::testing::Each(::testing::Not(HasSubstr("gruneisen"))));
+  EXPECT_THAT(of(1000, 1600), ::testing::Contains(AllOf(HasSubstr("gruneisen"), HasSubstr("parameter.sound_speed"))));
+}
 
 TEST(ForwardCase, ReadsParametersInTheOrderOfTheFile) {
   const ForwardCase c = small_case(parameters);

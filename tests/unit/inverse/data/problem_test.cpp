@@ -261,6 +261,41 @@ TEST(Problem, ComparesWithinTheOverlapAndReportsTheRest) {
   EXPECT_THROW((void)make_problem(shape_of({"A"}, 3, 1), r, options), InputError);
 }
 
+TEST(Problem, ASingleSampleInCommonIsAnError) {
+  auto r = recordings_of({"A"}, {0, 1}, {0, 10, 20});  // microseconds in a column of seconds
+  r.values = {1, 2, 3, 4, 5, 6};
+  try {
+    (void)make_problem(shape_of({"A"}, 3, 1), r, {});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("a single sample"), HasSubstr("unit of time")));
+  }
+  r = recordings_of({"A"}, {0, 1}, {0});  // of a model that gives one value it is none
+  r.values = {1, 2};
+  EXPECT_EQ(make_problem(shape_of({"A"}, 1, 1), r, {}).time.size(), 1u);
+}
+
+TEST(Problem, CopiesAreTold) {
+  auto r = noisy(40, 1);
+  EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), r, {}).warnings, testing::Each(testing::Not(HasSubstr("copy"))));
+  auto pulse = r;
+  for (std::size_t t = 0; t < 40; ++t) pulse.values[pulse.at(0, 0, 3, t)] = pulse.values[pulse.at(0, 0, 1, t)];
+  EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), pulse, {}).warnings, testing::Contains(HasSubstr("sensor B: pulses 1 and 3 are the same")));
+  for (std::size_t p = 0; p < 4; ++p)
+    for (std::size_t t = 0; t < 40; ++t) r.values[r.at(0, 1, p, t)] = r.values[r.at(0, 0, p, t)];
+  EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), r, {}).warnings, testing::Contains(HasSubstr("sensors A and B have the same record")));
+}
+
+TEST(Problem, NoiseThatIsLargerThanTheRecordIsTold) {
+  auto r = recordings_of({"A"}, {0}, {0, 1, 2});
+  r.values = {0, 1e-5, 2e-5};
+  RecordingOptions options;
+  options.noise = 1;  // microstrain given as strain
+  EXPECT_THAT(make_problem(shape_of({"A"}, 3, 1), r, options).warnings, testing::Contains(HasSubstr("is recordings.noise in the data's unit?")));
+  options.noise = 1e-6;
+  EXPECT_THAT(make_problem(shape_of({"A"}, 3, 1), r, options).warnings, testing::Each(testing::Not(HasSubstr("recordings.noise"))));
+}
+
 TEST(Problem, ConditionsAreMatchedByName) {
   auto shape = shape_of({"A"}, 2, 1);
   shape.conditions = {"low", "high"};

@@ -114,6 +114,30 @@ TEST(Recordings, ErrorsNameFileAndLine) {
   EXPECT_THAT(message_of("sensor,pulse,time,strain,gain\nA,0,0,1,1\n"), AllOf(HasSubstr("recordings.csv:1: "), HasSubstr("2")));
 }
 
+TEST(Recordings, ALineOfWordsMayStandAboveTheLongForm) {
+  const auto r = read("Run 7 of the morning\n" + long_form);
+  EXPECT_EQ(r.sensors, (std::vector<std::string>{"B", "A"}));
+  EXPECT_THAT(r.warnings, testing::ElementsAre(HasSubstr("1 lines before the header")));
+  EXPECT_EQ(read("Logger\nTime,11:57\nDate,2020\ntime,A\n0,1\n1,2\n").time, (std::vector<double>{0, 1}));
+}
+
+TEST(Recordings, UnitsMayStandInTheHeader) {
+  EXPECT_EQ(read("time [us] A B\n0 1 2\n1 3 4\n").time, (std::vector<double>{0, 1e-6}));
+  const auto wide = read("time,A [um/m],B [um/m]\n0,1,2\n1,3,4\n", "microstrain");
+  EXPECT_EQ(wide.sensors, (std::vector<std::string>{"A", "B"}));
+  EXPECT_DOUBLE_EQ(wide.values[3], 4e-6);
+  EXPECT_DOUBLE_EQ(read("sensor,time,strain [um/m]\nA,0,1\nA,1,2\n", "microstrain").values[1], 2e-6);
+  EXPECT_EQ(read("time,A [top],B [rear]\n0,1,2\n1,3,4\n").sensors, (std::vector<std::string>{"A [top]", "B [rear]"}));  // no units, but names
+  EXPECT_THAT(message_of("time,A [um/m],B [m/m]\n0,1,2\n", "microstrain"), AllOf(HasSubstr("recordings.csv:1: "), HasSubstr("B [m/m]"), HasSubstr("one unit")));
+}
+
+TEST(Recordings, SayWhatTheyCannotBe) {
+  EXPECT_THAT(message_of("time [min],A\n0,1\n1,2\n"), AllOf(HasSubstr("recordings.csv:1: "), HasSubstr("time [min]"), HasSubstr("s, ms, us, ns")));
+  EXPECT_THAT(message_of(std::string("time,A\n\0\0\1\2", 11)), HasSubstr("no text file"));
+  EXPECT_THAT(message_of("sensor,pulse,time,stress\nA,0,0,1\nA,0,1,2\n"), AllOf(HasSubstr("called stress"), HasSubstr("recordings.unit")));
+  EXPECT_EQ(read("sensor,pulse,time,pressure\nA,0,0,1\nA,0,1,2\n", "Pa").unit, "Pa");
+}
+
 TEST(Recordings, AFileThatIsNotThereIsAnErrorOfTheCase) {
   CaseFile file = CaseFile::from_text("[case]\nname = 'x'\n[recordings]\nfile = 'recs.csv'\n");
   const auto options = read_recording_options(file);
@@ -236,7 +260,9 @@ TEST(Recordings, OffsetWindowAndExclusionAreApplied) {
 TEST(Recordings, SensorsAreHeldAgainstTheCase) {
   const auto r = read(long_form);
   const std::vector<std::string> all{"A", "B", "C"}, few{"B"};
-  EXPECT_THAT(match_sensors(r, all, "case.toml", "recordings.csv"), testing::ElementsAre(HasSubstr("C")));
+  EXPECT_THAT(match_sensors(r, all, "case.toml", "recordings.csv"), testing::ElementsAre(HasSubstr("C is declared but not recorded")));
+  EXPECT_THAT(match_sensors(r, all, "case.toml", "recordings.csv", std::vector<std::string>{"C"}),
+              testing::ElementsAre(HasSubstr("C is left out by recordings.exclude")));
   try {
     (void)match_sensors(r, few, "case.toml", "recordings.csv");
     FAIL();
