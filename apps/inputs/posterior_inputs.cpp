@@ -16,19 +16,25 @@ namespace calomel {
 
 namespace {
 
-/// Defaults of [errors] are those of a target: a pipe's times are a thousand times longer. Errors: InputError for times below the distance of the values
-/// compared.
-void expect_times_of_the_records(const PosteriorInputs& in) {
+/// Times of the errors are no shorter than the distance of the values compared. Those of a model outside for which the case says nothing become that; of a line
+/// the defaults are a target's, and a pipe's times are a thousand times longer. Errors: InputError for times that are too short.
+void hold_times_to_the_records(PosteriorInputs& in, const StudyCase& study) {
   const Decimation grid(in.problem, std::size_t(in.errors.values), in.errors.band);
   const auto windows = grid.windows(0);
   const double apart =
       windows.size() > 1 ? windows[1].time - windows[0].time : in.problem.time.back() - in.problem.time.front();  // one value stands for the record
+  if (study.external && !study.file.has("errors.discrepancy_times"))
+    for (auto& time : in.errors.discrepancy_times) time = std::max(time, apart);
+  if (study.external && !study.file.has("errors.amplitude_time")) in.errors.amplitude_time = std::max(in.errors.amplitude_time, apart);
   const auto expect_above = [&](const char* key, double time) {
     if (time < apart)
-      throw InputError({.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)),
-                        .key = key,
-                        .value = number_text(time),
-                        .suggestion = "give times of the line's own scale, some of them near the time that a wave takes through it, or a higher errors.band"});
+      throw InputError(
+          {.problem = fmt::format("values of a record are compared {} s apart, and this is shorter", number_text(apart)),
+           .key = key,
+           .value = number_text(time),
+           .suggestion = study.external
+                             ? "give times of the records' own scale"
+                             : "give times of the line's own scale, some of them near the time that a wave takes through it, or a higher errors.band"});
   };
   expect_above("errors.discrepancy_times", *std::max_element(in.errors.discrepancy_times.begin(), in.errors.discrepancy_times.end()));
   expect_above("errors.amplitude_time", in.errors.amplitude_time);
@@ -79,7 +85,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_without_start(StudyInputs& inp
     throw InputError({.problem = "the base model has no numbers that may move, so that whatever is off by a little looks like physics left out",
                       .key = "parameter",
                       .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
-  expect_times_of_the_records(in);
+  hold_times_to_the_records(in, inputs.study());
   NumberedRuns* runs = &inputs.numbered_runs();
   const int threads = command.threads;
   in.levels = 1, in.draw_in = true;

@@ -206,12 +206,18 @@ TimeKernel white_noise(const Decimation& grid) {
   };
 }
 
+double greatest_amplitude(const Eigen::Ref<const Eigen::VectorXd>& record) {
+  const double span = record.maxCoeff() - record.minCoeff();
+  return span > 0 ? span : record.cwiseAbs().maxCoeff();
+}
+
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
                                   const ErrorOptions& o, const TimeKernel& kernel) {
   const double share = o.arrival_share.value_or(arrival_share);
   Eigen::VectorXd sd = local_amplitude(grid, data, o.amplitude_time);
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
+    sd.segment(at, n) = sd.segment(at, n).cwiseMin(greatest_amplitude(data.segment(at, n)));
     const double peak = data.segment(at, n).cwiseAbs().maxCoeff();
     for (Eigen::Index a = at; a < at + n && std::abs(data[a]) <= share * peak; ++a) sd[a] = 0;
   }

@@ -175,9 +175,14 @@ class ErrorModel {
   std::vector<MarginalDirection> directions_;
 };
 
-/// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, 0 before the first arrival
-/// (`arrival_share`), and `kernel` as its correlation in time, gauges sharing exp(-their distance / `discrepancy_distance`): a discrepancy of scale 1, (size,
-/// size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it like one place.
+/// What an amplitude of a record is at most: its span, so that a constant in it, as of an absolute temperature, makes nothing large; of a record that never
+/// changes its size. Of one that begins at rest every root mean square is below it.
+[[nodiscard]] double greatest_amplitude(const Eigen::Ref<const Eigen::VectorXd>& record);
+
+/// Covariance of a process along each record with the local root mean square of the mean records over `amplitude_time` as its sd, no more than
+/// greatest_amplitude, 0 before the first arrival (`arrival_share`), and `kernel` as its correlation in time, gauges sharing exp(-their distance /
+/// `discrepancy_distance`): a discrepancy of scale 1, (size, size). positions: (sensors, 3) [m]; without them gauges share nothing. Conditions share it like
+/// one place.
 Eigen::MatrixXd discrepancy_shape(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& data, const Eigen::MatrixXd& positions,
                                   const ErrorOptions& options, const TimeKernel& kernel);
 

@@ -129,7 +129,8 @@ double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd
     const auto rows = rows_in(fold, grid, i);
     if (rows.empty()) continue;
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
-    sum += (prediction - data)(rows).norm() / (data.segment(at, n).norm() * std::sqrt(double(rows.size()) / double(n))), ++records;
+    const double size = std::min(data.segment(at, n).norm() / std::sqrt(double(n)), greatest_amplitude(data.segment(at, n)));
+    sum += (prediction - data)(rows).norm() / (size * std::sqrt(double(rows.size()))), ++records;
   }
   return sum / records;
 }

@@ -39,7 +39,8 @@ struct PartFit {
 /// The mode and the evidence by the values of all but the fold, from the fit's own modes. Errors: NumericsError where no mode is found.
 [[nodiscard]] PartFit fit_without(const PosteriorFit& fit, const PosteriorFit& errors, const Fold& fold);
 
-/// Mean over the fold's observations of |prediction - record| / |record| on the grid; of a part of a record, over its share of the whole record's mean square.
+/// Mean over the fold's observations of the root mean square of (prediction - record) over the record's size on the grid: its root mean square, at most
+/// greatest_amplitude; of a part of a record, over that of the whole.
 [[nodiscard]] double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd& prediction, const Eigen::VectorXd& data);
 
 /// The same of all values.

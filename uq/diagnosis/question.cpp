@@ -15,7 +15,7 @@ namespace calomel {
 namespace {
 
 constexpr double scales_of_many[] = {1, 0.3, 0.1, 0.03};  ///< of the priors of a group of many numbers of one kind
-constexpr int shapes_tried = 9;                           ///< values over its prior
+constexpr int shapes_tried = 33;                          ///< values over its prior: a frequency shows in a narrow stretch of it
 constexpr double rounding = 1e-5;                         ///< of the histories: an effect smaller than this is none
 
 /// What a number does at one strength.

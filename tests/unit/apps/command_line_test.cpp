@@ -81,7 +81,7 @@ TEST(CommandLine, WhatTheParserRefusesIsAnInputError) {
   EXPECT_THAT(refused({}), HasSubstr("--help"));
   EXPECT_THAT(refused({"campaign"}), HasSubstr("CASE"));
   EXPECT_THAT(refused({"campaign", "case.toml", "--outt", "x"}), testing::AllOf(HasSubstr("--outt"), HasSubstr("did you mean \"--out\"?")));
-  EXPECT_THAT(refused({"campaign", "case.toml", "--seed", "x"}), HasSubstr("a whole number from 0 on, not x"));
+  EXPECT_THAT(refused({"campaign", "case.toml", "--seed", "x"}), HasSubstr("a whole number from 0 to 2^64 - 1, not x"));
   EXPECT_THAT(refused({"campaign", "case.toml", "--threads", "0"}), HasSubstr("--threads"));
   EXPECT_THAT(refused({"campaign", "case.toml", "--threads", "many"}), HasSubstr("--threads"));
   EXPECT_THAT(refused({"campaign", "case.toml", "--seed", "-1"}), HasSubstr("--seed"));
