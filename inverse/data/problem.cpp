@@ -257,7 +257,11 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
         if (it == recordings.sensors.end()) continue;
         Observation o = observe(recordings, c, std::size_t(it - recordings.sensors.begin()), begin, end, options);
         o.condition = mc, o.sensor = ms;
-        if (o.samples == 0) continue;
+        if (o.samples == 0) {
+          if (recordings.conditions.size() == 1)
+            p.warnings.push_back(fmt::format("sensor {} has no sample within the simulation: it is predicted, not compared", p.label(o)));
+          continue;
+        }
         if (const auto same = equal_pulses(recordings, c, std::size_t(it - recordings.sensors.begin())))
           p.warnings.push_back(
               fmt::format("sensor {}: pulses {} and {} are the same at every sample: is one a copy of the other?", p.label(o), same->first, same->second));

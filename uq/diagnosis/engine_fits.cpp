@@ -23,7 +23,7 @@ Alternative begun(const ParameterGroup& group, const Question& q, const Alternat
                 .first_log_bayes_factor = q.worth.log_bayes_factor,
                 .choice = q.choice,
                 .p_value = q.p_value};
-  c.explanation.numerical = group.numerical;
+  c.explanation.numerical = group.numerical, c.explanation.of_two = on_top_of != nullptr;
   if (on_top_of) {
     c.groups.insert(c.groups.end(), on_top_of->groups.begin(), on_top_of->groups.end());
     std::sort(c.groups.begin(), c.groups.end());

@@ -61,7 +61,11 @@ std::string with_sd(double value, double sd, const std::string& unit) {
   const std::string tail = unit.empty() ? "" : ' ' + unit;
   if (!std::isfinite(sd) || sd <= 0) return fmt::format("{:.3g}{}", value, tail);
   const int decimals = int(std::ceil(1 - std::log10(sd) - 1e-9));
-  if (decimals > 5 || sd >= 1e5) return fmt::format("{:.2e} ± {:.1e}{}", value, sd, tail);
+  if (decimals > 5 || sd >= 1e5) {
+    const auto exponent = [](double x) { return int(std::floor(std::log10(x))); };
+    const int digits = value == 0 ? 2 : std::clamp(exponent(std::abs(value)) - exponent(sd) + 1, 2, 9);
+    return fmt::format("{:.{}e} ± {:.1e}{}", value, digits, sd, tail);
+  }
   return fmt::format("{:.{}f} ± {:.{}f}{}", value, std::max(0, decimals), sd, std::max(0, decimals), tail);
 }
 
@@ -360,6 +364,12 @@ Why why(const Diagnosis& d, const std::string& name, std::span<const ParameterGr
                           100 * least_explained(g)),
               "A second effect beside it that accounts for the rest."};
     case Gate::remainder:
+      if (e.of_two)
+        return {
+            fmt::format("With both the records are still not explained ({}): they leave {:.0f} % of the mismatch, and two together have to leave no more than "
+                        "chance does.",
+                        chi2_words(e.chi2, d.evidence, g), 100 - share),
+            "Physics that was not offered, which the two together imitate."};
       return {fmt::format("With it the records are still not explained ({}): it leaves {:.0f} % of the mismatch, where {:.0f} % is let pass.",
                           chi2_words(e.chi2, d.evidence, g), 100 - share, 100 * (1 - least_explained(g))),
               "A second effect beside it that accounts for the rest."};

@@ -163,7 +163,7 @@ Gate gate_not_passed(const BaseEvidence& base, const std::vector<Explanation>& a
   if (!e.fitted) return Gate::fitted;
   const double share = share_explained(base, e, g).value_or(0);
   const double plausible = greatest_plausible(base, g);
-  if (e.chi2 > plausible && share < least_explained(g)) return share < g.explained ? Gate::explained : Gate::remainder;
+  if (e.chi2 > plausible && (e.of_two || share < least_explained(g))) return share < g.explained ? Gate::explained : Gate::remainder;
   // Of the records themselves a base model that bends its parameters to them may have the smaller misfit; what was left out of both fits tells which of them
   // predicts.
   const auto foretold = share_foretold(base, e);

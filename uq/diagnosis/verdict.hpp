@@ -34,6 +34,7 @@ struct Foretold {
 struct Explanation {
   std::string name;  ///< mechanism, pair "a+b" in alphabetical order, or a numerical alternative
   bool numerical = false;
+  bool of_two = false;                    ///< a pair, the second of which was chosen to take what the first leaves
   bool of_a_gauge = false;                ///< a fault of one gauge, which predicts nothing of the others
   double log_bayes_factor = 0;            ///< against the base model, under the same errors
   EvidenceByScale by_scale;               ///< the same, scale by scale of a discrepancy
@@ -68,7 +69,7 @@ struct Gates {
   double null_chi2 = 0.65;  ///< chi-squared over values where nothing is missing, as the errors are wide
   double adequate = 0.01;   ///< p-value of chi-squared of an adequate fit, at least
   double remainder =
-      1.0 / 4;            ///< or, of a name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
+      1.0 / 4;  ///< or, of a single name: what it leaves over what the base model leaves, at most, as amplitudes. No law is the target's to the last digit
   double misfit = 1;      ///< of the records with a name over that without it: it has to be below, where nothing was left out of the fit
   double held_out = 0.4;  ///< of the share of its square that the records' misfit loses with a name: what that of gauges left out of the fit loses at least.
                           ///< What imitates an effect does not predict them
@@ -78,7 +79,7 @@ struct Gates {
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;  ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
   double believed = 0.9;     ///< probability of what is named or not told apart, more than
-  int revision = 8;  ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  int revision = 9;  ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };

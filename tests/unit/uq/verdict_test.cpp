@@ -215,6 +215,12 @@ TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   x.chi2 = 65 + 120;  // a sixteenth is 125
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);
   EXPECT_GT(judge(base, {x}).ranking[0].probability, 0.99);
+  Explanation two = x;  // the second was chosen for what the first leaves: all of it is asked
+  two.of_two = true;
+  EXPECT_EQ(judge(base, {two}).kind, VerdictKind::unknown);
+  EXPECT_EQ(gate_not_passed(base, {two}, 0), Gate::remainder);
+  two.chi2 = 130;  // p 0.02
+  EXPECT_EQ(judge(base, {two}).kind, VerdictKind::named);
   x.chi2 = 65 + 130;
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
   x.by_scale[2].log_evidence = 130;  // it needs as much of a discrepancy as the base model

@@ -275,6 +275,12 @@ TEST(Problem, ASingleSampleInCommonIsAnError) {
   EXPECT_EQ(make_problem(shape_of({"A"}, 1, 1), r, {}).time.size(), 1u);
 }
 
+TEST(Problem, AGaugeWithoutASampleIsTold) {
+  auto r = recordings_of({"A", "B"}, {0, 1}, {0, 1});
+  r.values = {1, 2, 3, 4, NAN, NAN, NAN, NAN};
+  EXPECT_THAT(make_problem(shape_of({"A", "B"}, 2, 1), r, {}).warnings, testing::Contains(HasSubstr("sensor B has no sample")));
+}
+
 TEST(Problem, CopiesAreTold) {
   auto r = noisy(40, 1);
   EXPECT_THAT(make_problem(shape_of({"A", "B"}, 40, 1), r, {}).warnings, testing::Each(testing::Not(HasSubstr("copy"))));

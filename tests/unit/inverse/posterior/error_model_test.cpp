@@ -370,6 +370,14 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
   EXPECT_NEAR(everywhere(19, 19), c(19, 19), 1e-9 * c(19, 19));
 }
 
+TEST(Discrepancy, AnAmplitudeIsNoLargerThanTheSpanOfItsRecord) {
+  const Eigen::VectorXd swing = Eigen::VectorXd::LinSpaced(50, 0, 20).array().sin();
+  EXPECT_NEAR(greatest_amplitude(swing), 2, 0.01);
+  EXPECT_NEAR(greatest_amplitude(swing.array() + 300), greatest_amplitude(swing), 1e-9);  // an absolute temperature
+  EXPECT_LT(std::sqrt(swing.squaredNorm() / 50), greatest_amplitude(swing));              // about 0 it takes nothing away
+  EXPECT_EQ(greatest_amplitude(Eigen::VectorXd::Constant(3, -5)), 5);
+}
+
 TEST(Discrepancy, InOnePlaceAloneIsAsLargeOverAllRecordsAsOneEverywhere) {
   const auto step = [](auto, double t) { return t < 50e-6 ? 0.0 : 50.0; };
   const AnalyticModel model({uniform_parameter("a", 0, 2, 1)}, {step, step, step}, 200, 1e-6);
