@@ -177,7 +177,7 @@ Recordings StudyCase::matched_recordings(std::span<const std::string> sensors, s
   auto read = file.locating([&] { return read_recordings(path, *recordings); });
   const auto unmatched = match_sensors(read, sensors, file.path(), path, recordings->exclude);
   warnings.insert(warnings.end(), unmatched.begin(), unmatched.end());
-  return read;
+  return external && external->time.count > 1 ? at_times_of(read, external->time.start, external->time.step, warnings) : read;
 }
 
 }  // namespace calomel

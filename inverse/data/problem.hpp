@@ -62,7 +62,8 @@ std::string plain_dead(std::span<const std::string> labels);
 /// Band of each sensor: mean +- t(0.975, n - 1) s, with s the sd over its n pulses; `band = "mean"` divides s by sqrt(n); one
 /// pulse: +- 1.96 noise. A gauge is dead whose mean record is 0 throughout, or never changes where another's does, or has less than three times the mean square
 /// that noise alone would leave and less than a tenth of the root mean square of the middle one of all gauges. Errors: InputError when recordings and
-/// simulation do not overlap, a condition is not the model's, all mean records are 0, or noise is missing for a sensor with one pulse.
+/// simulation do not overlap, or share one of several samples alone, a condition is not the model's, all mean records are 0, or noise is missing for a sensor
+/// with one pulse.
 Problem make_problem(const ModelShape& shape, const Recordings& recordings, const RecordingOptions& options);
 
 /// Width of the 95 % band of n values, in units of their sd: t(0.975, n - 1), over sqrt(n) for the mean.

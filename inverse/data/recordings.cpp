@@ -272,6 +272,33 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
   return out;
 }
 
+Recordings at_times_of(const Recordings& recordings, double first, double step, std::vector<std::string>& warnings) {
+  constexpr double on_time = 1e-3;  // of a step
+  std::vector<std::size_t> kept;
+  for (std::size_t t = 0; t < recordings.time.size(); ++t)
+    if (const double k = (recordings.time[t] - first) / step; std::abs(k - std::round(k)) < on_time) kept.push_back(t);
+  if (kept.size() == recordings.time.size()) return recordings;
+  bool even = kept.size() > 1;
+  for (std::size_t i = 2; i < kept.size(); ++i) even = even && kept[i] - kept[i - 1] == kept[1] - kept[0];
+  if (!even) {
+    warnings.push_back(
+        fmt::format("the records' times lie between those of the model, {:.4g} s apart: its values are interpolated there, which no error counts; give "
+                    "output.time the times of the records",
+                    step));
+    return recordings;
+  }
+  warnings.push_back(fmt::format("{} of {} record times are not among those of the model, {:.4g} s apart, and are not compared",
+                                 recordings.time.size() - kept.size(), recordings.time.size(), step));
+  Recordings out = recordings;
+  out.time.clear(), out.values.assign(recordings.conditions.size() * recordings.sensors.size() * recordings.pulses.size() * kept.size(), 0);
+  for (const auto t : kept) out.time.push_back(recordings.time[t]);
+  for (std::size_t c = 0; c < recordings.conditions.size(); ++c)
+    for (std::size_t s = 0; s < recordings.sensors.size(); ++s)
+      for (std::size_t p = 0; p < recordings.pulses.size(); ++p)
+        for (std::size_t t = 0; t < kept.size(); ++t) out.values[out.at(c, s, p, t)] = recordings.values[recordings.at(c, s, p, kept[t])];
+  return out;
+}
+
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,
                                        const std::filesystem::path& recordings_file, std::span<const std::string> excluded) {
   std::vector<std::string> without;  // declared ones that have no record: the likeliest meant

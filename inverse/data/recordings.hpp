@@ -99,6 +99,10 @@ Recordings read_recordings_file(const std::filesystem::path& path, const std::st
 /// Errors: those of read_recordings_file; InputError when a name in `exclude` is not recorded or nothing is left.
 Recordings read_recordings(const std::filesystem::path& path, const RecordingOptions& options);
 
+/// The samples of a record at the times first + k step (k = 0, 1, ...) of a model that has no value between them, at two times and more, evenly spaced; the
+/// rest is left out. Unchanged where no two of its samples stand there. A warning is added where anything is left out or has to be interpolated.
+Recordings at_times_of(const Recordings& recordings, double first, double step, std::vector<std::string>& warnings);
+
 /// Holds the recorded sensors against the declared ones; returns the warnings (declared but not recorded, or left out: `excluded`).
 /// Errors: InputError for the first sensor that is recorded but not declared, naming it and both files.
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,

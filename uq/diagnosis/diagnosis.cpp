@@ -228,9 +228,10 @@ std::vector<std::string> Diagnosis::unsettled() const {
   if (verdict.mechanisms.empty()) {
     if (!base.settled) return {"base"};
     const auto all = by_evidence();
-    const bool left_out =
-        spent && verdict.kind == VerdictKind::unknown && !all.empty() && gate_not_passed(evidence, all, 0) == Gate::fitted;  // what comes nearest
-    return left_out ? std::vector{all[0].name} : std::vector<std::string>{};
+    if (!spent || verdict.kind != VerdictKind::unknown || all.empty()) return {};
+    const Gate stopped = gate_not_passed(evidence, all, 0);  // what comes nearest has no fit, or leaves what a second effect may take: pairs come last
+    const bool more_runs = stopped == Gate::fitted || ((stopped == Gate::explained || stopped == Gate::remainder) && !all[0].of_two);
+    return more_runs ? std::vector{all[0].name} : std::vector<std::string>{};
   }
   std::vector<std::string> names;
   for (const auto& name : verdict.mechanisms)

@@ -109,8 +109,8 @@ struct Diagnosis {
   /// The explanations of all candidates as sort_by_evidence leaves them.
   [[nodiscard]] std::vector<Explanation> by_evidence() const;
   /// The fits on which the verdict hangs and which more runs might still change: of what is named, else "base", the base model's, or of what comes nearest and
-  /// for which no runs were left. Such a verdict is not to be acted on. A name does not hang on the base fit, which wanders where physics is left out: that of
-  /// the name holds the base model, its numbers off, in its box.
+  /// for which, or for a second effect beside it, no runs were left. Such a verdict is not to be acted on. A name does not hang on the base fit, which wanders
+  /// where physics is left out: that of the name holds the base model, its numbers off, in its box.
   [[nodiscard]] std::vector<std::string> unsettled() const;
 };
 

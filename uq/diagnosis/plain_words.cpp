@@ -475,7 +475,13 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
   std::vector<std::string> fits;
   for (const auto& name : unsettled) fits.push_back(name == "base" ? "the base model" : with_key(*d.alternative(name), groups));
   if (names.empty() && !fits.empty() && unsettled[0] != "base")
-    told = {fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for it.", fits[0]),
+    told = {d.alternative(unsettled[0])->explanation.fitted
+                ? fmt::format(
+                      "The simulation and the records differ. What comes nearest, {}, leaves a part of it, and no runs were left to look for a second effect "
+                      "beside it.",
+                      fits[0])
+                : fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for it.",
+                              fits[0]),
             "Run the diagnosis again with more runs (diagnosis.max_runs); those that were made are kept."};
   else if (!fits.empty())
     told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),

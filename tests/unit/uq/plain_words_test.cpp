@@ -247,6 +247,20 @@ TEST(PlainWords, NothingIsToBeActedOnBeforeTheFitThatItHangsOnSettled) {
   EXPECT_THAT(told(none).next_step, StartsWith("Do not act on this yet: the fit of the base model has not settled"));
 }
 
+TEST(PlainWords, WhereRunsWereSpentBeforeASecondEffectWasTriedUnknownSaysSo) {
+  Alternative half = beam();
+  half.explanation.chi2 = 200, half.explanation.by_scale = {{0, 0.5, 30}, {0.08, 0.5, 98}};
+  Diagnosis d = judged({half});
+  ASSERT_EQ(d.verdict.kind, VerdictKind::unknown);
+  EXPECT_THAT(d.unsettled(), ::testing::IsEmpty());
+  d.spent = true;
+  EXPECT_THAT(d.unsettled(), ElementsAre("beam_profile"));
+  EXPECT_THAT(told(d).finding, HasSubstr("no runs were left to look for a second effect beside it"));
+  EXPECT_THAT(told(d).next_step, HasSubstr("diagnosis.max_runs"));
+  d.candidates[0].explanation.of_two = true;  // the pair itself leaves it: more runs do not help
+  EXPECT_THAT(d.unsettled(), ::testing::IsEmpty());
+}
+
 // The words repeat the gates of judge(); over random evidences they must agree with it.
 TEST(PlainWords, TheGateThatIsNotPassedAgreesWithTheVerdict) {
   RandomStream random(3, 0);

@@ -271,6 +271,24 @@ TEST(Recordings, SensorsAreHeldAgainstTheCase) {
   }
 }
 
+TEST(Recordings, OfAModelOutsideAreThoseAtItsTimes) {
+  std::string dense = "time,A,B\n", half = dense, own = dense;
+  for (int i = 0; i < 9; ++i)
+    dense += fmt::format("{},{},{}\n", 0.25 * i, i, 10 * i), half += fmt::format("{},1,2\n", i + 0.5), own += fmt::format("{},1,2\n", i);
+  std::vector<std::string> warnings;
+  const auto r = at_times_of(read(dense), 0, 1, warnings);
+  EXPECT_EQ(r.time, (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(r.values, (std::vector<double>{0, 4, 8, 0, 40, 80}));
+  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr("6 of 9 record times")));
+  warnings.clear();
+  EXPECT_EQ(at_times_of(read(half), 0, 1, warnings).time.size(), 9u);
+  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr("interpolated")));
+  warnings.clear();
+  EXPECT_EQ(at_times_of(read(own), 0, 1, warnings).time.size(), 9u);
+  EXPECT_EQ(at_times_of(read(own), 0, 0.5, warnings).time.size(), 9u);  // sparse ones stand on every second time
+  EXPECT_TRUE(warnings.empty());
+}
+
 TEST(Recordings, RoundTripThroughNetcdf) {
   const auto dir = scratch("roundtrip");
   auto r = read("condition,sensor,pulse,time,strain\nlow,A,2,0,1e-5\nlow,A,2,1,2e-5\nlow,B,4,0,3e-5\nlow,B,4,1,nan\nhigh,A,2,0,5e-5\nhigh,A,2,1,6e-5\n");
