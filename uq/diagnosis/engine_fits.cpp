@@ -304,6 +304,7 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
   if (runs_ + first_runs(plan) > in_.options.max_runs) {
     skip(fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", c.explanation.name, first_runs(plan), runs_,
                      in_.options.max_runs));
+    out_.spent = true;
     return;
   }
   say(fmt::format("fit of {} ({} runs so far)", c.explanation.name, runs_));
@@ -354,9 +355,9 @@ void DiagnosisEngine::fit(const Question& q, const Alternative* on_top_of) {
                     : fit.message;
     fits_.emplace(c.explanation.name, Fitted{added, std::move(fitted.inputs), std::move(fitted.fit)});
   } catch (const NumericsError& e) {
-    if (ended_) skip(c.explanation.name + ": " + e.what());
+    if (ended_) skip(c.explanation.name + ": " + e.what()), out_.spent = true;
     if (ended_ && !on_top_of) {
-      c = to_first_order(q), out_.spent = true;
+      c = to_first_order(q);
     } else {  // nothing of a fit that failed half way
       c.explanation.fitted = false, c.explanation.log_bayes_factor = 0, c.explanation.base_chi2.reset(), c.explanation.farthest = 0;
       c.explanation.by_scale = out_.evidence.by_scale;
