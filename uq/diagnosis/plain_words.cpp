@@ -148,7 +148,8 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
   switch (gate_not_passed(d.evidence, all, 0, gates)) {
     case Gate::fitted:
       if (all[0].log_bayes_factor < gates.log_bayes_factor) return nothing;
-      return {begin + " comes nearest to first order, but was not fitted.", "Run the diagnosis again with more diagnosis.leaders or diagnosis.max_runs."};
+      return {begin + " comes nearest to first order, but was not fitted.",
+              "Run the diagnosis again with --fresh and more diagnosis.leaders or diagnosis.max_runs; the runs that were made are kept."};
     case Gate::evidence:
       if (all[0].log_bayes_factor <= hardly) return nothing;
       return {fmt::format("The simulation leaves something out {}, and nothing that was tried is sure enough to be named: {} comes nearest.", misfit, name),
@@ -482,10 +483,11 @@ PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> g
                       fits[0])
                 : fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for it.",
                               fits[0]),
-            "Run the diagnosis again with more runs (diagnosis.max_runs); those that were made are kept."};
+            "Run the diagnosis again with --fresh and more runs (diagnosis.max_runs); those that were made are kept."};
   else if (!fits.empty())
-    told.next_step = fmt::format("Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with more {}.", listed(fits),
-                                 d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
+    told.next_step = fmt::format(
+        "Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with --fresh and more {}; the runs that were made are kept.",
+        listed(fits), d.spent ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
   if (!d.mixed_up.empty())
     told.finding =
         fmt::format("The simulation and the records differ (misfit {}), but gauges look mixed up: what was left out was not asked.", percent(m.before));
