@@ -21,9 +21,9 @@ std::recursive_mutex& hdf5_lock() {
   return lock;
 }
 
-void check(int status, const std::filesystem::path& path, const std::string& doing) {
-  if (status != NC_NOERR)
-    throw InputError({.problem = doing + ": " + nc_strerror(status), .suggestion = "check the path, the free space and the format", .file = path.string()});
+void check(int status, const std::filesystem::path& path, const std::string& doing,
+           const std::string& suggestion = "check the path, the free space and the format") {
+  if (status != NC_NOERR) throw InputError({.problem = doing + ": " + nc_strerror(status), .suggestion = suggestion, .file = path.string()});
 }
 
 void put_attributes(int id, int variable, const Attributes& attributes, const std::filesystem::path& path) {
@@ -133,10 +133,8 @@ void NetcdfWriter::commit() {
 
 NetcdfReader::NetcdfReader(std::filesystem::path path) : path_(std::move(path)) {
   const std::lock_guard guard(hdf5_lock());
-  if (const int status = nc_open(path_.c_str(), NC_NOWRITE, &id_); status != NC_NOERR)
-    throw InputError({.problem = std::string("cannot be read as netCDF: ") + nc_strerror(status),
-                      .suggestion = "check the path and the format; an artefact of this program that is damaged is set aside by --fresh",
-                      .file = path_.string()});
+  check(nc_open(path_.c_str(), NC_NOWRITE, &id_), path_, "cannot be read as netCDF",
+        "check the path and the format; an artefact of this program that is damaged is set aside by --fresh");
 }
 
 NetcdfReader::~NetcdfReader() {

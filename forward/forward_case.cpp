@@ -8,6 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "base/finite_number.hpp"
+#include "base/input_file.hpp"
 #include "base/json.hpp"
 #include "forward/case_number.hpp"
 #include "forward/mechanism/correction.hpp"
@@ -18,17 +20,10 @@ namespace {
 
 /// sensors = "sensors.csv": name,x,y,z,dx,dy,dz,gauge_length.
 std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in || std::filesystem::is_directory(path)) throw unreadable_file("sensors", path);
+  std::ifstream in = input_file("sensors", path);
   const std::string columns = "the columns are name,x,y,z,dx,dy,dz,gauge_length in metres";
   std::vector<SensorOptions> all;
   std::string line;
-  const auto number_of = [](const std::string& word) {
-    std::size_t read = 0;
-    const double x = std::stod(word, &read);
-    if (!std::isfinite(x) || word.find_first_not_of(" \t\"", read) != std::string::npos) throw std::invalid_argument(word);
-    return x;
-  };
   for (int number = 1; std::getline(in, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#' || (number == 1 && line.rfind("name", 0) == 0)) continue;
@@ -41,12 +36,13 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
     if (words.size() < 7 || words.size() > 8) throw fail(fmt::format("7 or 8 columns are expected, {} given", words.size()));
     SensorOptions s;
     s.name = words[0];
-    try {
-      for (std::size_t k = 0; k < 3; ++k) s.position[k] = number_of(words[1 + k]), s.direction[k] = number_of(words[4 + k]);
-      if (words.size() == 8) s.gauge_length = number_of(words[7]);
-    } catch (const std::exception&) {
+    const auto number_in = [&](std::size_t column) {
+      const std::string& word = words[column];
+      if (const auto x = finite_number(word.substr(0, word.find_last_not_of(" \t\"") + 1))) return *x;
       throw fail(number == 1 ? "a header begins with name, and a row has numbers behind its name" : "numbers are expected behind the name");
-    }
+    };
+    for (std::size_t k = 0; k < 3; ++k) s.position[k] = number_in(1 + k), s.direction[k] = number_in(4 + k);
+    if (words.size() == 8) s.gauge_length = number_in(7);
     if (std::ranges::count(all, s.name, &SensorOptions::name) > 0) throw fail("two sensors have the same name");
     try {
       s.validate();
@@ -57,6 +53,14 @@ std::vector<SensorOptions> read_sensor_table(const std::filesystem::path& path) 
   }
   if (all.empty()) throw InputError({.problem = "the file lists no sensor", .suggestion = columns, .file = path.string()});
   return all;
+}
+
+/// The mechanism that a key names and that the case does not enable; empty where there is none.
+std::string mechanism_to_enable(const ForwardCase& c, const std::string& key) {
+  const std::string table = "mechanism.";
+  if (!key.starts_with(table)) return {};
+  const std::string name = key.substr(table.size(), key.find('.', table.size()) - table.size());
+  return mechanisms().contains(name) && !c.enables(name) ? name : std::string();
 }
 
 /// The number at a dotted path. To be read it is only looked for; to be set, a gauge's own value of a mechanism is made, and a word is the index of its choice.
@@ -92,13 +96,12 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
     for (const auto& k : m.entry->keys)
       if (k.name == rest.substr(own ? dot + 1 : 0)) found.info.unit = k.unit, found.info.range = between(k.least, k.greatest);
   }
-  const auto first = key.find('.'), second = key.find('.', first + 1);
-  std::string absent = key.starts_with("mechanism.") && second != std::string::npos ? key.substr(first + 1, second - first - 1) : "";
-  if (!mechanisms().contains(absent) || self.enables(absent)) absent.clear();
-  if (!found.number && !found.optional)
+  if (!found.number && !found.optional) {
+    const auto absent = mechanism_to_enable(self, key);
     throw InputError({.problem = "names no number of the case",
                       .value = '"' + key + '"',
                       .suggestion = absent.empty() ? name_suggestion(key, known) : fmt::format("set mechanism.{}.enabled = true", absent)});
+  }
   return found;
 }
 
@@ -197,10 +200,10 @@ ForwardCase ForwardCase::read(CaseFile& file) {
   c.listed_mechanisms = std::move(mechanism_tables.listed);
   c.notes = std::move(mechanism_tables.notes);
   c.parameters = read_parameters(file);
+  const double low = (1 - gruneisen_reach) * c.mercury.sound_speed, high = (1 + gruneisen_reach) * c.mercury.sound_speed;
   if (c.load.policy == "gruneisen")
     for (const auto& p : c.parameters)
-      if (const double low = (1 - gruneisen_reach) * c.mercury.sound_speed, high = (1 + gruneisen_reach) * c.mercury.sound_speed;
-          p.key == "material.mercury.sound_speed" && (p.min < low || p.max > high))
+      if (p.key == "material.mercury.sound_speed" && (p.min < low || p.max > high))
         c.notes.push_back(
             fmt::format("load.policy = \"gruneisen\" holds for a sound speed of {:.5g} to {:.5g} m/s, within 15 % of nominal: runs outside of it fail, "
                         "and [parameter.{}] goes from {} to {}",

@@ -88,9 +88,10 @@ Planned planned(const StudyInputs& inputs, const Mesh& mesh) {
   ForwardCase& c = out.study.forward;
   std::vector<double> lengths;
   for (const auto& s : c.sensors) lengths.push_back(s.gauge_length);
+  const double usual_length = lengths.empty() ? 0 : upper_median(std::move(lengths));
   for (const auto& place : free_places(mesh, c.sensors, options.gauges)) {
     SensorOptions s{.name = fmt::format("new {}", out.gauges.size() + 1), .position = place.position, .direction = place.direction};
-    s.gauge_length = lengths.empty() ? 0 : upper_median(lengths);
+    s.gauge_length = usual_length;
     out.gauges.push_back(
         fmt::format("a gauge along {} at ({:.3g}, {:.3g}, {:.3g}) m", s.direction[0] > 0 ? "x" : "z", s.position[0], s.position[1], s.position[2]));
     c.sensors.push_back(std::move(s));

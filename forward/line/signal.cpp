@@ -6,20 +6,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/finite_number.hpp"
+#include "base/input_file.hpp"
+
 namespace calomel {
 
 namespace {
-
-/// The number that a word is, whole; nothing for any other word.
-std::optional<double> number_of(const std::string& word) {
-  try {
-    std::size_t read = 0;
-    const double x = std::stod(word, &read);
-    if (read == word.size() && std::isfinite(x)) return x;
-  } catch (const std::exception&) {
-  }
-  return std::nullopt;
-}
 
 std::vector<std::string> words_of(std::string line) {
   std::replace_if(
@@ -33,8 +25,7 @@ std::vector<std::string> words_of(std::string line) {
 }  // namespace
 
 Signal read_signal(const std::filesystem::path& path, int column, std::optional<double> sample_interval, const std::string& key) {
-  std::ifstream in(path);
-  if (!in) throw unreadable_file(key, path);
+  std::ifstream in = input_file(key, path);
   Signal signal;
   std::vector<double> time;
   std::vector<int> lines;
@@ -45,11 +36,11 @@ Signal read_signal(const std::filesystem::path& path, int column, std::optional<
     const auto fail = [&](const std::string& problem) {
       return InputError({.problem = problem, .value = '"' + line.substr(0, 60) + '"', .file = path.string(), .line = number});
     };
-    const auto t = number_of(words[0]);
+    const auto t = finite_number(words[0]);
     if (!t && time.empty()) continue;  // a header
     if (!t) throw fail("a time [s] is expected in the first column");
     if (words.size() < std::size_t(column)) throw fail(fmt::format("column {} is wanted, there are {}", column, words.size()));
-    const auto value = number_of(words[std::size_t(column - 1)]);
+    const auto value = finite_number(words[std::size_t(column - 1)]);
     if (!value) throw fail(fmt::format("a number is expected in column {}", column));
     time.push_back(*t), signal.value.push_back(*value), lines.push_back(number);
   }

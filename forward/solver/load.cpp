@@ -5,6 +5,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/input_file.hpp"
+
 namespace calomel {
 
 double ProfileOptions::greatest() const {
@@ -94,8 +96,7 @@ double History::at(double t) const {
 }
 
 History read_history(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) throw unreadable_file("load.file", path);
+  std::ifstream in = input_file("load.file", path);
   History h;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

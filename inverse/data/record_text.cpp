@@ -108,7 +108,7 @@ void split_header(std::string_view line, char separator, std::vector<std::string
   fields = std::move(joined);
 }
 
-/// The unit of a column that is called time and is in a unit that is no time's, "time [min]"; empty of any other column.
+/// The column, where it is called time and is in a unit that is no time's, "time [min]"; empty of any other.
 std::string unknown_time_unit(std::string_view field) {
   const std::string word = lowered(field);
   const auto open = word.find_first_of("[(");

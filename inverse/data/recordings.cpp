@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/artefact.hpp"
+#include "base/input_file.hpp"
 #include "base/not_finite.hpp"
 #include "base/netcdf_file.hpp"
 #include "inverse/data/record_rows.hpp"
@@ -19,8 +20,7 @@ namespace {
 constexpr double microstrain = 1e-6;
 
 bool is_netcdf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path)) throw unreadable_file("recordings.file", path);
+  std::ifstream in = input_file("recordings.file", path);
   char head[4] = {};
   in.read(head, 4);
   const std::string_view magic(head, std::size_t(in.gcount()));
@@ -171,6 +171,20 @@ RecordRows rows_of(const Recordings& record) {
   return out;
 }
 
+/// These sensors at these samples, by their indices.
+Recordings selected(const Recordings& all, std::span<const std::size_t> sensors, std::span<const std::size_t> samples) {
+  Recordings out = all;
+  out.sensors.clear(), out.sensor_lines.clear(), out.time.clear();
+  for (const auto s : sensors) out.sensors.push_back(all.sensors[s]), out.sensor_lines.push_back(all.sensor_lines[s]);
+  for (const auto t : samples) out.time.push_back(all.time[t]);
+  out.values.resize(all.conditions.size() * sensors.size() * all.pulses.size() * samples.size());
+  for (std::size_t c = 0; c < all.conditions.size(); ++c)
+    for (std::size_t s = 0; s < sensors.size(); ++s)
+      for (std::size_t p = 0; p < all.pulses.size(); ++p)
+        for (std::size_t t = 0; t < samples.size(); ++t) out.values[out.at(c, s, p, t)] = all.values[all.at(c, sensors[s], p, samples[t])];
+  return out;
+}
+
 int index_in(std::vector<std::string>& names, const std::string& name) {
   const auto it = std::find(names.begin(), names.end(), name);
   if (it != names.end()) return int(it - names.begin());
@@ -240,7 +254,6 @@ Recordings read_recordings_file(const std::filesystem::path& path, const std::st
 
 Recordings read_recordings(const std::filesystem::path& path, const RecordingOptions& options) {
   const Recordings all = read_recordings_file(path, options.unit, options.as_it_is);
-  Recordings out = all;
   for (std::size_t i = 0; i < options.exclude.size(); ++i)
     if (const auto& name = options.exclude[i]; std::find(all.sensors.begin(), all.sensors.end(), name) == all.sensors.end())
       throw InputError({.problem = "a sensor to exclude is not recorded in " + path.string(),
@@ -261,14 +274,8 @@ Recordings read_recordings(const std::filesystem::path& path, const RecordingOpt
     throw InputError({.problem = fmt::format("no sample lies in the window; the record goes from {:.6g} to {:.6g} s", all.time.front() - options.trigger_offset,
                                              all.time.back() - options.trigger_offset),
                       .key = options.begin ? "recordings.begin" : "recordings.end"});
-  out.sensors.clear(), out.sensor_lines.clear(), out.time.clear();
-  for (const auto s : sensors) out.sensors.push_back(all.sensors[s]), out.sensor_lines.push_back(all.sensor_lines[s]);
-  for (const auto t : samples) out.time.push_back(all.time[t] - options.trigger_offset);
-  out.values.resize(all.conditions.size() * sensors.size() * all.pulses.size() * samples.size());
-  for (std::size_t c = 0; c < all.conditions.size(); ++c)
-    for (std::size_t s = 0; s < sensors.size(); ++s)
-      for (std::size_t p = 0; p < all.pulses.size(); ++p)
-        for (std::size_t t = 0; t < samples.size(); ++t) out.values[out.at(c, s, p, t)] = all.values[all.at(c, sensors[s], p, samples[t])];
+  Recordings out = selected(all, sensors, samples);
+  for (auto& t : out.time) t -= options.trigger_offset;
   return out;
 }
 
@@ -289,14 +296,9 @@ Recordings at_times_of(const Recordings& recordings, double first, double step, 
   }
   warnings.push_back(fmt::format("{} of {} record times are not among those of the model, {:.4g} s apart, and are not compared",
                                  recordings.time.size() - kept.size(), recordings.time.size(), step));
-  Recordings out = recordings;
-  out.time.clear(), out.values.assign(recordings.conditions.size() * recordings.sensors.size() * recordings.pulses.size() * kept.size(), 0);
-  for (const auto t : kept) out.time.push_back(recordings.time[t]);
-  for (std::size_t c = 0; c < recordings.conditions.size(); ++c)
-    for (std::size_t s = 0; s < recordings.sensors.size(); ++s)
-      for (std::size_t p = 0; p < recordings.pulses.size(); ++p)
-        for (std::size_t t = 0; t < kept.size(); ++t) out.values[out.at(c, s, p, t)] = recordings.values[recordings.at(c, s, p, kept[t])];
-  return out;
+  std::vector<std::size_t> sensors(recordings.sensors.size());
+  std::iota(sensors.begin(), sensors.end(), std::size_t{0});
+  return selected(recordings, sensors, kept);
 }
 
 std::vector<std::string> match_sensors(const Recordings& recordings, std::span<const std::string> declared, const std::filesystem::path& case_file,

@@ -249,9 +249,8 @@ void DiagnosisEngine::fit_leaders() {
         ++fitted;
         continue;
       }
-      out_.spent = true;  // no runs are left for it
     }
-    out_.candidates.push_back(to_first_order(q));
+    out_.candidates.push_back(to_first_order(q));  // where no runs were left for it, too
   }
 }
 

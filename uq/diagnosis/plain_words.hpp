@@ -5,36 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "uq/diagnosis/diagnosis.hpp"
+#include "uq/diagnosis/plain_numbers.hpp"
 
 namespace calomel {
 
-/// |simulation - record| / |record| [-], mean over the gauges, in the band of frequencies that the diagnosis compares.
+/// Misfits as of misfit_of_all [-], in the band of frequencies that the diagnosis compares.
 struct Misfits {
   double before = 0, after = 0;                    ///< of the base model, and with what is named
   double held_out_before = 0, held_out_after = 0;  ///< the same of what was left out of the fit
   std::string held_out = "gauges";                 ///< what that was: "stretches of the record" of a single one
 };
-
-/// "120 µs", "7.5 ms", "12 s".
-[[nodiscard]] std::string time_text(double seconds);
-
-/// A mechanism, or a pair of them, by its plain name: "the proton beam's profile". One without a plain name keeps its own.
-[[nodiscard]] std::string plain_name(const Alternative& a, std::span<const ParameterGroup> groups);
-
-/// One of an alternative's numbers.
-struct PlainNumber {
-  std::string value;      ///< "2.31 ± 0.16 mm"
-  std::string off;        ///< what it is where the mechanism is left out, "0 mm"
-  std::string doc;        ///< "of the axis, upwards"
-  double deviations = 0;  ///< from off, in its sd
-};
-[[nodiscard]] PlainNumber plain_number(const Alternative& a, const Estimate& number, std::span<const ParameterGroup> groups);
-/// The two numbers that stand farthest from off in their deviations: "offset_z 2.31 ± 0.16 mm in place of 0 mm". Empty where it has none.
-[[nodiscard]] std::string plain_size(const Alternative& a, std::span<const ParameterGroup> groups);
-
-/// The wall of a place with the stretch that was fitted, "front, 10.3 to 25.5 mm"; the place itself where the numbers have no ends.
-[[nodiscard]] std::string fitted_place(const std::string& mechanism, const std::string& place, const std::vector<Estimate>& numbers);
 
 /// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record: what to measure to tell
 /// them apart.

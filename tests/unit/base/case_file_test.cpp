@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/input_file.hpp"
 #include "base/json.hpp"
 
 using namespace calomel;
@@ -206,6 +207,8 @@ TEST(UnreadableFile, NamesKeyPathAndTheNearestThatIsThere) {
               testing::AllOf(HasSubstr("sensors = "), HasSubstr("sensor.csv"), HasSubstr("did you mean \"sensors.csv\"?")));
   EXPECT_THAT(unreadable_file("sensors", folder / "gauges.txt").what(), testing::AllOf(HasSubstr("check the name"), testing::Not(HasSubstr("did you mean"))));
   EXPECT_THAT(unreadable_file("sensors", folder).what(), HasSubstr("this is a directory"));
+  EXPECT_THROW((void)input_file("load.file", folder), InputError);
+  EXPECT_EQ(input_file("sensors", folder / "sensors.csv").get(), 'x');
   std::filesystem::remove_all(folder);
 }
 
