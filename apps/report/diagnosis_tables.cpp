@@ -113,6 +113,16 @@ std::string unsettled_fit(const Json& d) {
   return "the fit of the base model: " + text_at(part_at(d, "base_fit"), "message", "not settled");
 }
 
+/// Of an unknown verdict: the first explanation of the ranking, where its evidence alone would do for a name; else null.
+const Json* nearest_refused(const Json& d) {
+  if (text_at(d, "verdict") != "unknown") return nullptr;
+  for (const auto& r : list_at(d, "ranking")) {
+    if (text_at(r, "name") == "none" || text_at(r, "name") == "unknown") continue;
+    return number_at(r, "log_bayes_factor").value_or(0) >= Gates{}.log_bayes_factor && !text_at(r, "why").empty() ? &r : nullptr;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Table mismatch_table(const Study& study) {
@@ -215,7 +225,8 @@ Table explanation_table(const Study& study) {
       "beside what was. The log Bayes factor allows anything else beside both. An effect is given with one standard deviation; those of explanations that do "
       "not lead are estimates to first order. Probabilities are "
       "cautious: they stand for the evidences to the power of 1/{:.2g}. A name asks for more than to lead: for a log Bayes factor of {:.2g}, evidence {:.2g} "
-      "above that of the next, and a probability above {:.0f} %.",
+      "above that of the next, and a probability above {:.0f} %. Where the verdict is unknown, what has the evidence but fails another of the rule's tests "
+      "has no probability: it speaks for something else that acts alike.",
       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead, 100 * Gates{}.believed);
   return t;
 }
@@ -300,10 +311,9 @@ std::string diagnosis_section(const Study& study, const ReportInput& input) {
   const std::string verdict = text_at(d, "verdict");
   std::string s = fmt::format("<p>Verdict: <strong>{}</strong>. {}</p>\n", escape_html(verdict), escape_html(meaning(verdict)));
   if (text_at(d, "status", "done") != "done") s += missing("<strong>Not to be trusted:</strong> " + escape_html(unsettled_fit(d)) + ".");
-  if (const Json& ranking = list_at(d, "ranking");
-      verdict == "unknown" && !ranking.empty() && text_at(ranking[0], "name") != "unknown" && !text_at(ranking[0], "why").empty())
-    s += fmt::format("<p>The most probable of what was tried, {}, is not named: {}</p>\n", escape_html(title_of(ranking[0])),
-                     escape_html(lower_first(text_at(ranking[0], "why"))));
+  if (const Json* nearest = nearest_refused(d))
+    s += fmt::format("<p>What comes nearest of what was tried, {}, is not named: {}</p>\n", escape_html(title_of(*nearest)),
+                     escape_html(lower_first(text_at(*nearest, "why"))));
 
   s += heading("Where");
   if (!input.sensors.empty())

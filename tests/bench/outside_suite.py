@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Diagnoses of models outside, behind UM-Bridge, whose records conceal a mechanism, a fault of a sensor, something that no mechanism is, or nothing. Needs Python 3 alone.
 
-  outside_suite.py run   CALOMEL WORK_DIR [--seed S] [--repeats N] [--only SYSTEM] [--threads T]
+  outside_suite.py run   CALOMEL WORK_DIR [--seed S] [--repeats N] [--only SYSTEM] [--threads T] [--jitter J]
   outside_suite.py table WORK_DIR
 
 Two systems: a mass on a spring that is let go (displacement and velocity), and a rod that is heated at one end (three thermometers). What is served is a coarse integration: semi-implicit Euler, and implicit
 steps of 36 cells. The records come from another scheme (classical Runge and Kutta; Heun's on 60 cells), with four pulses, noise, gains within 1 % and parameters drawn about their priors. Of what is concealed the
 strength is drawn so that it changes the mean records by 15 to 60 of their standard errors (root of the sum of squares), before any parameter makes up for it. `run` makes N cases of each kind and diagnoses
-them; one that is done is not done again. `table` counts the verdicts.
+them; one that is done is not done again. With `--jitter` every value that is served is off by that share of it, drawn anew for every point, as of a simulation that chooses its steps itself. `table` counts the verdicts.
 """
 import argparse
 import json
@@ -119,7 +119,7 @@ class Rod:
 SYSTEMS = {"oscillator": Oscillator(), "rod": Rod()}
 
 
-def serve(system):
+def serve(system, jitter):
     """Its server, on a free port of this machine; its address."""
     sizes = [len(system.parameters)] + [1] * len(system.mechanisms)
 
@@ -131,7 +131,8 @@ def serve(system):
         if path == "/OutputSizes":
             return {"outputSizes": [len(system.sensors) * system.count]}
         blocks = q["input"]
-        return {"output": [sum(system.run(blocks[0], [b[0] for b in blocks[1:]]), [])]}
+        r = random.Random(repr(blocks))
+        return {"output": [[v * (1 + jitter * r.gauss(0, 1)) for v in sum(system.run(blocks[0], [b[0] for b in blocks[1:]]), [])]]}
 
     class Server(Handler):
         def do_GET(self):
@@ -203,7 +204,7 @@ def run(args):
     for name, system in SYSTEMS.items():
         if args.only and name != args.only:
             continue
-        url = serve(system)
+        url = serve(system, args.jitter)
         for kind in kinds(system):
             for repeat in range(args.repeats):
                 place = os.path.join(args.work, f"{name}_{kind}_{args.seed}_{repeat}")
@@ -252,6 +253,7 @@ def main():
     one = verbs.add_parser("run")
     one.add_argument("calomel"), one.add_argument("work")
     one.add_argument("--seed", type=int, default=1), one.add_argument("--repeats", type=int, default=3), one.add_argument("--only", choices=SYSTEMS), one.add_argument("--threads", type=int, default=1)
+    one.add_argument("--jitter", type=float, default=0.0)
     verbs.add_parser("table").add_argument("work")
     args = parser.parse_args()
     return run(args) if args.verb == "run" else table(args)

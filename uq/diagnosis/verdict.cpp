@@ -6,6 +6,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/log_sum.hpp"
 
@@ -39,6 +40,10 @@ std::vector<double> priors_of(const std::vector<Explanation>& all, const Gates& 
   return out;
 }
 
+void most_probable_first(std::vector<Ranked>& ranking) {
+  std::stable_sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.probability > b.probability; });
+}
+
 /// Probabilities by the tempered evidences. "None" claims that nothing is left out, a name that what it leaves is small beside what it accounts for; whatever
 /// needs more of a discrepancy, the base model or an explanation, is "unknown": half of what that has before the records is the base model's.
 std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanation>& all, const Gates& g) {
@@ -55,8 +60,36 @@ std::vector<Ranked> ranked(const BaseEvidence& base, const std::vector<Explanati
   logs[1] = log_sum(unknown, weights);
   const auto probabilities = shares(logs, priors);
   for (std::size_t i = 0; i < out.size(); ++i) out[i].probability = probabilities[i];
-  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.probability > b.probability; });
+  most_probable_first(out);
   return out;
+}
+
+/// Whether the gate says of an explanation that it is not what the target does, and not only that the records do not tell.
+bool refuses(Gate gate) {
+  switch (gate) {
+    case Gate::explained:
+    case Gate::remainder:
+    case Gate::misfit:
+    case Gate::held_out:
+    case Gate::plausible:
+    case Gate::handbook:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// The evidence of what is refused speaks for something that acts alike and was not offered: its probability is that of "unknown", behind which it stands.
+void count_as_unknown(const std::vector<std::string>& refused, std::vector<Ranked>& ranking) {
+  const auto is_refused = [&](const Ranked& r) { return std::find(refused.begin(), refused.end(), r.name) != refused.end(); };
+  const auto first = std::stable_partition(ranking.begin(), ranking.end(), [&](const Ranked& r) { return !is_refused(r); });
+  std::vector<Ranked> behind(first, ranking.end());
+  ranking.erase(first, ranking.end());
+  const auto is_unknown = [](const Ranked& r) { return r.name == "unknown"; };
+  auto& unknown = std::find_if(ranking.begin(), ranking.end(), is_unknown)->probability;
+  for (auto& r : behind) unknown += std::exchange(r.probability, 0);
+  most_probable_first(ranking);
+  ranking.insert(std::find_if(ranking.begin(), ranking.end(), is_unknown) + 1, behind.begin(), behind.end());
 }
 
 }  // namespace
@@ -197,7 +230,14 @@ Verdict judge(const BaseEvidence& base, std::vector<Explanation> all, const Gate
   const auto next = std::find_if(all.begin() + 1, all.end(), [&](const auto& e) { return !same_class(best, e); });
   const double own = evidence_of_name(base, best, g), lead = next == all.end() ? own : own - evidence_of_name(base, *next, g),
                explained = share_explained(base, best, g).value_or(0);
-  switch (gate_not_passed(base, all, 0, g)) {
+  const Gate gate = gate_not_passed(base, all, 0, g);
+  if (refuses(gate)) {
+    std::vector<std::string> refused;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (refuses(gate_not_passed(base, all, i, g))) refused.push_back(all[i].name);
+    count_as_unknown(refused, v.ranking);
+  }
+  switch (gate) {
     case Gate::fitted:
       if (best.log_bayes_factor >= g.log_bayes_factor)
         return unknown(

@@ -79,7 +79,7 @@ struct Gates {
   double prior_none = 0.5, prior_unknown = 0.25;  ///< probabilities before the records; what is left is that of the names
   double prior_pairs = 0.2;  ///< of that, what all pairs of mechanisms together have: one of them is a pair that was chosen among some eighty
   double believed = 0.9;     ///< probability of what is named or not told apart, more than
-  int revision = 9;  ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
+  int revision = 10;  ///< of what is asked of these numbers: raised with every change of judge() or of what it is told, so that no two rules have one name
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
@@ -95,8 +95,8 @@ struct Ranked {
 struct Verdict {
   VerdictKind kind = VerdictKind::unknown;
   std::vector<std::string> mechanisms;  ///< named, or the class that is not told apart
-  std::vector<Ranked> ranking;          ///< most probable first; probabilities sum to 1
-  std::string reason;                   ///< one sentence
+  std::vector<Ranked> ranking;  ///< most probable first; probabilities sum to 1. Where a gate refuses what leads, what is refused has 0 and follows "unknown"
+  std::string reason;           ///< one sentence
 };
 
 /// Log evidence of an explanation with no more of a discrepancy than a name may leave, over that of the base model's whole: by this explanations are held

@@ -318,6 +318,7 @@ inline void write_diagnosis(const std::filesystem::path& dir, const ReportInput&
                 {"plain_name", plain},
                 {"probability", p},
                 {"log_evidence", evidence},
+                {"log_bayes_factor", evidence},
                 {"explained", explained},
                 {"fitted", true},
                 {"heldout_tried", true},

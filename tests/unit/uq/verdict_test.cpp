@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -185,6 +186,41 @@ TEST(Verdict, SaysUnknownForEachReason) {
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
   x = beam(), x.by_scale = with_and_without(-30, 100);
   EXPECT_THAT(reason(poor(), {x}), HasSubstr("has a probability of 0 % only"));
+}
+
+// What leads and fails a test of substance cannot be what the target does: a reader of the ranking finds "unknown" first, and then what comes nearest.
+TEST(Verdict, WhatAGateRefusesCountsAsUnknown) {
+  Explanation refused = beam(), other = rear();
+  refused.farthest = 4;
+  other.log_bayes_factor = 40, other.by_scale = with_and_without(90, 40);
+  const Verdict named = judge(poor(), {beam(), other}), v = judge(poor(), {refused, other});
+  const auto probability_of = [](const Verdict& of, const std::string& name) {
+    return std::find_if(of.ranking.begin(), of.ranking.end(), [&](const Ranked& r) { return r.name == name; })->probability;
+  };
+  EXPECT_EQ(named.ranking[0].name, "beam_profile");
+  EXPECT_GT(probability_of(named, "beam_profile"), Gates{}.believed);
+  EXPECT_EQ(v.kind, VerdictKind::unknown);
+  EXPECT_EQ(v.ranking[0].name, "unknown");
+  EXPECT_EQ(v.ranking[1].name, "beam_profile");
+  EXPECT_DOUBLE_EQ(v.ranking[1].probability, 0);
+  EXPECT_DOUBLE_EQ(v.ranking[1].log_evidence, named.ranking[0].log_evidence);
+  EXPECT_DOUBLE_EQ(v.ranking[0].probability, probability_of(named, "unknown") + probability_of(named, "beam_profile"));
+  EXPECT_DOUBLE_EQ(probability_of(v, "rear_reflection"), probability_of(named, "rear_reflection"));
+  // So does what no record tells from it and fails the same test; what is only less probable keeps its share.
+  Explanation twin = weaker(refused, 1);
+  twin.name = "interface", twin.same_as = {"beam_profile"};
+  const Verdict both = judge(poor(), {refused, twin, other});
+  EXPECT_DOUBLE_EQ(probability_of(both, "interface"), 0);
+  EXPECT_EQ(both.ranking[2].name, "interface");
+  EXPECT_GT(probability_of(both, "rear_reflection"), 0);
+  double sum = 0;
+  for (const auto& r : both.ranking) sum += r.probability;
+  EXPECT_NEAR(sum, 1, 1e-12);
+  // The control: what is not told apart is refused nothing.
+  twin.farthest = 1, twin.same_as.clear();
+  const Verdict close = judge(poor(), {beam(), twin, other});
+  EXPECT_EQ(close.ranking[0].name, "beam_profile");
+  EXPECT_GT(close.ranking[0].probability, 0.5);
 }
 
 // What the base model is worth with something missing in one place alone is as much "unknown" as with something missing everywhere.
