@@ -94,6 +94,9 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_without_start(StudyInputs& inp
   return out;
 }
 
+/// Between two runs of nearly one point, in standard errors of the records together: with more, least squares by finite differences lose their way.
+constexpr double most_jitter = 1;
+
 std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& inputs) {
   auto out = posterior_inputs_without_start(inputs);
   PosteriorInputs& in = *out;
@@ -102,9 +105,18 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& 
       if (p.prior == "uniform")
         in.warnings.push_back(
             fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", p.name));
-    start_directly(in);
-    in.least_squares = true;
-    return out;
+    const Jitter jitter = jitter_of_the_model(in).value_or(Jitter{});
+    if (jitter.standard_errors < most_jitter) {
+      start_directly(in);
+      in.least_squares = true;
+      return out;
+    }
+    in.warnings.push_back(
+        fmt::format("the model does not repeat itself: two runs at nearly one point differ by {:.2g} standard errors of the records; it is fitted by an "
+                    "emulator that takes "
+                    "this for noise. If it chooses its steps itself or stops an iteration early, fix the steps or tighten the tolerance",
+                    jitter.standard_errors));
+    in.jitter = jitter.variance;
   }
   for (const auto& p : in.parameters) in.centre.push_back(*p.nominal), in.half_width.push_back(first_half_width_of_a_line(p));
   return out;

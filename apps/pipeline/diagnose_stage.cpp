@@ -34,6 +34,7 @@ ExitStatus diagnose_stage(StageCall& call) {
   return study.file.locating([&] {
     const bool quick = !study.on_mesh();
     const auto base = quick ? posterior_inputs_of_a_quick_model(inputs) : posterior_inputs(inputs, {});
+    notes.warn(base->warnings);
     if (!quick) put_first_box(*base, nominal(inputs.model().shape()));
     base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
     const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
@@ -52,6 +53,7 @@ ExitStatus diagnose_stage(StageCall& call) {
     const Diagnosis d = diagnose(in);
     Json json = diagnosis_json(d, in, provenance);
     const bool trusted = d.unsettled().empty();
+    json["warnings"] = base->warnings;
     json["status"] = trusted ? "done" : "not_to_be_trusted";
     json["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();  // of this call
     write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));

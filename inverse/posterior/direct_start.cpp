@@ -16,6 +16,7 @@ namespace calomel {
 namespace {
 
 constexpr double difference = 1e-3;  ///< of a finite difference, in prior widths; runs are kept to seven digits
+constexpr double nearly = 1e-6;      ///< of two points that count as one, in prior widths
 constexpr double tail = 0.01;        ///< of the priors, left out of the design
 constexpr double box_sds = 4;        ///< half width of the box, in the deviations found
 constexpr double box_of_prior = 3;   ///< and at most, in prior deviations: what the records do not tell keeps its prior, tails and all
@@ -48,7 +49,10 @@ class Search {
   [[nodiscard]] int runs() const { return runs_; }
 
   /// Whitened residuals, (values, n), at coordinates x (n_parameters, n); NaN where a run failed.
-  Eigen::MatrixXd residuals(const Eigen::MatrixXd& x) {
+  Eigen::MatrixXd residuals(const Eigen::MatrixXd& x) { return whitened(compared(x).colwise() - wanted_); }
+  [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& r) const { return factor_.solve_lower(r); }
+  /// The model's values that are compared, in the records' unit; else as residuals.
+  Eigen::MatrixXd compared(const Eigen::MatrixXd& x) {
     Eigen::MatrixXd thetas(x.rows(), x.cols());
     for (Eigen::Index i = 0; i < x.cols(); ++i)
       for (Eigen::Index k = 0; k < x.rows(); ++k) thetas(k, i) = std::clamp(parameter(k).natural(x(k, i)), parameter(k).min, parameter(k).max);
@@ -57,7 +61,7 @@ class Search {
     Eigen::MatrixXd out(values(), x.cols());
     for (std::size_t i = 0; i < records.size(); ++i) {
       if (records[i].done)
-        out.col(Eigen::Index(i)) = factor_.solve_lower(Eigen::VectorXd(errors_.grid().apply(records[i].history()) - wanted_));
+        out.col(Eigen::Index(i)) = errors_.grid().apply(records[i].history());
       else
         out.col(Eigen::Index(i)).setConstant(std::numeric_limits<double>::quiet_NaN()), message_ = records[i].message;
     }
@@ -155,6 +159,20 @@ class Residuals : public ceres::CostFunction {
 };
 
 }  // namespace
+
+std::optional<Jitter> jitter_of_the_model(const PosteriorInputs& in) {
+  Search search(in, nullptr);
+  Eigen::MatrixXd x(search.dimension(), 2);
+  for (Eigen::Index k = 0; k < x.rows(); ++k) {
+    const Parameter& p = search.parameter(k);
+    const double step = nearly * search.width(k), at = p.coordinate(std::clamp(*p.nominal, p.min, p.max));
+    x(k, 0) = at, x(k, 1) = at + step > p.coordinate(p.max) ? at - step : at + step;
+  }
+  const Eigen::MatrixXd both = search.compared(x);
+  if (!both.allFinite()) return std::nullopt;
+  const Eigen::VectorXd apart = both.col(1) - both.col(0);
+  return Jitter{.standard_errors = search.whitened(apart).norm(), .variance = 0.5 * apart.squaredNorm()};
+}
 
 DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options) {
   Search search(in, options.errors);

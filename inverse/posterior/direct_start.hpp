@@ -1,5 +1,7 @@
 #pragma once
 /// Where a quick model fits its records, found by runs of the model itself: the first box of its emulator, and the starts of its chains.
+#include <optional>
+
 #include "inverse/posterior/posterior_fit.hpp"
 
 namespace calomel {
@@ -22,6 +24,16 @@ struct DirectSearch {
   std::vector<std::vector<double>> starts;  ///< (n_parameters) further ones, natural units
   const ErrorModel* errors = nullptr;       ///< of the records; none: those of the inputs without a discrepancy
 };
+
+/// What two runs of nearly one point, 1e-6 prior widths apart at the nominal values, differ by: next to nothing of a model that repeats itself.
+struct Jitter {
+  double standard_errors = 0;  ///< of all values together: |L^-1 (run 2 - run 1)|, L L^T the covariance of the records' errors. Above 1 the model's own jitter
+                               ///< (steps that it chooses itself, a loose tolerance) hides a standard error, and its finite differences tell nothing
+  double variance = 0;         ///< of one run, summed over the values compared, in the square of the records' unit
+};
+
+/// Nothing where a run fails.
+[[nodiscard]] std::optional<Jitter> jitter_of_the_model(const PosteriorInputs& in);
 
 /// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it and from those that
 /// are given. Errors: NumericsError when no run comes through; those of in.run.

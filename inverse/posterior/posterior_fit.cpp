@@ -21,6 +21,7 @@ constexpr double drawn_in = 4;                ///< posterior sds that a box whic
 constexpr double worth_drawing = 0.7;         ///< of its width: less than that is gained
 constexpr double narrowest = 0.25;            ///< of its width, in one round: the first deviations are those of a coarse emulator
 constexpr double much_missed = 0.02;  ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
+constexpr double times_jitter = 2;    ///< and beyond so many times the model's own jitter, which is known from two runs
 constexpr double drawn_anyway = 0.6;  ///< of its width
 constexpr int spare = 4;              ///< runs over coefficients to begin with
 constexpr double least_spare = 1.3;   ///< the same of a mesh alone, whatever is asked for
@@ -181,7 +182,7 @@ bool Fit::may_draw_in() const {
 }
 
 /// Whether what a quadratic misses over the box, which is no noise, keeps the posterior wide and so the box.
-bool Fit::misses_much() const { return out_.noise.trace() > much_missed * out_.likeliest().errors.covariance().trace(); }
+bool Fit::misses_much() const { return out_.noise.trace() > times_jitter * in_.jitter + much_missed * out_.likeliest().errors.covariance().trace(); }
 
 /// About the mode.
 void Fit::draw_in_box() {

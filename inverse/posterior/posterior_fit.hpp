@@ -102,6 +102,9 @@ struct PosteriorInputs {
   bool draw_in = false;
   double clear_of_edge = 2;  ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew. With draw_in it is 1, as deviations
                              ///< still shrink from round to round
+  /// With draw_in: variance of one run about what the model means, summed over the values compared, where it does not repeat itself. No narrower box takes it
+  /// off.
+  double jitter = 0;
   /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far
   /// better than the model, whose errors then say little of where it fits best.
   bool least_squares = false;

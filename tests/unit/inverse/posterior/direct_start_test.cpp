@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/unit/inverse/lines.hpp"
 
@@ -39,6 +40,38 @@ TEST(DirectStart, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMi
   EXPECT_NEAR(in.centre[1], 2, 0.02);  // of the logarithm, not of the density over z
   EXPECT_GE(in.half_width[1], 3 * 0.7);
   EXPECT_LT(in.half_width[1], 5 * 0.7);
+}
+
+// Two runs at nearly one point: what they differ by is the model's own jitter. Of 100 values of unit amplitude with errors of 0.01 / sqrt(5) a jitter of 0.2 %
+// is sqrt(2) sqrt(100 / 2) 0.002 / (0.01 / sqrt(5)) = 4.5 standard errors, and drives finite differences of a step of 0.1 % of the prior astray.
+TEST(DirectStart, JitterIsWhatTwoRunsOfNearlyOnePointDifferBy) {
+  const AnalyticModel model({normal_parameter("a", 1, 0.1)}, {[](auto p, double t) { return p[0] * std::sin(6e4 * t); }}, 100, 1e-6);
+  const Recordings recordings = pulses_of(model, {1.03}, {.pulses = 5, .noise = 0.01}, 3);
+  const RecordingOptions options;
+  const Problem problem = make_problem(model.shape(), recordings, options);
+  const auto jitter_of = [&](double share) {
+    PosteriorInputs in{.problem = problem,
+                       .recordings = recordings,
+                       .recording_options = options,
+                       .errors = {.values = 100, .band = 5e5, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0},
+                       .emulator = {}};
+    in.parameters = model.shape().parameters;
+    std::mt19937_64 engine(1);
+    std::normal_distribution<double> normal;
+    in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
+      std::vector<RunRecord> all(level.size());
+      for (std::size_t i = 0; i < level.size(); ++i) {
+        const auto p = model.evaluate({thetas.col(Eigen::Index(i)).data(), 1});
+        all[i].done = true, all[i].mean.assign(p.mean.begin(), p.mean.end());
+        for (auto& v : all[i].mean) v *= float(1 + share * normal(engine));
+      }
+      return all;
+    };
+    return jitter_of_the_model(in).value();
+  };
+  EXPECT_LT(jitter_of(0).standard_errors, 1e-3);
+  EXPECT_NEAR(jitter_of(0.002).standard_errors / 4.5, 1, 0.3);
+  EXPECT_NEAR(jitter_of(0.002).variance / (50 * 0.002 * 0.002), 1, 0.4);
 }
 
 }  // namespace
