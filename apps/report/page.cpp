@@ -109,6 +109,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
     for (const auto& alarm : list_at(*study.sample, "absorption"))
       if (alarm.is_string()) told.emplace_back("sampling", alarm.get<std::string>());
   }
+  if (study.diagnosis) add(study.diagnosis->summary, "diagnosis");
   for (const auto& [from, text] : told) list.push_back(from + ": " + text);
   if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done")
     list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");

@@ -90,6 +90,16 @@ TEST(ReportDiagnosis, AloneInAFolderItMakesAPage) {
   EXPECT_THAT(text, Not(HasSubstr("No calibration has been run yet")));
 }
 
+TEST(ReportDiagnosis, WhatTheDiagnosisWarnsOfStandsWithTheOtherWarnings) {
+  const auto dir = scratch("warned");
+  write_diagnosis(dir, input(), "none");
+  Json d = read_json(dir / "diagnosis.json");
+  d["warnings"] = {"the model does not repeat itself"};
+  EXPECT_THAT(markup(report_of(dir, input())), Not(HasSubstr("repeat itself")));
+  write_json(dir / "diagnosis.json", d);
+  EXPECT_THAT(markup(report_of(dir, input())), HasSubstr("<li>diagnosis: the model does not repeat itself</li>"));
+}
+
 TEST(ReportDiagnosis, AVerdictThatDidNotSettleIsNotToBeTrusted) {
   const auto dir = scratch("unsettled");
   write_diagnosis(dir, input(), "named");
