@@ -113,8 +113,7 @@ std::unique_ptr<PosteriorInputs> posterior_inputs_of_a_quick_model(StudyInputs& 
     }
     in.warnings.push_back(
         fmt::format("the model does not repeat itself: two runs at nearly one point differ by {:.2g} standard errors of the records; it is fitted by an "
-                    "emulator that takes "
-                    "this for noise. If it chooses its steps itself or stops an iteration early, fix the steps or tighten the tolerance",
+                    "emulator that takes this for noise. If it chooses its steps itself or stops an iteration early, fix the steps or tighten the tolerance",
                     jitter.standard_errors));
     in.jitter = jitter.variance;
   }
