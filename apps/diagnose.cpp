@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include "apps/inputs/posterior_case.hpp"
+#include "apps/inputs/study_case.hpp"
 #include "apps/pipeline/call_stage.hpp"
 #include "apps/pipeline/diagnose_stage.hpp"
 #include "apps/pipeline/power_stage.hpp"
 #include "apps/verbs.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 
 namespace calomel {
 
@@ -15,8 +16,7 @@ void set_defaults(CommandLine& command) {
   // Handbook priors and a discrepancy: what is asked is whether the model is right, not which numbers imitate the records.
   command.overrides.emplace_back("map.product=\"physical\"");
   const StudyCase study = StudyCase::read(command.case_file, command.overrides);
-  if (!study.on_mesh()) return;
-  const auto sizes = diagnosis_element_sizes(study);
+  const auto sizes = diagnosis_element_sizes(*study.simulator, study.emulator);
   if (sizes.size() == 2) command.overrides.push_back(fmt::format("emulator.element_sizes=[{},{}]", number_text(sizes[0]), number_text(sizes[1])));
 }
 

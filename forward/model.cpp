@@ -1,10 +1,24 @@
 #include "forward/model.hpp"
 
 #include <limits>
+#include <mutex>
 
 #include "base/parallel.hpp"
 
 namespace calomel {
+
+std::vector<Prediction> ForwardModel::predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted) const {
+  std::vector<Prediction> out(std::size_t(thetas.cols()));
+  std::mutex one;
+  std::size_t done = 0;
+  parallel_for(out.size(), threads, [&](std::size_t i) {
+    out[i] = evaluate({thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())});
+    const std::lock_guard guard(one);
+    ++done;
+    if (predicted) predicted(done, out.size());
+  });
+  return out;
+}
 
 Eigen::MatrixXf ForwardModel::means(const Eigen::MatrixXd& thetas, int threads) const {
   Eigen::MatrixXf out(Eigen::Index(shape().values()), thetas.cols());

@@ -3,6 +3,7 @@
 /// a model outside the process are all ForwardModels, so inverse/ and uq/ never know which they hold.
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,6 +55,12 @@ class ForwardModel {
   /// One evaluation at `theta` (n_parameters, declared order, natural units). Safe to call from several threads at once.
   /// A failed run is a Prediction with ok = false, not an exception; exceptions are for the user's and our own mistakes.
   [[nodiscard]] virtual Prediction evaluate(std::span<const double> theta) const = 0;
+
+  /// Called after each point of `predictions`, one at a time: points finished, and points in all.
+  using Predicted = std::function<void(std::size_t done, std::size_t total)>;
+  /// Many points at once, with the reason where one failed. thetas: (n_parameters, n). The default evaluates one by one on `threads` threads; the true model
+  /// makes them by its executor.
+  [[nodiscard]] virtual std::vector<Prediction> predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted = {}) const;
 
   /// Means only, for many points at once. thetas: (n_parameters, n); result: (shape().values(), n), NaN columns where a run failed.
   /// The default evaluates one by one on `threads` threads; surrogates override it.

@@ -14,7 +14,7 @@ namespace calomel {
 /// `[parameter.NAME]` of a case file.
 struct Parameter {
   std::string name;         ///< the table's name, not a key
-  std::string key;          ///< dotted path of the number in the case; default "material.mercury.NAME"
+  std::string key;          ///< dotted path of the number in the case
   double min = 0, max = 0;  ///< bounds, in the number's own unit
   std::string prior = "uniform";
   std::optional<double> nominal;  ///< default: the value that the case's tables give
@@ -23,7 +23,7 @@ struct Parameter {
 
   template <class V>
   void visit(V& v) {
-    v("key", key, {.doc = "dotted path of the number in the case that this parameter is; default material.mercury.NAME"});
+    v("key", key, {.doc = "dotted path of the number in the case that this parameter is; default: the number of its name in the model's main table, material.mercury or line"});
     v("min", min, {.doc = "lower bound", .required = true});
     v("max", max, {.doc = "upper bound", .required = true});
     v("prior", prior, {.doc = "kind of prior", .choices = {"uniform", "normal", "lognormal", "truncated_normal", "half_cauchy", "beta"}});
@@ -53,7 +53,7 @@ Json named(std::span<const Parameter> parameters, std::span<const double> theta)
 /// All `[parameter.*]` tables in file order; one without a key is the number of its name in `table`. Errors: InputError with the place, also for two of one
 /// number, for a name that posterior.nc has for something else (chain, draw, beyond), and for one of other characters than letters, digits, _ and -, which
 /// keys of runs and files cannot hold.
-std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table = "material.mercury");
+std::vector<Parameter> read_parameters(CaseFile& file, const std::string& table);
 
 /// Holds each parameter against its number in the case, which is its nominal value where it has none of its own. `number`: of a parameter.
 /// Errors: InputError at the parameter's place, those of `number` and of Parameter::validate.

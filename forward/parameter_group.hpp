@@ -9,10 +9,6 @@
 
 namespace calomel {
 
-struct ForwardCase;
-struct MechanismKey;
-struct Mesh;
-
 /// A number beside the parameters of a model. `parameter.nominal` is the value that switches it off.
 struct AddedParameter {
   Parameter parameter;            ///< its key is the dotted key of the case, its name "GROUP.KEY"
@@ -40,20 +36,8 @@ struct ParameterGroup {
   std::string plain, check;            ///< MechanismEntry's
 };
 
-/// A key of a mechanism as a number that may be added; `off`: its off value in the case. Its prior is normal about off, the range of the registry two standard
-/// deviations of it, and ends at twice that range or where the law does; half-Cauchy about the geometric middle of a log-uniform range, uniform in the inverse
-/// of one that is infinite where it is off. `whole`: of a key with `shows_below`, that number, of which it is then a uniform share.
-[[nodiscard]] AddedParameter added_number(const std::string& mechanism, const MechanismKey& key, double off, double whole = 1);
-
 /// Sets the numbers of the case that `values` (added) say, by dotted key. A value at its nominal is left alone: with all of them there a run is the base
 /// model's.
 void set_added(std::map<std::string, double>& numbers, std::span<const double> values, std::span<const AddedParameter> added);
-
-/// What can be added to the case's model: the built mechanisms that it lists without enabling, or all built ones where it lists none, then the solver's own
-/// numbers. A mechanism with several laws is one group for each. A mechanism of a wall is one group for each wall and, of a box, for each quarter of it, each
-/// half a quarter on; where it begins and ends are shapes of it, normal about there with a quarter of its length as standard deviation (of a whole wall an
-/// eighth), as far as the wall reaches. The prior of another shape is lognormal, its range two deviations either way. What breaks a symmetry that the mesh is
-/// cut by is not offered.
-[[nodiscard]] std::vector<ParameterGroup> offered_groups(const ForwardCase& forward_case, const Mesh& mesh);
 
 }  // namespace calomel

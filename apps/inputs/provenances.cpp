@@ -1,9 +1,9 @@
 #include "apps/inputs/provenances.hpp"
 
-#include "apps/inputs/posterior_case.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 
 namespace calomel {
 
@@ -13,7 +13,8 @@ Json pulses_of(const CampaignOptions& campaign) { return {{"pulses", campaign.pu
 
 /// A stage that runs the case's model, which its options are those of.
 Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
-  return {.stage = stage, .options = inputs.study().model_options(), .seed = inputs.command().seed, .inputs = inputs.study().model_inputs()};
+  SimulatorIdentity model = inputs.study().simulator->identity();
+  return {.stage = stage, .options = std::move(model.options), .seed = inputs.command().seed, .inputs = std::move(model.inputs)};
 }
 
 /// Of the tables of the kinds those that this kind reads.
@@ -27,7 +28,7 @@ Json sampler_options(const SamplerOptions& sampler) {
 
 Json posterior_options(const StudyCase& study) {
   Json options{{"product", study.map.product}, {"sampler", sampler_options(study.sampler)}};
-  if (!study.is_log_density()) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
+  if (!study.capabilities().log_density) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
   if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
@@ -51,8 +52,7 @@ Provenance map_provenance(const StudyInputs& inputs) {
 
 Provenance simulate_provenance(const StudyInputs& inputs) {
   Provenance p = of_model(inputs, "simulate");
-  if (inputs.study().on_mesh())
-    p.options["solver"]["energy_balance"] = inputs.study().forward.solver.energy_balance;  // its summary and its checkpoint hold the energies
+  p.options.merge_patch(inputs.study().simulator->identity().simulate);
   return p;
 }
 
@@ -77,10 +77,14 @@ Provenance train_provenance(const StudyInputs& inputs) {
 }
 
 Provenance runs_provenance(const StudyCase& study) {
-  Json options = study.model_options();
-  options.erase("parameter");  // points name what they set
-  options["campaign"] = pulses_of(study.campaign);
-  return {.stage = "runs", .options = std::move(options), .seed = 0, .inputs = study.model_inputs()};
+  return runs_provenance(study, *study.simulator);
+}
+
+Provenance runs_provenance(const StudyCase& study, const Simulator& simulator) {
+  SimulatorIdentity model = simulator.identity();
+  model.options.erase("parameter");  // requests name what they set
+  model.options["campaign"] = pulses_of(study.campaign);
+  return {.stage = "runs", .options = std::move(model.options), .seed = 0, .inputs = std::move(model.inputs)};
 }
 
 namespace {
@@ -104,10 +108,10 @@ Provenance of_density(const StudyInputs& inputs, std::string stage) {
 }  // namespace
 
 Provenance posterior_provenance(const StudyInputs& inputs) {
-  const bool density = inputs.study().is_log_density();
+  const bool density = inputs.study().capabilities().log_density;
   Provenance p = density ? of_density(inputs, "posterior") : on_posterior(inputs, "posterior");
   if (!density) p.options["posterior"] = echo(inputs.study().posterior);
-  if (inputs.study().external) p.options["on_emulator"] = inputs.study().file.has("surrogate");  // two densities of two boxes
+  if (inputs.study().capabilities().cheap_runs) p.options["on_emulator"] = inputs.study().file.has("surrogate");  // two densities of two boxes
   add_basin(p, inputs);
   return p;
 }
@@ -125,10 +129,8 @@ Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) 
 
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
-  if (const auto& external = inputs.study().external)
-    p.options["mechanism"] = external->echo()["mechanism"];  // what is offered: runs do not hang on its priors, a verdict does
   p.options.erase("sampler");
-  p.options["offered"] = inputs.study().listed_mechanisms();  // what has a table is offered, and nothing else where one has
+  for (const auto& [key, value] : inputs.study().simulator->identity().offered.items()) p.options[key] = value;
   p.options["diagnosis"] = echo(inputs.study().diagnosis);
   return p;
 }
@@ -163,9 +165,11 @@ Provenance comparison_provenance(const StudyInputs& inputs) {
   return {.stage = "comparison", .seed = inputs.command().seed, .inputs = {{"recordings", hash_file(inputs.study().recordings_file())}}};
 }
 
+bool basin_on_surrogate(const StudyCase& study) { return calomel::basin_on_surrogate(*study.simulator, study.emulator, study.physical()); }
+
 bool takes_emulator(const StudyCase& study, const std::string& method) {
   if (method == "map") return true;
-  return (method == "spe" ? study.spe.mesh_correction : study.enc.mesh_correction) && emulator_meshes(study) == EmulatorMeshes::several;
+  return (method == "spe" ? study.spe.mesh_correction : study.enc.mesh_correction) && emulator_meshes(*study.simulator, study.emulator) == EmulatorMeshes::several;
 }
 
 std::filesystem::path nested_directory(const StudyInputs& inputs) { return inputs.command().case_file.parent_path() / inputs.study().map.compare_with; }

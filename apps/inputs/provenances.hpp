@@ -15,6 +15,8 @@ struct Provenance;  // base/provenance.hpp
 [[nodiscard]] Provenance train_provenance(const StudyInputs& inputs);
 /// Of runs.journal: the case without the numbers that points of a run may set.
 [[nodiscard]] Provenance runs_provenance(const StudyCase& study);
+/// The same of another simulator made from the case, such as a planned experiment's.
+[[nodiscard]] Provenance runs_provenance(const StudyCase& study, const Simulator& simulator);
 /// surrogate.nc stands where the basin is sought on it, and is then an input.
 [[nodiscard]] Provenance posterior_provenance(const StudyInputs& inputs);
 /// Of sensitivity.json; surrogate.nc stands where it is the surrogate that is analysed.
@@ -28,6 +30,9 @@ struct Provenance;  // base/provenance.hpp
 [[nodiscard]] Provenance calibration_provenance(const StudyInputs& inputs, const std::string& method);
 /// Of comparison.json, before the methods that it compares.
 [[nodiscard]] Provenance comparison_provenance(const StudyInputs& inputs);
+
+/// Whether the first box of the emulator is laid about the best point of surrogate.nc.
+[[nodiscard]] bool basin_on_surrogate(const StudyCase& study);
 
 /// Whether `method` takes the posterior's emulator: MAP, and ENC and SPE where they are corrected for the mesh.
 [[nodiscard]] bool takes_emulator(const StudyCase& study, const std::string& method);

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/artefact.hpp"
 #include "base/json.hpp"
+#include "forward/simulation/simulator_kinds.hpp"
 
 namespace calomel {
 
@@ -19,78 +18,47 @@ const std::vector<std::string>& known_tables() {
 
 namespace {
 
-/// Those of a target's strain gauges and of its beam.
-void no_errors_of_gauges(ErrorOptions& e) { e.energy_scale_sd = 0, e.gain_sd = 0, e.baseline = 0, e.coherent_noise = 0; }
-
-/// `[errors]` of a model outside, where the case says nothing: the noise of its records alone, on the model's own times; and, of the physical product, a
-/// discrepancy on the scale of the records.
-ErrorOptions errors_of_external(const ExternalCase& external) {
-  constexpr double slack = 1.01;                                                                              // of rounding in the times
-  constexpr double short_share = 1.0 / 40, long_share = 1.0 / 10, local_share = 1.0 / 16, least_steps = 1.5;  // of the record's length; of its steps
-  ErrorOptions e;
-  const double step = external.time.step, length = std::max(external.time.count - 1, 1) * step;
-  e.band = slack * 0.5 / step;
-  no_errors_of_gauges(e);
-  e.young_sd = 0, e.wall_film_sd = 0, e.gauge_place_sd = 0;
-  e.beyond = 0, e.beyond_sd = 0, e.beyond_rest = 0, e.record_noise = 0, e.mesh = 0, e.arrival_share = 0;
-  e.discrepancy_times = {std::max(short_share * length, least_steps * step), std::max(long_share * length, least_steps * step)};
-  e.amplitude_time = std::max(local_share * length, least_steps * step);
-  return e;
-}
-
-/// Before the model is asked for anything. Errors: InputError for a sampler that cannot sample this case.
+/// Errors: InputError for a sampler that cannot sample this case.
 void expect_sampler_fits(const StudyCase& study) {
   const SamplerOptions& sampler = study.sampler;
-  if (sampler.kind == "delayed_acceptance" && study.external && (study.is_log_density() || !study.file.has("surrogate")))
+  if (sampler.kind == "delayed_acceptance" && study.runs_the_model_itself())
     throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself",
                       .key = "sampler.kind",
                       .value = "\"delayed_acceptance\"",
-                      .suggestion = study.is_log_density() ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
+                      .suggestion = study.capabilities().log_density ? "take \"dram\""
+                                                                     : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
   if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
 }
 
 }  // namespace
 
-StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides) {
-  CaseFile file(path, overrides);
-  file.expect_all_read(known_tables());  // a misspelt table is told before the keys that it leaves missing
-  std::optional<LineCase> line;
-  if (is_line_case(file)) line = file.locating([&] { return LineCase::read(file); });
-  std::optional<ExternalCase> external;
-  if (!line && file.text("model.kind") == "umbridge") external = file.locating([&] { return ExternalCase::read(file); });
-  ForwardCase forward = line || external ? ForwardCase{} : file.locating([&] { return ForwardCase::read(file); });
-  StudyCase study{.file = std::move(file), .forward = std::move(forward), .line = std::move(line), .external = std::move(external)};
-  if (!study.external && study.file.has("output"))
-    throw study.file.located(InputError({.problem = "this table belongs to a model outside of the program",
-                                         .key = "output",
-                                         .suggestion = "add [model] with kind = \"umbridge\", or take it out"}));
-  for (const char* of_a_line : {"line", "drive", "station"})
-    if (!study.line && !study.external && study.file.has(of_a_line))
-      throw study.file.located(InputError({.problem = "this table belongs to a line, the model is one on a mesh",
-                                           .key = of_a_line,
-                                           .suggestion = "add [model] with kind = \"line\", or take it out"}));
+StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std::string> overrides, const std::atomic<bool>* stop) {
+  StudyCase study{.file = CaseFile(path, overrides), .simulator = nullptr};
+  study.file.expect_all_read(known_tables());  // a misspelt table is reported before the keys that it leaves missing
   study.file.read("campaign", study.campaign);
+  study.simulator =
+      make_simulator(study.file, {.pulses = study.campaign.pulses, .energy_sd = study.campaign.pulse_energy_sd, .stop = stop});
+  const Capabilities& can = study.capabilities();
   study.file.read("floor", study.floor);
   study.file.read("surrogate", study.surrogate);
   study.file.read("enc", study.enc);
   study.file.read("spe", study.spe);
   study.file.read("map", study.map);
   study.file.read("emulator", study.emulator);
-  if (study.line) no_errors_of_gauges(study.errors);
-  if (study.external) study.errors = errors_of_external(*study.external);
+  study.errors = default_errors(*study.simulator);
   study.file.read("errors", study.errors);
   study.file.read("posterior", study.posterior);
   if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
-  if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
+  if (can.cheap_runs && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
   study.file.read("sampler", study.sampler);
   study.file.locating([&] { expect_sampler_fits(study); });
   constexpr int quick_runs = 10000;  // of a model whose runs take milliseconds
-  if (!study.on_mesh()) study.diagnosis.max_runs = quick_runs;
+  if (can.cheap_runs) study.diagnosis.max_runs = quick_runs;
   study.file.read("diagnosis", study.diagnosis);
   study.file.read("power", study.power);
   study.file.read("sensitivity", study.sensitivity);
-  if (study.sensitivity.run_totals && !study.on_mesh())
-    throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, the model is another",
+  if (study.sensitivity.run_totals && !can.energy_balance)
+    throw study.file.located(InputError({.problem = "only runs on a mesh keep an energy balance, and the model of this case has no mesh",
                                          .key = "sensitivity.run_totals",
                                          .value = "true",
                                          .suggestion = "leave it out"}));
@@ -99,29 +67,32 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   NoKeys none;
   study.file.read("report", none);
   if (study.file.has("recordings")) study.recordings = study.file.locating([&] { return read_recording_options(study.file); });
-  if (study.recordings && !study.on_mesh()) {
+  if (study.recordings && !can.strain_gauges) {
     auto& records = *study.recordings;
-    if (study.file.has("recordings.unit") && records.unit != study.unit())
-      throw study.file.located(InputError({.problem = "the model's values are in " + study.unit() + " (case.sensor_unit), and records are in the same unit",
+    const std::string& unit = study.simulator->shape().unit;
+    if (study.file.has("recordings.unit") && records.unit != unit)
+      throw study.file.located(InputError({.problem = "the model's values are in " + unit + " (case.sensor_unit), and records are in the same unit",
                                            .key = "recordings.unit",
                                            .value = '"' + records.unit + '"',
                                            .suggestion = "set case.sensor_unit to what both are in, or take recordings.unit out"}));
-    records.unit = study.unit(), records.as_it_is = true;
+    records.unit = unit;
+    records.as_it_is = true;
   }
   return study;
 }
 
-std::vector<std::string> StudyCase::listed_mechanisms() const {
-  std::vector<std::string> names = forward.listed_mechanisms;
-  if (line)
-    for (const auto& m : line->mechanisms)
-      if (m.listed) names.push_back(m.name);
-  std::sort(names.begin(), names.end());
-  return names;
+PosteriorSettings StudyCase::posterior_settings() const {
+  return {.emulator = emulator,
+          .errors = errors,
+          .physical = physical(),
+          .discrepancy_times_given = file.has("errors.discrepancy_times"),
+          .amplitude_time_given = file.has("errors.amplitude_time"),
+          .pulses = campaign.pulses,
+          .energy_sd = campaign.pulse_energy_sd};
 }
 
 Json StudyCase::echo() const {
-  Json all = line ? line->echo() : external ? external->echo() : forward.echo();
+  Json all = simulator->echo();
   if (recordings) all["recordings"] = calomel::echo(*recordings);
   all["campaign"] = calomel::echo(campaign);
   all["floor"] = calomel::echo(floor);
@@ -141,29 +112,6 @@ Json StudyCase::echo() const {
   return all;
 }
 
-Json StudyCase::model_options() const {
-  if (line) return line->echo();
-  if (external) return external->model_options();
-  Json options = forward.echo();
-  for (const char* changes_nothing : {"checkpoint", "energy_balance"})
-    options["solver"].erase(changes_nothing);                                     // how often a run is saved, whether its energies are told
-  if (options["solver"]["subcycles"] == 1) options["solver"].erase("subcycles");  // off, as in all that was made before there were any
-  Json parameters = Json::object();
-  for (const auto& p : forward.parameters) {
-    parameters[p.name] = {{"key", p.key}, {"min", p.min}, {"max", p.max}};
-    if (p.nominal) parameters[p.name]["nominal"] = *p.nominal;
-  }
-  options["parameter"] = std::move(parameters);
-  return options;
-}
-
-std::map<std::string, std::string> StudyCase::model_inputs() const {
-  std::map<std::string, std::string> inputs;
-  for (const char* key : {"geometry.file", "load.file", "sensors", "drive.file"})
-    if (const auto name = file.text(key)) inputs[key] = hash_file(file.resolve(*name));
-  return inputs;
-}
-
 std::filesystem::path StudyCase::recordings_file() const {
   if (!recordings)
     throw InputError({.problem = "the case has no [recordings] to compare with",
@@ -172,12 +120,15 @@ std::filesystem::path StudyCase::recordings_file() const {
   return file.resolve(recordings->file);
 }
 
-Recordings StudyCase::matched_recordings(std::span<const std::string> sensors, std::vector<std::string>& warnings) const {
+Recordings StudyCase::matched_recordings(std::vector<std::string>& warnings) const {
   const auto path = recordings_file();
+  const ModelShape& shape = simulator->shape();
   auto read = file.locating([&] { return read_recordings(path, *recordings); });
-  const auto unmatched = match_sensors(read, sensors, file.path(), path, recordings->exclude);
+  const auto unmatched = match_sensors(read, shape.sensors, file.path(), path, recordings->exclude);
   warnings.insert(warnings.end(), unmatched.begin(), unmatched.end());
-  return external && external->time.count > 1 ? at_times_of(read, external->time.start, external->time.step, warnings) : read;
+  const auto& times = shape.times;
+  const double step = simulator->hints().time_step;
+  return step > 0 && times.size() > 1 ? at_times_of(read, times[0], step, warnings) : read;
 }
 
 }  // namespace calomel

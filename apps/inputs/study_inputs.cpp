@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iostream>
 
-#include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "base/artefact.hpp"
@@ -18,7 +17,7 @@ namespace {
 constexpr double no_strain = 0.01;  ///< root mean square, more than a gauge lives through
 constexpr double long_after = 2;    ///< times the records' end, from which on a run's end is told
 
-/// Errors: InputError for records of a target that are no strain, or cannot be.
+/// Errors: InputError for records of strain gauges that are no strain, or cannot be.
 void expect_strain(const StudyCase& study, const Recordings& recordings) {
   if (recordings.unit != "strain")
     throw study.file.located(InputError({.problem = "the gauges of a target tell strain",
@@ -48,7 +47,7 @@ void expect_strain(const StudyCase& study, const Recordings& recordings) {
 
 /// Holds what the case says of times and units against its records. Errors: those of expect_strain.
 void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
-  if (study.on_mesh()) expect_strain(study, recordings);
+  if (study.capabilities().strain_gauges) expect_strain(study, recordings);
   if (recordings.time.size() < 2) return;
   const double end = recordings.time.back(), length = end - recordings.time.front();
   if (!shape.times.empty() && shape.times.back() > long_after * end)
@@ -64,61 +63,24 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
 }  // namespace
 
 StudyInputs::StudyInputs(const CommandLine& command)
-    : command_(command), study_(StudyCase::read(command.case_file, command.overrides)), notes_(std::cerr, command.quiet) {
-  if (study_.line && command.verb != "check" && command.verb != "simulate" && command.verb != "diagnose" && command.verb != "report")
-    throw study_.file.located(InputError({.problem = "a line is checked, simulated, diagnosed and reported in this version, not: " + command.verb,
-                                          .key = "model.kind",
-                                          .suggestion = "use check, simulate, diagnose or report"}));
-  if (!study_.on_mesh() && command.power)
-    throw study_.file.located(InputError({.problem = "what an experiment could tell is asked of a target only in this version, not of another model",
+    : command_(command),
+      study_(StudyCase::read(command.case_file, command.overrides, &stop_requested())),
+      notes_(std::cerr, command.quiet),
+      executor_(command.threads) {
+  if (command.power && !study_.capabilities().planning)
+    throw study_.file.located(InputError({.problem = "the power of an experiment is computed for a target only in this version, not for another model",
                                           .key = "model.kind",
                                           .suggestion = "leave out --power"}));
-  if (study_.external) study_.external->server.stop = &stop_requested();
   if ((command.verb == "check" && !command.floor) || command.verb == "report") return;
   make_directory(command.out);
   if (command.verb != "serve") lock_.emplace(command.out);
 }
 
-const BuiltInModel& StudyInputs::model() {
-  if (!model_)
-    model_ = study_.file.locating([&] {
-      const bool alone = command_.verb == "simulate" || command_.verb == "check";  // the other stages run evaluations side by side
-      return std::make_unique<BuiltInModel>(study_.forward, ensemble(), alone ? command_.threads : 1);
-    });
-  return *model_;
-}
-
-const LineModel& StudyInputs::line() {
-  expect(study_.line.has_value(), "only a line has a line model");
-  if (!line_) line_ = std::make_unique<LineModel>(*study_.line);
-  return *line_;
-}
-
-const ExternalModel& StudyInputs::external() {
-  expect(study_.external.has_value(), "only a case with a model outside has one");
-  if (!external_) external_ = study_.file.locating([&] { return std::make_unique<ExternalModel>(*study_.external); });
-  return *external_;
-}
-
-const ForwardModel& StudyInputs::any_model() {
-  if (study_.line) return line();
-  if (study_.external) return external();
-  return model();
-}
-
-NumberedRuns& StudyInputs::numbered_runs() {
-  if (!numbered_runs_) {
-    const NumberedModel& quick = study_.line ? static_cast<const NumberedModel&>(line()) : external();
-    numbered_runs_ = std::make_unique<NumberedRuns>(quick, runs());
-  }
-  return *numbered_runs_;
-}
-
 const Problem& StudyInputs::problem() {
   if (!problem_) {
     std::vector<std::string> warnings;
-    const ModelShape& shape = any_model().shape();
-    recordings_ = study_.matched_recordings(shape.sensors, warnings);
+    const ModelShape& shape = simulator().shape();
+    recordings_ = study_.matched_recordings(warnings);
     expect_alike(study_, shape, *recordings_, warnings);
     problem_ = study_.file.locating([&] { return make_problem(shape, *recordings_, *study_.recordings); });
     notes_.warn(warnings);
@@ -138,20 +100,32 @@ std::filesystem::path StudyInputs::journal(const std::string& name, const Proven
   return path;
 }
 
-RunStore& StudyInputs::runs() {
+StudyInputs::OtherRuns StudyInputs::runs_of(const Simulator& simulator, const std::string& name) const {
+  const auto provenance = runs_provenance(study_, simulator);
+  OtherRuns out;
+  out.store = std::make_unique<RunStore>(provenance, journal(name, provenance));
+  out.runs = std::make_unique<Runs>(simulator, *out.store, executor_, &stop_requested());
+  return out;
+}
+
+Runs& StudyInputs::runs() {
   if (!runs_) {
-    const auto provenance = runs_provenance(study_);
-    runs_ = std::make_unique<RunStore>(provenance, journal("runs.journal", provenance));
+    OtherRuns made = runs_of(simulator(), "runs.journal");
+    store_ = std::move(made.store);
+    runs_ = std::move(made.runs);
   }
   return *runs_;
 }
 
-LevelRuns& StudyInputs::levels() {
-  if (!levels_)
-    levels_ = study_.file.locating([&] {
-      return std::make_unique<LevelRuns>(study_.forward, ensemble(), posterior_parameters(study_), element_sizes(study_), study_.emulator.viscosity, runs());
-    });
-  return *levels_;
+PosteriorCase StudyInputs::posterior_case(const Runs::Progress& progress) {
+  return {.runs = runs(),
+          .problem = problem(),
+          .recordings = recordings(),
+          .recording_options = *study_.recordings,
+          .settings = study_.posterior_settings(),
+          .seed = command_.seed,
+          .threads = command_.threads,
+          .progress = progress};
 }
 
 }  // namespace calomel

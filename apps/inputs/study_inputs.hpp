@@ -1,5 +1,5 @@
 #pragma once
-/// What the stages of one call read, each part made when it is first asked for, and once.
+/// What the stages of one call read, each part made when it is first needed, and once.
 #include <memory>
 #include <optional>
 
@@ -7,18 +7,15 @@
 #include "apps/inputs/study_case.hpp"
 #include "apps/notes.hpp"
 #include "base/directory_lock.hpp"
-#include "forward/built_in_model.hpp"
-#include "forward/external/external_model.hpp"
-#include "forward/level_runs.hpp"
-#include "forward/line/line_runs.hpp"
-#include "forward/runs/run_store.hpp"
+#include "forward/simulation/runs.hpp"
+#include "forward/simulation/simulated_model.hpp"
 #include "inverse/data/problem.hpp"
 
 namespace calomel {
 
 class StudyInputs {
  public:
-  /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or that another call works in, is told before the work.
+  /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or in which another call works, is an error before the work.
   /// `command` outlives the object. Errors: InputError for anything wrong with the case or the output directory.
   explicit StudyInputs(const CommandLine& command);
   StudyInputs(const StudyInputs&) = delete;
@@ -30,44 +27,37 @@ class StudyInputs {
   [[nodiscard]] const Notes& notes() const { return notes_; }
   /// An artefact's path in --out.
   [[nodiscard]] std::filesystem::path artefact(const std::string& name) const { return command_.out / name; }
-  /// Pulses of an ensemble mean.
-  [[nodiscard]] EnsembleOptions ensemble() const { return {.pulses = study_.campaign.pulses, .energy_sd = study_.campaign.pulse_energy_sd}; }
 
-  /// The case's model on a mesh. Errors: InputError with its place (geometry, sensors).
-  [[nodiscard]] const BuiltInModel& model();
-  /// The case's line, where study().line is there.
-  [[nodiscard]] const LineModel& line();
-  /// The case's model outside, where study().external is there; its server is asked what it has. Errors: see ExternalModel.
-  [[nodiscard]] const ExternalModel& external();
-  /// That of the case, whichever it is.
-  [[nodiscard]] const ForwardModel& any_model();
-  /// Runs of a line or of a model outside, kept in runs().
-  [[nodiscard]] NumberedRuns& numbered_runs();
-  /// The recordings against the model. What they warn of is told once.
+  /// The true model of the case.
+  [[nodiscard]] const Simulator& simulator() const { return *study_.simulator; }
+  /// Its runs, kept in runs.journal. With --fresh a journal of other settings is set aside first. Errors: see RunStore.
+  [[nodiscard]] Runs& runs();
+  /// Runs of another simulator made from the case, kept in a journal of this name.
+  struct OtherRuns {
+    std::unique_ptr<RunStore> store;
+    std::unique_ptr<Runs> runs;
+  };
+  [[nodiscard]] OtherRuns runs_of(const Simulator& simulator, const std::string& journal) const;
+  /// The recordings against the model. Warnings about them are shown once.
   /// Errors: InputError with its place, see StudyCase::matched_recordings and make_problem.
   [[nodiscard]] const Problem& problem();
-  /// Those of the model's sensors. Errors: as problem().
+  /// The recordings of the model's sensors. Errors: as problem().
   [[nodiscard]] const Recordings& recordings();
-  /// Where a journal of runs stands. With --fresh one of other settings is set aside first.
-  [[nodiscard]] std::filesystem::path journal(const std::string& name, const Provenance& provenance) const;
-  /// The journal of all runs of the true model. With --fresh one of other settings is set aside first. Errors: see RunStore.
-  [[nodiscard]] RunStore& runs();
-  /// The emulator's meshes, their runs kept in runs(). Errors: InputError naming emulator.element_sizes.
-  [[nodiscard]] LevelRuns& levels();
+  /// What the posterior of the case is set up from: runs, recordings and options, without a surrogate. Errors: as runs() and problem().
+  [[nodiscard]] PosteriorCase posterior_case(const Runs::Progress& progress = {});
 
  private:
+  /// Where a journal of runs is. With --fresh one of other settings is set aside first.
+  [[nodiscard]] std::filesystem::path journal(const std::string& name, const Provenance& provenance) const;
   const CommandLine& command_;
   StudyCase study_;
   std::optional<DirectoryLock> lock_;  ///< of --out, by a verb that writes there
   Notes notes_;
-  std::unique_ptr<BuiltInModel> model_;
-  std::unique_ptr<LineModel> line_;
-  std::unique_ptr<ExternalModel> external_;
+  ThreadExecutor executor_;
   std::optional<Recordings> recordings_;
   std::optional<Problem> problem_;
-  std::unique_ptr<RunStore> runs_;
-  std::unique_ptr<LevelRuns> levels_;
-  std::unique_ptr<NumberedRuns> numbered_runs_;
+  std::unique_ptr<RunStore> store_;
+  std::unique_ptr<Runs> runs_;
 };
 
 }  // namespace calomel

@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "apps/inputs/provenances.hpp"
-#include "apps/interrupt.hpp"
 #include "apps/pipeline/floor_stage.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/progress.hpp"
@@ -19,7 +18,6 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
   const auto& command = inputs.command();
   const auto& campaign = inputs.study().campaign;
   const auto provenance = campaign_provenance(inputs);
-  const auto& model = inputs.any_model();
   if (call.finished.to_be_set_aside(provenance, asked)) set_campaign_aside(command.out);
   const bool finished = std::filesystem::exists(inputs.artefact("campaign.nc"));
   if (!finished && asked == Asked::upstream) inputs.notes().say(made_first_line("finished campaign", command.out, "running"));
@@ -27,7 +25,7 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
   {
     std::optional<ProgressDisplay> display(std::in_place, "campaign", "runs", progress_style(command.quiet || finished), std::cerr);
     FloorSource floor;
-    if (campaign.floor && inputs.study().on_mesh() && (asked == Asked::by_user || !finished))
+    if (campaign.floor && inputs.study().capabilities().numerics && (asked == Asked::by_user || !finished))
       floor = [&] {
         display.reset();
         need_floor(call);
@@ -36,8 +34,7 @@ ExitStatus campaign_stage(StageCall& call, Asked asked) {
     const auto progress = [&](std::size_t done, std::size_t failed, std::size_t runs) { display->update(done, runs, failed_note(failed)); };
     summary = inputs.study().file.locating([&] {
       return run_campaign(
-          model, campaign, command.seed, command.threads, provenance, command.out, [&]() -> RunStore& { return inputs.runs(); }, progress, &stop_requested(),
-          floor);
+          inputs.simulator().shape(), campaign, command.seed, provenance, command.out, [&]() -> Runs& { return inputs.runs(); }, progress, floor);
     });
   }
   if (asked == Asked::by_user || !finished) inputs.notes().say(campaign_line(summary));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/inputs/posterior_case.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 #include "apps/presentation/calibration_lines.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
@@ -19,10 +19,10 @@ constexpr double same_viscosity = 1e-6;  ///< relative difference of two viscosi
 }  // namespace
 
 void expect_own_mesh_among_emulators(const StudyCase& study, const std::string& method) {
-  if (own_level(study)) return;
+  if (own_level(*study.simulator, study.emulator)) return;
   throw study.file.located(
       InputError({.problem = fmt::format("the case's element size, {} m, is none of the emulator's, so it cannot be corrected for the mesh",
-                                         *study.forward.geometry.resolved().element_size),
+                                         *study.simulator->hints().element_size),
                   .key = "emulator.element_sizes",
                   .suggestion = fmt::format("add the case's element size or set {}.mesh_correction = false", method)}));
 }
@@ -31,7 +31,7 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   if (!wanted) return nullptr;
   const auto& study = inputs_.study();
   const auto& notes = inputs_.notes();
-  if (const auto meshes = emulator_meshes(study); meshes != EmulatorMeshes::several) {
+  if (const auto meshes = emulator_meshes(inputs_.simulator(), study.emulator); meshes != EmulatorMeshes::several) {
     notes.say(not_corrected_line(method, meshes));
     return nullptr;
   }
@@ -43,9 +43,10 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   if (!fit.settled) reservations.push_back("the correction for the mesh stands on an " + emulator_sentence(fit.message));
   // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
   const auto& parameters = made.inputs->parameters;
-  const double own_viscosity = inputs_.model().describe().viscosity;
+  const std::string viscosity_key = inputs_.simulator().hints().numerical_viscosity;
+  const double own_viscosity = inputs_.simulator().mesh_scale({}).numerical_viscosity;
   std::vector<double> fine, working;
-  for (std::size_t k = inputs_.model().shape().parameters.size(); k < parameters.size(); ++k) {
+  for (std::size_t k = inputs_.simulator().shape().parameters.size(); k < parameters.size(); ++k) {
     const Parameter& p = parameters[k];
     fine.push_back(*p.nominal), working.push_back(p.key == viscosity_key ? own_viscosity : *p.nominal);
     if (p.key != viscosity_key) continue;
@@ -60,7 +61,7 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
   if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity)
     notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
-  taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(study), fine, working);
+  taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(inputs_.simulator(), study.emulator), fine, working);
   taught_->reservations = std::move(reservations);
   return &*taught_;
 }

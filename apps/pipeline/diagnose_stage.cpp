@@ -4,16 +4,12 @@
 
 #include <chrono>
 
-#include "apps/inputs/posterior_case.hpp"
-#include "apps/inputs/posterior_inputs.hpp"
 #include "apps/inputs/provenances.hpp"
-#include "apps/interrupt.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/provenance.hpp"
-#include "forward/correction_groups.hpp"
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
@@ -21,7 +17,6 @@ namespace calomel {
 ExitStatus diagnose_stage(StageCall& call) {
   auto& inputs = call.inputs;
   const auto& study = inputs.study();
-  const auto& command = inputs.command();
   const auto& notes = inputs.notes();
   (void)inputs.problem();
   const auto provenance = diagnosis_provenance(inputs);
@@ -30,22 +25,25 @@ ExitStatus diagnose_stage(StageCall& call) {
     return read_json(inputs.artefact("diagnosis.json")).value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   }
   const auto start = std::chrono::steady_clock::now();
-  const auto progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total)); };
   return study.file.locating([&] {
-    const bool quick = !study.on_mesh();
-    const auto base = quick ? posterior_inputs_of_a_quick_model(inputs) : posterior_inputs(inputs, {});
-    notes.warn(base->warnings);
-    if (!quick) put_first_box(*base, nominal(inputs.model().shape()));
-    base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
-    const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
-      if (quick) return inputs.numbered_runs().run(thetas, added, command.threads, {}, &stop_requested());  // too quick to be told one by one
-      return inputs.levels().run(thetas, level, added, command.threads, progress, &stop_requested());
+    const bool cheap = study.capabilities().cheap_runs;
+    const Runs::Progress progress = [&](std::size_t done, std::size_t total) {
+      if (!cheap) notes.say(fmt::format("diagnose: {} of {} runs of the true model", done, total));  // cheap runs are too many to be reported one by one
     };
+    const PosteriorCase posterior_case = inputs.posterior_case();
+    const auto base = set_up_posterior(posterior_case);
+    base->warnings = setup_sentences(base->findings);
+    notes.warn(base->warnings);
+    base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
+    const MeshedRuns runs = meshed_runs(posterior_case);
+    const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
+      return runs.get(thetas, level, added, progress);
+    };
+    auto groups = inputs.simulator().offered();
+    if (inputs.simulator().hints().idle_numbers) groups = with_idle_numbers_as_shapes(std::move(groups), run, nominal(inputs.simulator().shape()));
     const DiagnosisInputs in{.base = *base,
-                             .groups = study.line       ? offered_groups(inputs.line())
-                                       : study.external ? with_idle_numbers_as_shapes(offered_groups(*study.external), run, nominal(inputs.external().shape()))
-                                                        : offered_groups(study.forward, inputs.model().mesh()),
-                             .terms = quick ? std::vector<ParameterGroup>{} : correction_groups(study.forward),
+                             .groups = std::move(groups),
+                             .terms = inputs.simulator().terms(),
                              .run = run,
                              .options = study.diagnosis,
                              .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },

@@ -17,8 +17,8 @@ EncSummary enc_stage(StageCall& call, const Provenance& provenance, const Calibr
   const Feasibility feasibility(archive);
   inputs.notes().say(failure_lines(archive, feasibility));
   const MeshCorrection* correction = call.correction.get("enc", options.mesh_correction, progress);
-  auto summary =
-      run_enc(inputs.problem(), GuardedModel(*surrogate, feasibility), inputs.any_model(), options, command.seed, command.threads, progress, correction);
+  const SimulatedModel model(inputs.runs());
+  auto summary = run_enc(inputs.problem(), GuardedModel(*surrogate, feasibility), model, options, command.seed, command.threads, progress, correction);
   write_enc(summary, inputs.problem(), provenance, command.out);
   inputs.notes().say(enc_lines(summary));
   return summary;

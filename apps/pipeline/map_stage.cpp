@@ -1,8 +1,6 @@
 #include "apps/pipeline/map_stage.hpp"
 
-#include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
-#include "apps/interrupt.hpp"
 #include "apps/presentation/calibration_lines.hpp"
 #include "base/artefact.hpp"
 #include "uq/slips.hpp"
@@ -13,7 +11,8 @@ std::optional<NestedFit> compared_fit(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.map.compare_with.empty()) return std::nullopt;
   return study.file.locating([&] {
-    return read_nested_fit(nested_directory(inputs), posterior_parameters(study), study.forward.parameters.size(), study.map,
+    return read_nested_fit(nested_directory(inputs), posterior_parameters(*study.simulator, study.posterior_settings()), study.parameters().size(),
+                           study.map,
                            hash_file(study.recordings_file()));
   });
 }
@@ -27,11 +26,10 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
   if (nested) with_nested = fit_case_posterior(inputs, progress, &*nested);
   const CasePosterior& made = nested ? *with_nested : call.posterior.get(progress);
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
-  if (options.score_tests && inputs.study().on_mesh())
+  if (options.score_tests && !inputs.study().capabilities().cheap_runs)
     left_out = [&](std::span<const double>) {
-      return inputs.levels().mechanisms(
-          made.fit.modes[0].at.theta, command.threads, [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); },
-          &stop_requested());
+      return mechanism_directions(meshed_runs(inputs.posterior_case()), made.fit.modes[0].at.theta,
+                                  [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); });
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
   const auto told = slips(*made.inputs, made.fit);

@@ -7,6 +7,8 @@
 #include "apps/presentation/run_lines.hpp"
 #include "apps/report/report.hpp"
 #include "base/json.hpp"
+#include "forward/mesh/mesh.hpp"
+#include "forward/sensor/gauge.hpp"
 
 namespace calomel {
 
@@ -15,38 +17,38 @@ namespace {
 /// Below a nanometre is rounding.
 double rounded(double x) { return std::abs(x) < 1e-9 ? 0.0 : x; }
 
-ReportSensor report_sensor(const SensorOptions& declared, const LocatedGauge& gauge) {
+ReportSensor report_sensor(const LocatedGauge& gauge, const Vec3& declared, double gauge_length) {
   Vec3 placed = gauge.placed;
   for (auto& x : placed) x = rounded(x);
-  return {declared.name, declared.position, placed, gauge.direction, rounded(gauge.distance), declared.gauge_length};
+  return {gauge.name, declared, placed, gauge.direction, rounded(gauge.distance), gauge_length};
 }
 
 /// What a model on a mesh has beside its numbers: surfaces, gauges, the load.
-void add_target(ReportInput& input, StudyInputs& inputs) {
-  const auto& model = inputs.model();
-  const auto& forward = inputs.study().forward;
-  const auto description = model.describe();
-  input.outer = report_surface(model.mesh(), model.mesh().outer);
-  input.wetted = report_surface(model.mesh(), model.mesh().wetted);
-  for (std::size_t i = 0; i < forward.sensors.size(); ++i) input.sensors.push_back(report_sensor(forward.sensors[i], model.gauges()[i]));
-  input.load_policy = policy_text(forward.load);
-  if (description.deposited_energy > 0) input.deposited_energy = description.deposited_energy;
-  if (description.slice_thickness > 0) input.slice_thickness = description.slice_thickness;
+void add_target(ReportInput& input, const TargetView& target, const Description& description) {
+  input.outer = report_surface(*target.mesh, target.mesh->outer);
+  input.wetted = report_surface(*target.mesh, target.mesh->wetted);
+  for (std::size_t i = 0; i < target.gauges.size(); ++i)
+    input.sensors.push_back(report_sensor(target.gauges[i], target.declared[i], target.gauge_lengths[i]));
+  input.load_policy = target.load_policy;
+  if (target.deposited_energy > 0) input.deposited_energy = target.deposited_energy;
+  if (target.slice_thickness > 0) input.slice_thickness = target.slice_thickness;
   input.warnings = description.warnings;
-  if (!description.notes.empty()) input.warnings.push_back(unbuilt_mechanisms_sentence(description.notes.size()));
+  if (target.unbuilt_mechanisms > 0) input.warnings.push_back(unbuilt_mechanisms_sentence(target.unbuilt_mechanisms));
 }
 
 ReportInput report_input(StudyInputs& inputs) {
   const auto& study = inputs.study();
+  const ModelShape& shape = inputs.simulator().shape();
   ReportInput input;
-  input.case_name = study.name();
+  input.case_name = inputs.simulator().name();
   input.case_file = inputs.command().case_file.string();
   input.options = study.echo();
   input.parameters = study.parameters();
-  input.unit = study.unit();
-  input.time_end = study.time_end();
+  input.unit = shape.unit;
+  input.time_end = shape.times.back();
   input.seed = inputs.command().seed;
-  if (study.on_mesh()) add_target(input, inputs);
+  if (const auto target = inputs.study().file.locating([&] { return inputs.simulator().target(); }))
+    add_target(input, *target, inputs.simulator().describe());
   return input;
 }
 

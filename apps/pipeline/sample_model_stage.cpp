@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/inputs/posterior_inputs.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
@@ -56,10 +55,13 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
   const Eigen::ArrayXXd unit = space_filling_points(std::size_t(d), std::clamp(std::size_t(wanted), fewest_points, most_points), command.seed);
   const Eigen::ArrayXXd place = edge + (1 - 2 * edge) * unit;
   std::vector<std::vector<double>> starts;
-  if (posterior.is_log_density())
-    starts.push_back(nominal(call.inputs.external().shape()));
-  else
-    starts = find_direct_start(*posterior_inputs_without_start(call.inputs)).ends;
+  if (posterior.is_log_density()) {
+    starts.push_back(nominal(call.inputs.simulator().shape()));
+  } else {
+    PosteriorCase posterior_case = call.inputs.posterior_case();
+    posterior_case.first_box = false;
+    starts = find_direct_start(*set_up_posterior(posterior_case)).ends;
+  }
   Eigen::MatrixXd q(d, Eigen::Index(starts.size()));
   for (std::size_t i = 0; i < starts.size(); ++i) q.col(Eigen::Index(i)) = posterior.q(starts[i]);
   try {
@@ -74,8 +76,8 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
 
 std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
-  if (study.is_log_density()) return std::nullopt;
-  if (study.map.product == "physical")
+  if (study.capabilities().log_density) return std::nullopt;
+  if (study.physical())
     throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised",
                                          .key = "map.product",
                                          .value = "\"physical\"",
@@ -121,7 +123,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   auto errors = errors_of(inputs);  // before any long work, so that wrong recordings are told at once
   const auto provenance = posterior_provenance(inputs);
   if (const auto status = finished_sample(call, provenance)) return *status;
-  const auto& model = inputs.external();
+  const SimulatedModel model(inputs.runs(), false);
   const auto& parameters = model.shape().parameters;
   const ModelPosterior posterior(model, std::move(errors));
   const ModelDensity density(posterior);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/predictive_groups.hpp"
@@ -16,6 +15,7 @@
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/provenance.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 #include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/posterior_moments.hpp"
@@ -33,7 +33,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& command = inputs.command();
   const auto& study = inputs.study();
   const auto& notes = inputs.notes();
-  if (study.external && !study.file.has("surrogate")) return sample_model_stage(call);
+  if (study.runs_the_model_itself()) return sample_model_stage(call);
   (void)inputs.problem();  // before any long work, so that wrong recordings are told at once
   need_basin(call);
   const auto provenance = posterior_provenance(inputs);
@@ -70,7 +70,7 @@ ExitStatus sample_stage(StageCall& call) {
   const bool trusted = convergence.converged && fit.settled && check.holds;
   Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
-  json["product"] = study.map.product == "physical" ? "physical" : "tuned";
+  json["product"] = study.physical() ? "physical" : "tuned";
   json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning says what would move the answer: finer meshes, for one
   // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
   json["chains_converged"] = convergence.converged, json["converged"] = trusted;
@@ -89,7 +89,7 @@ ExitStatus sample_stage(StageCall& call) {
                                              {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
   json["adequate"] = goodness.adequate, json["adequacy"] = goodness.sentence;
   json["absorption"] = alarms, json["warnings"] = warnings;
-  json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
+  json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().store().size()}, {"element_sizes", element_sizes(inputs.simulator(), study.emulator)}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));

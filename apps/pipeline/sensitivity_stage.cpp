@@ -13,33 +13,13 @@
 #include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/archive.hpp"
-#include "forward/numbered_model.hpp"
 #include "forward/surrogate/surrogate.hpp"
-#include "forward/total_runs.hpp"
+#include "forward/campaign/total_runs.hpp"
 #include "inverse/posterior/prior.hpp"
 
 namespace calomel {
 
 namespace {
-
-/// A model outside whose runs are kept: a call that was cut off goes on where it was.
-class KeptModel final : public ForwardModel {
- public:
-  KeptModel(const ForwardModel& model, NumberedRuns& runs) : model_(model), runs_(runs) {}
-  [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
-  [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override { return model_.evaluate(theta); }
-  [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override {
-    Eigen::MatrixXf out = Eigen::MatrixXf::Constant(Eigen::Index(shape().values()), thetas.cols(), float(nan));
-    const auto records = runs_.run(thetas, {}, threads, {}, &stop_requested());
-    for (std::size_t i = 0; i < records.size(); ++i)
-      if (records[i].done) out.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXf>(records[i].mean.data(), out.rows());
-    return out;
-  }
-
- private:
-  const ForwardModel& model_;
-  NumberedRuns& runs_;
-};
 
 /// Points of the unit cube as parameters: evenly between the bounds, or by the priors there.
 std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::vector<Parameter>& parameters, bool by_prior) {
@@ -65,13 +45,12 @@ std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)> parameters_at(const std::
 /// Dissipated energy and time at cutoff at the campaign's points.
 TotalsOfRuns totals_of(StudyInputs& inputs, const Eigen::MatrixXd& thetas) {
   const auto& command = inputs.command();
-  const BuiltInModel& model = inputs.model();
+  const ModelShape& shape = inputs.simulator().shape();
   const auto progress = stage_progress("runs with an energy balance", command.quiet);
   TotalsOfRuns out{.which = {}, .thetas = thetas, .values = {}};
-  for (const auto& c : model.shape().conditions)
-    for (const auto& t : run_totals) out.which.push_back({t.name, model.shape().conditions.size() > 1 ? c : "", t.unit});
-  out.values = totals_at(
-      model, thetas, inputs.runs(), command.threads, [&](std::size_t done, std::size_t all) { progress("runs", done, all); }, &stop_requested());
+  for (const auto& c : shape.conditions)
+    for (const auto& t : run_totals) out.which.push_back({t.name, shape.conditions.size() > 1 ? c : "", t.unit});
+  out.values = totals_at(inputs.runs(), thetas, [&](std::size_t done, std::size_t all) { progress("runs", done, all); });
   return out;
 }
 
@@ -120,7 +99,7 @@ ExitStatus sensitivity_stage(StageCall& call) {
   auto& inputs = call.inputs;
   const auto& study = inputs.study();
   const auto& command = inputs.command();
-  const bool by_surrogate = study.on_mesh() || study.file.has("surrogate");
+  const bool by_surrogate = !study.runs_the_model_itself();
   const ExitStatus upstream = by_surrogate ? train_stage(call, Asked::upstream) : ExitStatus::done;
   const auto provenance = sensitivity_provenance(inputs, by_surrogate);
   if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Asked::by_user)) {
@@ -136,8 +115,8 @@ ExitStatus sensitivity_stage(StageCall& call) {
     runs = KnownRuns{.thetas = archive.theta, .means = archive.mean.cast<double>()};
     if (study.sensitivity.run_totals) totals = totals_of(inputs, archive.theta);
   }
-  std::optional<KeptModel> kept;
-  if (!by_surrogate) kept.emplace(inputs.any_model(), inputs.numbered_runs());
+  std::optional<SimulatedModel> kept;
+  if (!by_surrogate) kept.emplace(inputs.runs());
   const ForwardModel& model = surrogate ? static_cast<const ForwardModel&>(*surrogate) : *kept;
   const auto& parameters = study.parameters();
   const auto progress = stage_progress("sensitivity", command.quiet);
@@ -151,8 +130,8 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
   Sensitivity s = analyse_sensitivity(in);
-  if (!by_surrogate && inputs.runs().lost() > 0)
-    inputs.notes().warn({fmt::format("to {} evaluations no answer came: --fresh asks for these again", inputs.runs().lost())});
+  if (!by_surrogate && inputs.runs().store().lost() > 0)
+    inputs.notes().warn({fmt::format("no answer came to {} evaluations: --fresh requests these again", inputs.runs().store().lost())});
   if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
   const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
-
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "base/artefact.hpp"
@@ -18,8 +15,7 @@ namespace calomel {
 
 namespace {
 
-constexpr int most_pulses = 1000;       ///< of an ensemble that a request may ask for
-constexpr std::size_t most_models = 4;  ///< of as many numbers of pulses that are kept
+constexpr int most_pulses = 1000;  ///< of an ensemble that a request may ask for
 
 /// The pulses that a request's config asks for; 1 where it asks for none. Errors: InputError for any other key.
 int pulses_of(const Json& config) {
@@ -44,28 +40,6 @@ std::vector<double> answer_of(Prediction prediction) {
   return std::move(prediction.mean);
 }
 
-/// The explicit solver, one run at energy 1, or the mean over as many energies as a request asks for. A few models of so many pulses are kept: each has its
-/// mesh.
-class MeshModels {
- public:
-  MeshModels(const ForwardCase& forward, EnsembleOptions ensemble) : forward_(forward), ensemble_(ensemble) {}
-  std::shared_ptr<const BuiltInModel> of(int pulses) {
-    const std::lock_guard guard(lock_);
-    if (const auto held = models_.find(pulses); held != models_.end()) return held->second;
-    EnsembleOptions ensemble = ensemble_;
-    ensemble.pulses = pulses;
-    if (pulses == 1) ensemble.energy_sd = 0;
-    if (models_.size() >= most_models) models_.clear();
-    return models_[pulses] = std::make_shared<const BuiltInModel>(forward_, ensemble, 1);
-  }
-
- private:
-  const ForwardCase& forward_;
-  EnsembleOptions ensemble_;
-  std::mutex lock_;
-  std::map<int, std::shared_ptr<const BuiltInModel>> models_;
-};
-
 /// A case file could not say it, so the model does not take it: a negative density, for one. ranges: of the parameters' keys.
 void expect_possible(const std::vector<Parameter>& parameters, const std::vector<Range>& ranges, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
@@ -81,23 +55,18 @@ ServedModel described(const std::string& name, const ModelShape& shape) {
 }
 
 ServedModel served(StudyInputs& inputs) {
-  const auto& study = inputs.study();
-  if (study.on_mesh()) {
-    const auto models = std::make_shared<MeshModels>(study.forward, inputs.ensemble());
-    ServedModel out = described("forward", models->of(1)->shape());
-    std::vector<Range> ranges;
-    for (const auto& p : study.forward.parameters) ranges.push_back(study.forward.about(p.key).range);
-    out.evaluate = [models, ranges, &parameters = study.forward.parameters](const Blocks& input, const Json& config) {
-      expect_possible(parameters, ranges, input[0]);
-      return Blocks{answer_of(models->of(pulses_of(config))->evaluate(input[0]))};
-    };
-    return out;
-  }
-  const ForwardModel* model = &inputs.any_model();
-  ServedModel out = described("forward", model->shape());
-  out.evaluate = [model](const Blocks& input, const Json& config) {
-    expect_no_config(config);
-    return Blocks{answer_of(model->evaluate(input[0]))};
+  const Simulator& simulator = inputs.simulator();
+  (void)inputs.study().file.locating([&] { return simulator.describe(); });  // what is wrong with the case is reported before the server listens
+  ServedModel out = described("forward", simulator.shape());
+  std::vector<Range> ranges;
+  for (const auto& p : simulator.shape().parameters) ranges.push_back(simulator.range(p));
+  const bool has_pulses = simulator.capabilities().pulses;
+  out.evaluate = [&simulator, ranges, has_pulses](const Blocks& input, const Json& config) {
+    if (!has_pulses) expect_no_config(config);
+    expect_possible(simulator.shape().parameters, ranges, input[0]);
+    RunRequest request = request_at(simulator.shape().parameters, input[0]);
+    if (has_pulses) request.pulses = pulses_of(config);
+    return Blocks{answer_of(simulator.evaluate(request))};
   };
   return out;
 }

@@ -1,6 +1,5 @@
 #include "apps/pipeline/train_stage.hpp"
 
-#include "apps/inputs/posterior_case.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/pipeline/campaign_stage.hpp"
 #include "apps/pipeline/stage_call.hpp"
@@ -34,7 +33,8 @@ ExitStatus train_stage(StageCall& call, Asked asked) {
 void need_basin(StageCall& call) {
   auto& inputs = call.inputs;
   if (call.trained || !basin_on_surrogate(inputs.study())) return;
-  if (inputs.command().fresh || !std::filesystem::exists(inputs.artefact("surrogate.nc"))) (void)inputs.levels();
+  if (inputs.command().fresh || !std::filesystem::exists(inputs.artefact("surrogate.nc")))  // what is wrong with the meshes is reported before the campaign
+    (void)inputs.study().file.locating([&] { return inputs.simulator().mesh_scale(meshed_runs(inputs.posterior_case()).mesh(0)); });
   (void)train_stage(call, Asked::upstream);
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/inputs/posterior_case.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 #include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
 #include "inverse/spe/spe.hpp"

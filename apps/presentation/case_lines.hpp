@@ -1,11 +1,12 @@
 #pragma once
 /// What people are told of a case before it is run: its model, its physics, its study and what that costs.
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/inputs/study_case.hpp"
 #include "base/errors.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/simulation/simulator.hpp"
 #include "inverse/data/problem.hpp"
 
 namespace calomel {
@@ -19,22 +20,20 @@ struct StudyCost {
   double diagnosis = 0;  ///< as many as diagnosis.max_runs allows
 };
 
-/// What `check` tells of.
+/// What `check` shows.
 struct StudyPlan {
   const StudyCase& study;
-  const ModelDescription& model;
-  const ModelShape& shape;
-  const Mesh& mesh;
+  const Description& model;
   const Problem* problem = nullptr;  ///< null without recordings
-  StudyCost cost;
-  int threads = 1;  ///< of this call
+  std::optional<StudyCost> cost;     ///< of a model whose runs are long enough to count
+  int threads = 1;                   ///< of this call
 };
 
 /// What will be run and what it costs, a screenful.
 std::vector<std::string> plan_lines(const StudyPlan& plan);
 
-/// The load's policy, and of a pulse the deposited energy and the viscosity: every run tells them.
-std::vector<std::string> physics_lines(const LoadOptions& load, const ModelDescription& model, bool plane_strain);
+/// "label: text", a line each.
+std::vector<std::string> fact_lines(const std::vector<Fact>& facts);
 
 std::string mesh_written_line(const std::filesystem::path& file);
 

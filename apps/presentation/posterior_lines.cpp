@@ -24,6 +24,18 @@ std::vector<std::string> draws_lines(const Convergence& convergence) {
 
 std::string emulator_sentence(const std::string& message) { return "the emulator " + message; }
 
+std::vector<std::string> setup_sentences(const SetupFindings& findings) {
+  std::vector<std::string> out;
+  for (const auto& name : findings.uniform_priors)
+    out.push_back(fmt::format("{} has a uniform prior: it can imitate what the model leaves out; give it the prior of what is known of it", name));
+  if (findings.jitter_standard_errors > 0)
+    out.push_back(
+        fmt::format("the model does not repeat itself: two runs at nearly one point differ by {:.2g} standard errors of the records; it is fitted by an "
+                    "emulator that takes this for noise. If it chooses its steps itself or stops an iteration early, fix the steps or tighten the tolerance",
+                    findings.jitter_standard_errors));
+  return out;
+}
+
 std::string front_sentence(double elements_per_front, double finest_size) {
   return fmt::format(
       "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.4 to 1.8 "

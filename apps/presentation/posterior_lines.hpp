@@ -20,6 +20,9 @@ std::vector<std::string> draws_lines(const Convergence& convergence);
 /// "the emulator MESSAGE", its own of whether it has settled.
 std::string emulator_sentence(const std::string& message);
 /// Why deviations on a mesh with so few elements through the pulse's front are too small.
+/// What the set-up of a posterior found, a sentence each.
+std::vector<std::string> setup_sentences(const SetupFindings& findings);
+
 std::string front_sentence(double elements_per_front, double finest_size);
 /// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
 std::string absorption_sentence(const std::string& parameter, double prior_sds);

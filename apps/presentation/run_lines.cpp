@@ -61,9 +61,10 @@ std::string resumed_line(const std::string& which, std::int64_t step, bool finis
   return "simulate: " + (which.empty() ? "" : "condition " + which + ' ') + (finished ? "is finished and kept" : fmt::format("goes on from step {}", step));
 }
 
-std::string simulate_line(const SimulatedSpeed& speed) {
-  return fmt::format("simulate: {} elements, {} steps, {:.3g} s, {:.3g} million element-steps a second", speed.elements, speed.steps, speed.wall,
-                     speed.element_steps / 1e6);
+std::string simulate_line(const Simulated& s, std::size_t values) {
+  if (s.elements == 0) return fmt::format("simulate: {} values in {:.3g} s", values, s.wall_s);
+  return fmt::format("simulate: {} elements, {} steps, {:.3g} s, {:.3g} million element-steps a second", s.elements, s.steps, s.wall_s,
+                     s.element_steps_per_s / 1e6);
 }
 
 std::string report_line(const std::filesystem::path& page) { return "report: " + page.string(); }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "forward/simulation/simulator.hpp"
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "forward/surrogate/feasibility.hpp"
@@ -31,15 +32,10 @@ std::vector<std::string> failure_lines(const Archive& archive, const Feasibility
 /// A line a surrogate.
 std::vector<std::string> train_lines(const TrainSummary& summary);
 
-/// A simulation of several conditions that was cut off. `which` of them, empty when there is one: kept when `finished`, else gone on with.
+/// A simulation that was interrupted. `which`: its condition, empty when there is one. It is kept when `finished`, else it goes on from `step`.
 std::string resumed_line(const std::string& which, std::int64_t step, bool finished);
-struct SimulatedSpeed {
-  std::size_t elements = 0;
-  std::int64_t steps = 0;
-  double wall = 0;           ///< [s]
-  double element_steps = 0;  ///< [1/s]
-};
-std::string simulate_line(const SimulatedSpeed& speed);
+/// Size and speed of a run; of a model of this many values without elements, its time.
+std::string simulate_line(const Simulated& simulated, std::size_t values);
 
 std::string report_line(const std::filesystem::path& page);
 std::string report_tables_line(std::size_t tables, const std::filesystem::path& folder);

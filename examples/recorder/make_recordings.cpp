@@ -13,7 +13,7 @@
 #include "base/errors.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/solver/kernel.hpp"
 #include "inverse/data/recordings.hpp"
 

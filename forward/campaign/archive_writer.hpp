@@ -4,7 +4,7 @@
 
 #include "forward/campaign/archive.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
-#include "forward/runs/run_record.hpp"
+#include "forward/simulation/run_record.hpp"
 
 namespace calomel {
 

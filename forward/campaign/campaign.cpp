@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 
 #include "base/artefact.hpp"
@@ -103,23 +102,22 @@ Eigen::MatrixXd design_points(const std::string& design, std::span<const Paramet
   return points;
 }
 
-CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads, const Provenance& provenance,
-                             const std::filesystem::path& directory, const std::function<RunStore&()>& store_of_runs, const CampaignProgress& progress,
-                             const std::atomic<bool>* stop, const FloorSource& floor_source) {
+CampaignSummary run_campaign(const ModelShape& shape, const CampaignOptions& options, std::uint64_t seed, const Provenance& provenance,
+                             const std::filesystem::path& directory, const std::function<Runs&()>& runs_of_model, const CampaignProgress& progress,
+                             const FloorSource& floor_source) {
   expect(provenance.seed == seed, "the provenance of a campaign names its seed");
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
-  const auto& shape = model.shape();
-  const auto runs = std::size_t(options.runs);
-  const Eigen::MatrixXd theta = design_points(options.design, shape.parameters, runs, seed);
+  const auto count = std::size_t(options.runs);
+  const Eigen::MatrixXd theta = design_points(options.design, shape.parameters, count, seed);
   CampaignSummary summary;
 
   // 1. A finished campaign is reused.
   if (archive_stands(directory, provenance)) {
     const auto messages = NetcdfReader(directory / "campaign.nc").strings("message");
-    expect(messages.size() == runs, "an archive of this identity has the runs of the options");
+    expect(messages.size() == count, "an archive of this identity has the runs of the options");
     judge(summary, messages, options.allowed_failures);
-    summary.reused = runs;
+    summary.reused = count;
     const Json floor = floor_to_tell(ask(floor_source, summary.message), directory / "campaign.json");
     summary.wall_s = seconds();
     write_summary(directory, summary, options, messages, floor, provenance);
@@ -127,34 +125,34 @@ CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& o
   }
 
   // 2. Runs that are held are taken, the others are made.
-  RunStore& store = store_of_runs();
-  std::vector<RunPoint> points;
-  std::atomic<std::size_t> failed = 0;
-  for (std::size_t i = 0; i < runs; ++i) {
-    RunPoint p = point_at(shape.parameters, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())});
-    if (options.keep_pulses) p["campaign.keep_pulses"] = 1;  // a run without its pulses is another
-    if (store.contains(p)) ++summary.reused, failed += !store.read(p).done;
-    points.push_back(std::move(p));
+  Runs& runs = runs_of_model();
+  std::vector<RunRequest> requests;
+  std::size_t failed_before = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    RunRequest r = request_at(shape.parameters, {theta.col(Eigen::Index(i)).data(), std::size_t(theta.rows())});
+    r.wanted.pulses = options.keep_pulses;
+    if (runs.store().holds(r)) {
+      ++summary.reused;
+      failed_before += !runs.store().read(r).done;
+    }
+    requests.push_back(std::move(r));
   }
-  const auto evaluate = [&](const RunPoint& p) {
-    auto record = evaluate_run(model, theta_at(shape.parameters, p), options.keep_pulses);
-    failed += !record.done;
-    return record;
-  };
+  const std::size_t reused_failures = runs.failed();
   const auto report = [&](std::size_t made, std::size_t) {
-    if (progress) progress(summary.reused + made, failed, runs);
+    if (progress) progress(summary.reused + made, failed_before + runs.failed() - reused_failures, count);
   };
-  if (summary.reused == runs) report(0, 0);
-  store.make(points, evaluate, threads, {}, report, stop);
+  if (summary.reused == count) report(0, 0);
+  runs.make(requests, report);
 
   // 3. The floor; a kill in it loses none of the runs. Then the archive is assembled in run order.
   std::string no_floor;
   const auto floor = ask(floor_source, no_floor);
   const auto messages = write_archive(
-      directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return store.read(points[i]); }, floor ? &*floor : nullptr, provenance);
+      directory / "campaign.nc", shape, options.design, theta, [&](std::size_t i) { return runs.store().read(requests[i]); }, floor ? &*floor : nullptr,
+      provenance);
   judge(summary, messages, options.allowed_failures);
-  if (const auto lost = std::count_if(points.begin(), points.end(), [&](const auto& p) { return store.lost(p); }); lost > 0)
-    summary.message += fmt::format("; to {} no answer came: --fresh asks for these again", lost);
+  if (const auto lost = std::count_if(requests.begin(), requests.end(), [&](const auto& r) { return runs.store().lost(r); }); lost > 0)
+    summary.message += fmt::format("; no answer came to {} of them: --fresh requests these again", lost);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);

@@ -1,6 +1,5 @@
 #pragma once
 /// A campaign: the model run at every point of a design, saved run by run, resumed after any kill to the same data.
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,7 +10,7 @@
 #include "forward/campaign/design.hpp"
 #include "forward/campaign/repeatability_floor.hpp"
 #include "forward/model.hpp"
-#include "forward/runs/run_store.hpp"
+#include "forward/simulation/runs.hpp"
 
 namespace calomel {
 
@@ -58,25 +57,24 @@ struct CampaignSummary {
 /// Measures the floor of the campaign's model, or reads it where it was measured; nothing: there is to be none. Errors: NumericsError when there can be none.
 using FloorSource = std::function<std::optional<RepeatabilityFloor>()>;
 
-/// Told after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
+/// Called after every run: runs finished (the reused ones included), how many of them failed, runs of the design.
 using CampaignProgress = std::function<void(std::size_t finished, std::size_t failed, std::size_t runs)>;
 
 /// Points of a design in natural units, shape (n_parameters, runs): the unit cube carried to the parameters' bounds.
 /// Errors: InputError when there is no parameter, or the design is unknown or has too few dimensions.
 Eigen::MatrixXd design_points(const std::string& design, std::span<const Parameter> parameters, std::size_t runs, std::uint64_t seed);
 
-/// Runs `model` at options.runs points on `threads` threads and writes campaign.nc and campaign.json to `directory`. The runs are kept in `store`, which is
-/// asked for when runs are wanted: those that it holds are taken, of another design too. Each run is one evaluation, redone whole when it was interrupted, so
-/// the data do not depend on interruptions or threads. A run whose evaluation fails, throws or gives values that are not finite is recorded with its reason.
-/// A finished campaign of the same identity is reused.
-/// When all runs are finished `floor` is asked; what it gives is stored in both files, and why it could give none in the message. An archive that
-/// stands is not written again: then campaign.json alone gets the floor, and keeps the one that it has when there is no other.
+/// Makes the runs of a model of this shape at options.runs points and writes campaign.nc and campaign.json to `directory`. `runs` is called when runs are
+/// needed. Runs that the store holds are taken, of another design too. The data do not depend on interruptions or on the number of threads. A run that fails is
+/// recorded with its reason. A finished campaign of the same identity is reused.
+/// When all runs are finished `floor` is called; its result is stored in both files, and a failure in the message. An archive that exists is not written again:
+/// then campaign.json alone gets the floor, and keeps the one that it has when there is no other.
 /// `provenance` is of stage "campaign", with this seed and identity_options under "campaign".
-/// Errors: InputError when artefacts of other settings stand there (naming the changed keys; nothing is touched), when the
-/// disk is full, or from the model; Interrupted when `stop` became true, after the runs in progress.
-[[nodiscard]] CampaignSummary run_campaign(const ForwardModel& model, const CampaignOptions& options, std::uint64_t seed, int threads,
-                                           const Provenance& provenance, const std::filesystem::path& directory, const std::function<RunStore&()>& store,
-                                           const CampaignProgress& progress = {}, const std::atomic<bool>* stop = nullptr, const FloorSource& floor = {});
+/// Errors: InputError when artefacts of other settings exist there (naming the changed keys; nothing is touched), when the disk is full, or from the model;
+/// Interrupted when the runs were stopped.
+[[nodiscard]] CampaignSummary run_campaign(const ModelShape& shape, const CampaignOptions& options, std::uint64_t seed, const Provenance& provenance,
+                                           const std::filesystem::path& directory, const std::function<Runs&()>& runs, const CampaignProgress& progress = {},
+                                           const FloorSource& floor = {});
 
 /// --fresh: renames campaign.nc and campaign.json of `directory` to NAME.old-N. The runs stay in their store.
 void set_campaign_aside(const std::filesystem::path& directory);

@@ -50,10 +50,18 @@ Eigen::VectorXd MeshCorrection::vector_jacobian_product(std::span<const double> 
   return g;
 }
 
-Prediction CorrectedModel::evaluate(std::span<const double> theta) const {
-  Prediction p = model_.evaluate(theta);
+Prediction CorrectedModel::corrected(Prediction p, std::span<const double> theta) const {
   if (p.ok && !correction_.empty()) Eigen::Map<Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size())) += correction_.shift(theta);
   return p;
+}
+
+Prediction CorrectedModel::evaluate(std::span<const double> theta) const { return corrected(model_.evaluate(theta), theta); }
+
+std::vector<Prediction> CorrectedModel::predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted) const {
+  auto all = model_.predictions(thetas, threads, predicted);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = corrected(std::move(all[i]), {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())});
+  return all;
 }
 
 Eigen::MatrixXf CorrectedModel::means(const Eigen::MatrixXd& thetas, int threads) const {

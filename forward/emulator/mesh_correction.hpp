@@ -55,6 +55,7 @@ class CorrectedModel final : public ForwardModel {
   CorrectedModel(const ForwardModel& model, const MeshCorrection& correction) : model_(model), correction_(correction) {}
   [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override;
+  [[nodiscard]] std::vector<Prediction> predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted = {}) const override;
   [[nodiscard]] Eigen::MatrixXf means(const Eigen::MatrixXd& thetas, int threads) const override;
   [[nodiscard]] HistoryBasis basis() const override;
   [[nodiscard]] Eigen::MatrixXf coefficients(const Eigen::MatrixXd& thetas) const override;
@@ -62,6 +63,7 @@ class CorrectedModel final : public ForwardModel {
   [[nodiscard]] Eigen::VectorXd vector_jacobian_product(std::span<const double> theta, std::span<const double> weights) const override;
 
  private:
+  [[nodiscard]] Prediction corrected(Prediction prediction, std::span<const double> theta) const;
   const ForwardModel& model_;
   const MeshCorrection& correction_;
 };

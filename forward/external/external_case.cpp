@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/json.hpp"
-#include "forward/forward_case.hpp"
+#include "forward/simulation/case_tables.hpp"
 
 namespace calomel {
 
@@ -103,10 +103,6 @@ std::vector<double> strengths_of(const Parameter& p, double off) {
 
 ExternalCase ExternalCase::read(CaseFile& file) {
   ExternalCase c;
-  for (const char* other : {"geometry", "material", "load", "time", "solver", "sensor", "sensors", "condition", "fields", "line", "drive", "station", "floor"})
-    if (file.has(other))
-      throw file.located(
-          InputError({.problem = "this table belongs to a model of the program, the case has one outside", .key = other, .suggestion = "take it out"}));
   CaseName title;
   file.read("case", title);
   c.name = title.name.empty() ? file.path().stem().string() : title.name;

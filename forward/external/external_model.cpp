@@ -19,6 +19,16 @@ std::string text_of(std::span<const std::size_t> sizes) {
 
 }  // namespace
 
+ModelShape shape_of(const ExternalCase& c) {
+  ModelShape shape;
+  shape.parameters = c.parameters;
+  shape.conditions = {"default"};
+  shape.sensors = c.output.sensors;
+  shape.unit = c.unit;
+  for (int k = 0; k < c.time.count; ++k) shape.times.push_back(c.time.start + k * c.time.step);
+  return shape;
+}
+
 ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external)), client_(case_.server) {
   const auto& server = case_.server;
   const auto models = client_.models();
@@ -49,8 +59,7 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
                                       output_sizes_.empty() ? 0 : output_sizes_[0], case_.output.sensors.size(), case_.time.count, given),
          .key = "output",
          .suggestion = "correct output.sensors or output.time.count"});
-  shape_.parameters = case_.parameters, shape_.conditions = {"default"}, shape_.sensors = case_.output.sensors, shape_.unit = case_.unit;
-  for (int k = 0; k < case_.time.count; ++k) shape_.times.push_back(case_.time.start + k * case_.time.step);
+  shape_ = shape_of(case_);
   for (std::size_t i = 0; i < case_.own; ++i) place_.push_back(i);
   std::size_t at = case_.own;
   for (const auto& m : case_.mechanisms) {

@@ -1,11 +1,14 @@
 #pragma once
 /// A model outside of the program as a ForwardModel.
 #include "forward/external/external_case.hpp"
-#include "forward/numbered_model.hpp"
+#include "forward/model.hpp"
 
 namespace calomel {
 
-class ExternalModel : public NumberedModel {
+/// The shape of the model's records as the case declares it; it needs no connection.
+ModelShape shape_of(const ExternalCase& external);
+
+class ExternalModel : public ForwardModel {
  public:
   /// Asks the server whether it is there, has the model, and takes and gives what the case says. Errors: Unreachable or NumericsError for the server's part;
   /// InputError naming model.name, parameter or output where the case and the model do not fit.
@@ -14,7 +17,7 @@ class ExternalModel : public NumberedModel {
   [[nodiscard]] const ModelShape& shape() const override { return shape_; }
   [[nodiscard]] Prediction evaluate(std::span<const double> theta) const override { return evaluate(theta, {}); }
   /// `numbers`: "mechanism.NAME.parameter.P" of those that are not enabled, and reading_gain.
-  [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const override;
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const;
 
   /// Whether the server gives gradients.
   [[nodiscard]] bool has_gradient() const override { return support_.gradient; }

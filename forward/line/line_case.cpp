@@ -100,13 +100,6 @@ void read_bound_parameters(CaseFile& file, LineCase& c) {
 
 }  // namespace
 
-bool is_line_case(CaseFile& file) {
-  if (!file.has("model") || file.text("model.kind") == "umbridge") return false;
-  ModelOptions model;
-  file.read("model", model);
-  return model.kind == "line";
-}
-
 LineCase LineCase::read(CaseFile& file) {
   LineCase c;
   LineKind line;
@@ -121,9 +114,6 @@ LineCase LineCase::read(CaseFile& file) {
     file.read("line", c.bar);
   else
     file.read("line", c.pipe);
-  for (const char* solid : {"geometry", "material", "load", "sensor", "sensors", "condition", "solver", "fields"})
-    if (file.has(solid))
-      throw file.located(InputError({.problem = "this table belongs to a model on a mesh, not to a line", .key = solid, .suggestion = "take it out"}));
   read_unit(file, c);
   file.read("time", c.time);
   read_stations(file, c);

@@ -4,16 +4,13 @@
 #include <vector>
 
 #include "base/case_file.hpp"
-#include "forward/forward_case.hpp"
 #include "forward/line/line_mechanism.hpp"
 #include "forward/line/line_options.hpp"
 #include "forward/line/signal.hpp"
 #include "forward/parameter.hpp"
+#include "forward/simulation/case_tables.hpp"
 
 namespace calomel {
-
-/// Whether the case is one of a line. Errors: InputError for a model.kind that nobody knows ("umbridge" is left to others).
-bool is_line_case(CaseFile& file);
 
 struct LineCase {
   std::string name;

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "forward/line/line_case.hpp"
-#include "forward/numbered_model.hpp"
+#include "forward/model.hpp"
 
 namespace calomel {
 
@@ -28,7 +28,7 @@ struct LineDescription {
   std::vector<std::string> notes;
 };
 
-class LineModel : public NumberedModel {
+class LineModel : public ForwardModel {
  public:
   explicit LineModel(LineCase line_case);
 
@@ -37,7 +37,7 @@ class LineModel : public NumberedModel {
   /// At `theta` with further numbers of the case set, by dotted key: keys of mechanisms, offered ones included, and any other number. With none it is
   /// evaluate(theta), byte for byte, and so it is with a mechanism's off values.
   /// Errors: InputError for a key that names no number.
-  [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const override;
+  [[nodiscard]] Prediction evaluate(std::span<const double> theta, const std::map<std::string, double>& numbers) const;
 
   /// Mechanisms that the case lists without enabling them, or all of the catalogue that it does not enable where it lists none so; it must have their numbers.
   [[nodiscard]] std::vector<OfferedMechanism> offered() const;

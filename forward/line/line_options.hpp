@@ -7,17 +7,6 @@
 
 namespace calomel {
 
-/// `[model]`: what computes the histories.
-struct ModelOptions {
-  std::string kind = "built_in";
-  template <class V>
-  void visit(V& v) {
-    v("kind", kind,
-      {.doc = "built_in: the explicit solver on a mesh; line: waves along a bar or a pipe, [line]; umbridge: a model outside",
-       .choices = {"built_in", "line", "umbridge"}});
-  }
-};
-
 /// `[line]` with kind = "bar": the wave that passes a first gauge, where it is measured ([drive]), runs on without changing its shape.
 struct BarOptions {
   std::string kind = "bar";

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 #include "base/not_finite.hpp"
-#include "base/parallel.hpp"
 
 namespace calomel {
 
@@ -57,42 +55,43 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
   // 1. The best distinct points and the nominal one in the true model.
   const Clock clock;
   const auto& parameters = problem.shape.parameters;
-  std::mutex lock;
-  std::size_t finished = 0;
-  const auto report = [&](std::size_t total) {
-    const std::lock_guard guard(lock);
-    ++finished;
-    if (progress) progress("true-model runs", finished, total);
-  };
-  const auto run = [&](std::span<const double> theta, std::vector<double>& values) {
+  const auto judged = [&](std::span<const double> theta, Prediction p, std::vector<double>& values) {
     Candidate c{.theta = {theta.begin(), theta.end()}};
-    Prediction p = true_model.evaluate(theta);
     if (p.ok) c.score = score(problem, p.mean);
-    if (p.ok && c.score.ok)
-      c.objective_model = out.objective.value(c.score), values = std::move(p.mean);
-    else
+    if (p.ok && c.score.ok) {
+      c.objective_model = out.objective.value(c.score);
+      values = std::move(p.mean);
+    } else {
       c.message = p.ok ? "the history holds a NaN" : p.message;
-    if (c.objective_model && !std::isfinite(*c.objective_model)) c.objective_model.reset(), c.message = "the objective has no finite value there";
+    }
+    if (c.objective_model && !std::isfinite(*c.objective_model)) {
+      c.objective_model.reset();
+      c.message = "the objective has no finite value there";
+    }
     return c;
   };
   std::vector<Candidate> tried;
   std::vector<std::vector<double>> histories;
   std::size_t succeeded = 0;
-  for (std::size_t next = 0, first = 1; first || (succeeded < wanted && next < ranked.size());) {
+  bool nominal_is_due = true;
+  for (std::size_t next = 0; nominal_is_due || (succeeded < wanted && next < ranked.size());) {
     const std::size_t batch = std::min(wanted - succeeded, ranked.size() - next);
-    const std::size_t at = tried.size();
-    tried.resize(at + batch), histories.resize(at + batch);
-    parallel_for(batch + first, threads, [&](std::size_t i) {
-      if (i == batch) {
-        out.at_nominal = run(out.nominal, out.nominal_values);
-      } else {
-        tried[at + i] = run(ranked[next + i].theta, histories[at + i]);
-        tried[at + i].objective_surrogate = out.objective.cost(ranked[next + i].cost);
-      }
-      report(at + batch + 1);
+    const std::size_t before = tried.size();
+    Eigen::MatrixXd thetas(Eigen::Index(parameters.size()), Eigen::Index(batch + nominal_is_due));
+    for (std::size_t i = 0; i < batch; ++i) thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(ranked[next + i].theta.data(), thetas.rows());
+    if (nominal_is_due) thetas.rightCols(1) = Eigen::Map<const Eigen::VectorXd>(out.nominal.data(), thetas.rows());
+    auto predictions = true_model.predictions(thetas, threads, [&](std::size_t done, std::size_t total) {
+      if (progress) progress("true-model runs", before + done, before + total);
     });
-    for (std::size_t i = at; i < tried.size(); ++i) succeeded += tried[i].objective_model.has_value();
-    next += batch, first = 0;
+    for (std::size_t i = 0; i < batch; ++i) {
+      histories.emplace_back();
+      tried.push_back(judged(ranked[next + i].theta, std::move(predictions[i]), histories.back()));
+      tried.back().objective_surrogate = out.objective.cost(ranked[next + i].cost);
+      succeeded += tried.back().objective_model.has_value();
+    }
+    if (nominal_is_due) out.at_nominal = judged(out.nominal, std::move(predictions.back()), out.nominal_values);
+    next += batch;
+    nominal_is_due = false;
   }
   out.at_nominal.objective_surrogate = std::isfinite(cost_at_nominal) ? out.objective.cost(cost_at_nominal) : nan;
   out.model_runs = tried.size() + 1;

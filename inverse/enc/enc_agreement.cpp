@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 #include "base/json.hpp"
 #include "base/not_finite.hpp"
-#include "base/parallel.hpp"
 
 namespace calomel {
 
@@ -73,24 +71,29 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
 /// The true model at each formulation's answer.
 void run_model(EncAgreement& a, const Problem& problem, const ForwardModel& true_model, const std::vector<Objective>& objectives, int threads,
                const CalibrationProgress& progress) {
-  std::mutex lock;
-  std::size_t finished = 0;
-  parallel_for(a.objectives.size(), threads, [&](std::size_t i) {
-    auto& f = a.objectives[i];
-    f.model.theta = f.theta, f.model.objective_surrogate = nan;
+  std::vector<EncFormulation*> with_answer;
+  for (auto& f : a.objectives) {
+    f.model.theta = f.theta;
+    f.model.objective_surrogate = nan;
     for (const auto& o : objectives) f.values.emplace_back(o.name, std::nullopt);
-    if (!f.theta.empty()) {
-      const Prediction p = true_model.evaluate(f.theta);
-      if (p.ok) f.model.score = score(problem, p.mean);
-      f.model.message = p.message;
-      if (f.model.score.ok)
-        for (std::size_t k = 0; k < objectives.size(); ++k)
-          if (const double v = objectives[k].value(f.model.score); std::isfinite(v)) f.values[k].second = v;
-      f.model.objective_model = f.values[0].second;
-    }
-    const std::lock_guard guard(lock);
-    if (progress) progress("true-model runs of other objectives", ++finished, a.objectives.size());
+    if (!f.theta.empty()) with_answer.push_back(&f);
+  }
+  Eigen::MatrixXd thetas(Eigen::Index(problem.shape.parameters.size()), Eigen::Index(with_answer.size()));
+  for (std::size_t i = 0; i < with_answer.size(); ++i)
+    thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(with_answer[i]->theta.data(), thetas.rows());
+  const auto predictions = true_model.predictions(thetas, threads, [&](std::size_t done, std::size_t total) {
+    if (progress) progress("true-model runs of other objectives", done, total);
   });
+  for (std::size_t i = 0; i < with_answer.size(); ++i) {
+    EncFormulation& f = *with_answer[i];
+    const Prediction& p = predictions[i];
+    if (p.ok) f.model.score = score(problem, p.mean);
+    f.model.message = p.message;
+    if (f.model.score.ok)
+      for (std::size_t k = 0; k < objectives.size(); ++k)
+        if (const double v = objectives[k].value(f.model.score); std::isfinite(v)) f.values[k].second = v;
+    f.model.objective_model = f.values[0].second;
+  }
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ Identification identification_of(const PosteriorInputs& in, const PosteriorFit& 
     prior_sd[k] = p.prior == "lognormal" ? *p.sigma * theta[std::size_t(k)] : prior.scale();  // of the logarithm, which the covariance is of
     if (prior.kind() != "uniform") data(k, k) -= 1 / std::pow(prior_sd[k], 2);
   }
-  return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd);
+  return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd, in.identified, in.combinations);
 }
 
 void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {

@@ -24,28 +24,21 @@ std::string powers(const std::vector<std::string>& names, const Eigen::VectorXd&
 
 std::string share(double sd) { return sd < 0.3 ? fmt::format("{:.2g} %", 100 * sd) : fmt::format("a factor of {:.2g}", std::exp(sd)); }
 
-Combination combination(const char* name, double value, double relative_sd) {
+Combination combination(const std::string& name, double value, double relative_sd) {
   return {name, value, value * std::exp(-quantile95 * relative_sd), value * std::exp(quantile95 * relative_sd), relative_sd};
 }
 
 }  // namespace
 
 Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data,
-                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd) {
+                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd, const std::vector<std::string>& keys,
+                        const std::vector<PowerProduct>& products) {
   Identification out;
-  int rho = -1, c = -1;
   const auto positive = [&](std::size_t k) { return theta[k] > 0; };
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const auto& key = parameters[k].key;
-    const std::string word = key.substr(key.rfind('.') == std::string::npos ? 0 : key.rfind('.') + 1);
-    const auto is = [&](const char* liquid) { return key == std::string("material.mercury.") + liquid || (key.empty() && parameters[k].name == liquid); };
-    if (!positive(k) || !(is("density") || is("sound_speed") || is("tensile_cutoff"))) continue;
-    if (is("density")) rho = int(out.parameters.size());
-    if (is("sound_speed")) c = int(out.parameters.size());
-    out.parameters.push_back(k);
-  }
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (positive(k) && std::find(keys.begin(), keys.end(), parameters[k].key) != keys.end()) out.parameters.push_back(k);
   if (out.parameters.size() < 2) {
-    out.parameters.clear(), rho = c = -1;
+    out.parameters.clear();
     for (std::size_t k = 0; k < parameters.size(); ++k)
       if (positive(k)) out.parameters.push_back(k);
   }
@@ -84,14 +77,19 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     d.text = powers(names, d.exponents);
     out.directions.push_back(std::move(d));
   }
-  if (rho >= 0 && c >= 0) {
-    const auto sd_of = [&](double a, double b) {
-      Eigen::VectorXd v = Eigen::VectorXd::Zero(n);
-      v[rho] = a, v[c] = b;
-      return std::sqrt(std::max(0.0, v.dot(relative * v)));
-    };
-    out.combinations.push_back(combination("impedance rho c", value[rho] * value[c], sd_of(1, 1)));
-    out.combinations.push_back(combination("stiffness rho c^2", value[rho] * value[c] * value[c], sd_of(1, 2)));
+  for (const auto& product : products) {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(n);
+    double of_values = 1;
+    std::size_t found = 0;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto power = product.exponents.find(parameters[out.parameters[std::size_t(k)]].key);
+      if (power == product.exponents.end()) continue;
+      ++found;
+      v[k] = power->second;
+      of_values *= std::pow(value[k], power->second);
+    }
+    if (found < product.exponents.size()) continue;
+    out.combinations.push_back(combination(product.name, of_values, std::sqrt(std::max(0.0, v.dot(relative * v)))));
   }
   std::string pinned, open;
   for (const auto& d : out.directions) {

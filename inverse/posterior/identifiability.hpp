@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "forward/parameter.hpp"
+#include "forward/simulation/inference_hints.hpp"
 
 namespace calomel {
 
@@ -26,15 +27,16 @@ struct Combination {
 };
 
 struct Identification {
-  std::vector<std::size_t> parameters;    ///< the positive ones: density, sound speed and cutoff of the liquid where they are among them, else all
+  std::vector<std::size_t> parameters;    ///< the positive ones among the keys of interest, or all positive ones where fewer than two of these are
   std::vector<Direction> directions;      ///< best determined first
-  std::vector<Combination> combinations;  ///< impedance and stiffness where density and sound speed are parameters
+  std::vector<Combination> combinations;  ///< the named products whose parameters are all there
   std::string sentence;
 };
 
 /// data: curvature of -log likelihood by the parameters, the posterior's precision less the prior's, (n, n) in their own units; covariance: of the posterior,
-/// the same units; prior_sd: (n).
+/// the same units; prior_sd: (n). keys: of the parameters of interest; products: that are reported beside the directions.
 Identification identify(const std::vector<Parameter>& parameters, const std::vector<double>& theta, const Eigen::MatrixXd& data,
-                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd);
+                        const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sd, const std::vector<std::string>& keys,
+                        const std::vector<PowerProduct>& products);
 
 }  // namespace calomel

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "forward/runs/run_record.hpp"
+#include "forward/simulation/inference_hints.hpp"
+#include "forward/simulation/run_record.hpp"
 #include "inverse/posterior/mode.hpp"
 
 namespace calomel {
@@ -77,6 +78,12 @@ struct GaugePlaces {
   Eigen::MatrixXd outermost;  ///< (2, 3): the target's least and greatest coordinates
 };
 
+/// What the set-up of a posterior found that its user should know.
+struct SetupFindings {
+  std::vector<std::string> uniform_priors;  ///< parameters of an external model that may imitate what the model leaves out
+  double jitter_standard_errors = 0;        ///< by which two runs of nearly one point differ, where the model does not repeat itself; 0: it does
+};
+
 /// What a fit works on; what is referred to outlives it.
 struct PosteriorInputs {
   const Problem& problem;
@@ -113,6 +120,9 @@ struct PosteriorInputs {
   std::vector<double> nested_centre;
   std::vector<TaughtRun> known;       ///< runs that are there already
   std::size_t known_dimension = 0;    ///< they differ in the first so many parameters
+  std::vector<std::string> identified;     ///< InferenceHints::identified
+  std::vector<PowerProduct> combinations;  ///< InferenceHints::combinations
+  SetupFindings findings;
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
   std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty

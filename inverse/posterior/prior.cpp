@@ -14,16 +14,6 @@ namespace {
 
 const boost::math::normal standard;
 
-struct Handbook {
-  const char* key;
-  const char* prior;
-  double sd;  ///< relative, or of the logarithm
-};
-/// Relative uncertainties of mercury's density and sound speed at an operating temperature that is known to some ten kelvin, with what impurities and gas may
-/// do; the cutoff is known to a factor of two.
-constexpr std::array<Handbook, 3> handbook{
-    {{"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}}};
-
 }  // namespace
 
 Prior::Prior(const Parameter& p) : kind_(p.prior), low_(p.min), high_(p.max) {
@@ -139,9 +129,9 @@ std::pair<double, double> expected_range(const Parameter& p) {
   return {std::max(p.min, *p.mean - 2 * *p.sd), std::min(p.max, *p.mean + 2 * *p.sd)};
 }
 
-std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters) {
+std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters, const std::vector<HandbookPrior>& handbook) {
   for (auto& p : parameters) {
-    const auto known = std::find_if(handbook.begin(), handbook.end(), [&](const Handbook& h) { return p.key == h.key; });
+    const auto known = std::find_if(handbook.begin(), handbook.end(), [&](const HandbookPrior& h) { return p.key == h.key; });
     if (known != handbook.end()) {
       expect(p.nominal.has_value(), "a model's shape carries every nominal value");
       p.prior = known->prior;

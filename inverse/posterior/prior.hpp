@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forward/parameter.hpp"
+#include "forward/simulation/inference_hints.hpp"
 
 namespace calomel {
 
@@ -50,10 +51,9 @@ std::optional<double> prior_deviation(const Parameter& parameter, double value);
 /// Where a value is expected: within the bounds, and of a truncated normal prior within two of its standard deviations.
 std::pair<double, double> expected_range(const Parameter& parameter);
 
-/// The parameters with handbook priors where these are known: density normal about nominal with 1.5 %, sound speed normal with 3 %, tensile cutoff
-/// lognormal with ln nominal and 0.7 (of material.mercury). Others keep the case's prior; one that is uniform is refused, because a free
-/// discrepancy explains anything that such a parameter does (Brynjarsdottir and O'Hagan 2014, Inverse Problems 30, 114007).
-/// Errors: InputError for such a parameter, and for a nominal cutoff of 0.
-std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters);
+/// The parameters with the handbook's priors where it has any: normal about the nominal value, or lognormal about its logarithm. Others keep the case's prior;
+/// one that is uniform is refused, because a free discrepancy explains anything that such a parameter does (Brynjarsdottir and O'Hagan 2014, Inverse Problems
+/// 30, 114007). Errors: InputError for such a parameter, and for a lognormal prior about a nominal value of 0.
+std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters, const std::vector<HandbookPrior>& handbook);
 
 }  // namespace calomel

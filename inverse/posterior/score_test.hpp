@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "forward/mechanism_directions.hpp"
+#include "forward/simulation/mechanism_directions.hpp"
 #include "inverse/posterior/log_posterior.hpp"
 
 namespace calomel {

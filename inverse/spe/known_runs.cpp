@@ -44,12 +44,14 @@ void KnownRuns::price(Run& run) const {
 
 bool KnownRuns::usable(const Run& run) const { return std::isfinite(run.cost) && (options_.transform != "log" || run.cost > 0); }
 
-bool KnownRuns::add(const std::vector<double>& theta, const RunRecord& run, bool held_out, const Bounds& box) {
+bool KnownRuns::add(const std::vector<double>& theta, const Prediction& run, bool held_out, const Bounds& box) {
   const bool fresh = std::none_of(seen_.begin(), seen_.end(), [&](const auto& s) { return distance({0, s.first}, {0, theta}, box) < same_place; });
   if (!fresh) return false;
-  seen_.emplace_back(theta, !run.done);
-  if (!run.done) return false;
-  Run r{.theta = theta, .history = Eigen::Map<const Eigen::VectorXf>(run.mean.data(), Eigen::Index(run.mean.size())), .held_out = held_out};
+  const Eigen::VectorXf history = Eigen::Map<const Eigen::VectorXd>(run.mean.data(), Eigen::Index(run.mean.size())).cast<float>();
+  const bool done = run.ok && history.allFinite();
+  seen_.emplace_back(theta, !done);
+  if (!done) return false;
+  Run r{.theta = theta, .history = history, .held_out = held_out};
   price(r);
   if (!usable(r)) return false;
   runs_.push_back(std::move(r));

@@ -5,7 +5,6 @@
 
 #include "forward/campaign/archive.hpp"
 #include "forward/emulator/mesh_correction.hpp"
-#include "forward/runs/run_record.hpp"
 #include "inverse/calibration/calibration.hpp"
 #include "forward/surrogate/feasibility.hpp"
 #include "inverse/spe/surrogates.hpp"
@@ -18,7 +17,7 @@ class KnownRuns {
   /// Errors: InputError for fewer than 8 usable runs.
   KnownRuns(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed);
   /// A run that failed teaches where runs fail; one of a known place (in units of `box`) teaches nothing. Returns whether it joined.
-  bool add(const std::vector<double>& theta, const RunRecord& run, bool held_out, const Bounds& box);
+  bool add(const std::vector<double>& theta, const Prediction& run, bool held_out, const Bounds& box);
   /// Each run's misfit: of its history and the correction at its point, null or empty for none; of runs added later too. Errors: InputError when a misfit of
   /// the campaign has no logarithm and needs one.
   void price(const MeshCorrection* correction);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "inverse/calibration/remembering_model.hpp"
 #include "inverse/spe/known_runs.hpp"
@@ -19,13 +18,14 @@ constexpr std::uint64_t zoom_stream = 0x5a00;
 /// The state of a calibration between its rounds.
 class SpeRounds {
  public:
-  SpeRounds(SpeSummary& out, const Problem& problem, const Archive& archive, const SpeOptions& options, const MakeRuns& make_runs,
-            const RememberingModel& memory, const MeshCorrection* correction, std::uint64_t seed)
+  SpeRounds(SpeSummary& out, const Problem& problem, const Archive& archive, const SpeOptions& options, const RememberingModel& memory,
+            const MeshCorrection* correction, std::uint64_t seed, int threads, const CalibrationProgress& progress)
       : out_(out),
         problem_(problem),
         options_(options),
-        make_runs_(make_runs),
         memory_(memory),
+        threads_(threads),
+        progress_(progress),
         known_(problem, archive, out.objective, options, seed),
         seed_(seed),
         bounds_(bounds_of(problem.shape)),
@@ -41,9 +41,9 @@ class SpeRounds {
   [[nodiscard]] int rounds() const { return options_.zoom + options_.refinements; }
 
   /// Fits and searches; ranked proposals of this round.
-  std::vector<Proposal> search(int threads, const CalibrationProgress& progress) {
-    fit_round(out_, known_.data(box_, whole_), options_, seed_, threads, progress);
-    search_round(out_, box_, known_.feasibility(), options_, seed_, threads, progress);
+  std::vector<Proposal> search() {
+    fit_round(out_, known_.data(box_, whole_), options_, seed_, threads_, progress_);
+    search_round(out_, box_, known_.feasibility(), options_, seed_, threads_, progress_);
     return ranked_proposals(out_, box_, options_.transform);
   }
 
@@ -88,15 +88,15 @@ class SpeRounds {
  private:
   static constexpr std::size_t campaign = 1'000'000;  ///< all runs of it
 
-  std::vector<RunRecord> run(const std::vector<std::vector<double>>& points) {
+  std::vector<Prediction> run(const std::vector<std::vector<double>>& points) {
     if (points.empty()) return {};
     Eigen::MatrixXd thetas(bounds_.low.size(), Eigen::Index(points.size()));
     for (std::size_t i = 0; i < points.size(); ++i) thetas.col(Eigen::Index(i)) = Eigen::Map<const Eigen::VectorXd>(points[i].data(), thetas.rows());
     const Clock clock;
-    auto runs = make_runs_(thetas);
+    auto runs = memory_.predictions(thetas, threads_, [&](std::size_t done, std::size_t total) {
+      if (progress_) progress_("runs of the true model", done, total);
+    });
     out_.model_s += clock.seconds();
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      memory_.learn(points[i], {.ok = runs[i].done, .message = runs[i].message, .mean = {runs[i].mean.begin(), runs[i].mean.end()}}, true);
     return runs;
   }
 
@@ -111,8 +111,9 @@ class SpeRounds {
   SpeSummary& out_;
   const Problem& problem_;
   const SpeOptions& options_;
-  const MakeRuns& make_runs_;
   const RememberingModel& memory_;
+  int threads_;
+  const CalibrationProgress& progress_;
   KnownRuns known_;
   std::uint64_t seed_;
   Bounds bounds_, box_;
@@ -122,27 +123,20 @@ class SpeRounds {
 }  // namespace
 
 SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed, int threads,
-                   const CalibrationProgress& progress, const MakeRuns& make_runs, const MeshCorrection* correction) {
+                   const CalibrationProgress& progress, const MeshCorrection* correction) {
   expect(archive.shape.values() == problem.shape.values() && true_model.shape().values() == problem.shape.values() &&
              std::size_t(archive.theta.rows()) == problem.shape.parameters.size(),
          "campaign, true model and problem have one shape");
   SpeSummary out{begin_calibration(problem, objectives().get(options.objective, "spe.objective"))};
   const Clock clock;
   const MeshCorrection none, &mesh = correction ? *correction : none;
-  const MakeRuns own = [&](const Eigen::MatrixXd& thetas) {
-    std::vector<RunRecord> runs(std::size_t(thetas.cols()));
-    parallel_for(runs.size(), threads, [&](std::size_t i) {
-      runs[i] = evaluate_run(true_model, {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())}, false);
-    });
-    return runs;
-  };
   const RememberingModel model(true_model);
-  SpeRounds rounds(out, problem, archive, options, make_runs ? make_runs : own, model, &mesh, seed);
+  SpeRounds rounds(out, problem, archive, options, model, &mesh, seed, threads, progress);
 
   // 1. Surrogates, their optima, the modes of these; the true misfit there joins the runs, the box shrinks, and again.
   std::vector<Proposal> ranked;
   for (int round = 0;; ++round) {
-    ranked = rounds.search(threads, progress);
+    ranked = rounds.search();
     if (round == rounds.rounds()) break;
     rounds.ask(ranked);
     rounds.zoom(round);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "forward/campaign/archive.hpp"
-#include "forward/runs/run_record.hpp"
 #include "inverse/calibration/calibration.hpp"
 #include "inverse/spe/modes.hpp"
 #include "inverse/spe/surrogates.hpp"
@@ -58,17 +57,12 @@ struct SpeSummary : Calibration {
 ScatteredData discrepancies(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed,
                             std::size_t* excluded = nullptr);
 
-/// Runs of the true model at points (n_parameters, n), in their order, kept in a journal or not.
-using MakeRuns = std::function<std::vector<RunRecord>(const Eigen::MatrixXd& thetas)>;
-
 /// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
 /// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out. `make_runs`: where runs are added; empty: by `true_model`. `correction`: for the mesh, of every
-/// history; null, or an empty one: as published. Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate
+/// shape; runs of the archive that failed are left out. `correction`: for the mesh, of every history; null, or an empty one: as published. Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate
 /// vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
-                                 int threads, const CalibrationProgress& progress = {}, const MakeRuns& make_runs = {},
-                                 const MeshCorrection* correction = nullptr);
+                                 int threads, const CalibrationProgress& progress = {}, const MeshCorrection* correction = nullptr);
 
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);

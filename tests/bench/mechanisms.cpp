@@ -10,7 +10,7 @@
 #include <ctime>
 
 #include "base/artefact.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/bench/line_plot.hpp"
 
 using namespace calomel;

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mesh/deform_mesh.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/solver/kernel.hpp"

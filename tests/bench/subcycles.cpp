@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 
 using namespace calomel;
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "base/random.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/mesh/mesh_file.hpp"
 #include "forward/mesh/write_mesh.hpp"

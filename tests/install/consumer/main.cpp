@@ -1,7 +1,7 @@
 // A program outside of the project: reads a case, runs it at two points, and scores them against records.
 #include <cstdio>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "inverse/data/problem.hpp"
 
 int main(int argc, char** argv) {

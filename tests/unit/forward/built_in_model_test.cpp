@@ -1,4 +1,4 @@
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "forward/forward_case.hpp"
+#include "forward/target/forward_case.hpp"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mesh/deform_mesh.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/verification/small_runs.hpp"

@@ -1,4 +1,4 @@
-#include "forward/repeatability.hpp"
+#include "forward/campaign/repeatability.hpp"
 
 #include <gmock/gmock.h>
 

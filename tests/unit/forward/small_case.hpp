@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "forward/forward_case.hpp"
+#include "forward/target/forward_case.hpp"
 
 namespace calomel::testing {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/parameter_group.hpp"

@@ -1,8 +1,8 @@
 // Terms without a name: each against the law or the numbers that it must come to.
 #include "forward/mechanism/correction.hpp"
 
-#include "forward/built_in_model.hpp"
-#include "forward/correction_groups.hpp"
+#include "forward/target/built_in_model.hpp"
+#include "forward/target/correction_groups.hpp"
 #include "forward/mechanism/cavitation_kinetics.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;

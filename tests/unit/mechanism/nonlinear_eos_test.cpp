@@ -1,6 +1,6 @@
 #include "forward/mechanism/nonlinear_eos.hpp"
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"
 #include "tests/verification/one_point.hpp"

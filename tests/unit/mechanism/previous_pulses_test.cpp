@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mechanism/left_states.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -1,7 +1,7 @@
 #include "forward/mechanism/sensor_response.hpp"
 
 #include "base/linear_algebra.hpp"
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/sensor/channel.hpp"
 #include "tests/unit/forward/small_case.hpp"

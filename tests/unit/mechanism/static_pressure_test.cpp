@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "forward/built_in_model.hpp"
+#include "forward/target/built_in_model.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;

@@ -1,5 +1,5 @@
 // Runs by the numbers of the case: never made twice, resumed after any kill, dear ones first.
-#include "forward/runs/run_store.hpp"
+#include "forward/simulation/run_store.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

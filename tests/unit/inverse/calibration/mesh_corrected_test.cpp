@@ -9,7 +9,7 @@
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "forward/runs/run_store.hpp"
+#include "forward/simulation/run_store.hpp"
 #include "forward/emulator/infill.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "inverse/enc/enc.hpp"

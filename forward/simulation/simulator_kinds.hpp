@@ -1,0 +1,27 @@
+#pragma once
+/// The kinds of model that a case may have, `[model] kind`.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/case_file.hpp"
+#include "base/registry.hpp"
+#include "forward/simulation/simulator.hpp"
+
+namespace calomel {
+
+/// How a kind of model comes out of a case.
+struct SimulatorKind {
+  /// Reads every table of the model. Errors: InputError with the place.
+  std::unique_ptr<Simulator> (*make)(CaseFile& file, const SimulatorSettings& settings);
+  std::vector<std::string> tables;  ///< tables of the case file that this kind reads beside [case], [model], [parameter] and [mechanism]
+};
+
+const Registry<SimulatorKind>& simulator_kinds();
+
+/// The simulator of a case; `built_in` where the case does not say. Errors: InputError for an unknown kind, for a table that belongs to another kind, and for
+/// whatever is wrong in the tables of its own.
+std::unique_ptr<Simulator> make_simulator(CaseFile& file, const SimulatorSettings& settings);
+
+}  // namespace calomel
