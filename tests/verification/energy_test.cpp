@@ -39,12 +39,12 @@ TEST(Energy, IsKeptInTheLinearCase) {
   const HeatedBox box;
   const auto s = box.run();
   verify({.item = "Energy",
-          .quantity = "linear, nothing dissipates, greatest dE over E",
+          .quantity = "linear, no dissipation, greatest dE over E",
           .reference = 0,
           .source = "1/2 v- M v+ + stored",
           .measured = s.energy_balance_error,
           .tolerance = 1e-6,
-          .control = "averaged velocities, see below"});
+          .control = "averaged velocities, see the row of mercury alone"});
   EXPECT_GT(s.steps, 400);
   EXPECT_EQ(s.dissipated, 0);
   EXPECT_EQ(s.radiated, 0);
@@ -75,7 +75,7 @@ TEST(Energy, DissipationAndRadiationAreCounted) {
           .source = "balance",
           .measured = s.energy_balance_error,
           .tolerance = 1e-6,
-          .control = "either entry left out (the lesser)",
+          .control = "either term of the balance left out (the smaller one)",
           .control_value = std::min(s.dissipated, std::abs(s.radiated)) / s.energy_in});
   EXPECT_GT(s.dissipated, 1e-2 * s.energy_in);
   EXPECT_GT(std::abs(s.radiated), 1e-2 * s.energy_in);
@@ -112,7 +112,7 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
           .measured = errors[0],
           .tolerance = 1e-3,
           .order = std::log2(errors[1] / errors[2]),
-          .control = "averaged velocities, see below"});
+          .control = "averaged velocities, see the row of mercury alone"});
   box.setup.collapse_viscosity = 0.5;
   const double inelastic = box.run(0.45).energy_balance_error;
   const auto small = box.run(0.225);
@@ -123,7 +123,7 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
           .measured = small.energy_balance_error,
           .tolerance = 1e-3,
           .order = std::log2(inelastic / small.energy_balance_error),
-          .control = "what that dissipates left out",
+          .control = "the energy that closing dissipates left out",
           .control_value = small.dissipated / small.energy_in});
 }
 
@@ -159,7 +159,7 @@ TEST(Energy, AveragedVelocitiesMakeItSwing) {
     return (*high - *low) / *high;
   };
   verify({.item = "Energy",
-          .quantity = "mercury alone, a step of pressure, swing",
+          .quantity = "mercury alone, a step of pressure, oscillation of the energy",
           .reference = 0,
           .source = "1/2 v- M v+ + stored",
           .measured = swing(kept),

@@ -127,7 +127,7 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
             .source = "computed independently",
             .measured = measured,
             .tolerance = tolerance,
-            .control = "the other laws' rows, with residuals of their own"});
+            .control = "the rows of the other laws, whose residuals differ"});
   };
   told("1-D bar", base.rms, 27.4, 0.15);
   told("sensor lag", lag.rms, 25.5, 0.15);
@@ -219,19 +219,19 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
           .quantity = "water hammer: residual of the best elastic line",
           .unit = "kPa",
           .reference = 732,
-          .source = "computed independently, at absurd friction",
+          .source = "computed independently, with an unrealistic friction factor",
           .measured = elastic.rms,
           .tolerance = 10,
           .control = "with the cutoff",
           .control_value = vapour.rms});
   verify({.item = item,
-          .quantity = "water hammer: when the pressure comes back, cutoff at nominal numbers",
+          .quantity = "water hammer: time at which the pressure returns, cutoff at nominal numbers",
           .unit = "s",
           .reference = 0.383,
           .source = "the record (Bergant and Simpson 1999)",
           .measured = returns(nominal),
           .tolerance = 0.006,
-          .control = "the pipe level",
+          .control = "level pipe",
           .control_value = returns(at(level))});
   verify({.item = item,
           .quantity = "water hammer: residual with the cutoff over that of the elastic line",
@@ -239,7 +239,7 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
           .source = "computed independently, for a level pipe",
           .measured = vapour.rms / elastic.rms,
           .tolerance = 0.1,
-          .control = "retarded wall in its place",
+          .control = "retarded wall instead",
           .control_value = wall.rms / elastic.rms});
   for (const Fit* rival : {&elastic, &unsteady, &wall, &lag}) EXPECT_GT(rival->rms, 1.5 * vapour.rms);
   EXPECT_GT(vapour.x[1], 0.01);

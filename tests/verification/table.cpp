@@ -44,9 +44,10 @@ std::vector<std::string> cells_of(const std::string& line) {
 std::string table_page(const Record& record) {
   std::string page =
       "# Verification table\n\n"
-      "Made by `verification_table` from what the tests of `tests/verification` measured; do not edit it. How to make it anew, and what the items mean: "
-      "[README](README.md).\n"
-      "A row holds when the error is within the tolerance; the control is the same check with the law spoiled, which must lie outside it.\n";
+      "The program `verification_table` generates this page from the measurements of `tests/verification`; do not edit it. "
+      "[README](README.md) describes how to generate it and what the items mean.\n"
+      "A row passes if the error is within the tolerance (column *allowed*). The control is the same check with a deliberately wrong law. It must lie outside "
+      "the tolerance.\n";
   std::string item;
   for (const auto& r : record.rows) {
     if (r.item != item) {
