@@ -4,11 +4,8 @@
 
 #include "apps/verbs.hpp"
 #include "forward/campaign/design.hpp"
-#include "forward/line/line_mechanism.hpp"
-#include "forward/material/riemer.hpp"
-#include "forward/mechanism/mechanism.hpp"
-#include "forward/solver/load.hpp"
-#include "forward/surrogate/emulator.hpp"
+#include "forward/simulation/simulator_kinds.hpp"
+#include "forward/surrogate/trained_map.hpp"
 #include "inverse/objective/objective.hpp"
 #include "inverse/optimizer/optimizer.hpp"
 #include "uq/sampler/sampler.hpp"
@@ -17,22 +14,24 @@ namespace calomel {
 
 namespace {
 
-template <class Entry>
-void print(const std::string& title, const Registry<Entry>& catalogue) {
+void print(const std::string& title, const std::vector<std::pair<std::string, std::string>>& entries) {
   std::size_t width = 0;
-  for (const auto& row : catalogue.rows()) width = std::max(width, row.name.size());
+  for (const auto& [name, summary] : entries) width = std::max(width, name.size());
   std::cout << title << '\n';
-  for (const auto& row : catalogue.rows()) std::cout << fmt::format("  {:<{}}  {}\n", row.name, width, row.summary);
+  for (const auto& [name, summary] : entries) std::cout << fmt::format("  {:<{}}  {}\n", name, width, summary);
+}
+
+template <class Entry>
+void print(const std::string& title, const Registry<Entry>& registry) {
+  print(title, catalogue_of(title, registry).entries);
 }
 
 }  // namespace
 
 ExitStatus run_list(const CommandLine&) {
-  print("laws of the liquid ([material.mercury] law)", liquid_laws());
-  print("loads ([load] kind)", loads());
-  print("mechanisms ([mechanism.NAME])", mechanisms());
-  print("mechanisms of a bar ([model] kind = \"line\", [line] kind = \"bar\")", bar_mechanisms());
-  print("mechanisms of a pipe ([line] kind = \"pipe\")", pipe_mechanisms());
+  for (const auto& kind : simulator_kinds().rows())
+    for (const auto& c : kind.entry.catalogues()) print(c.title, c.entries);
+  print("kinds of model ([model] kind)", simulator_kinds());
   print("designs ([campaign] design)", designs());
   print("surrogates ([surrogate] kind)", surrogate_kinds());
   print("objectives ([enc], [spe] objective)", objectives());

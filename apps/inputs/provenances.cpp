@@ -130,7 +130,8 @@ Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) 
 Provenance diagnosis_provenance(const StudyInputs& inputs) {
   Provenance p = on_posterior(inputs, "diagnosis");
   p.options.erase("sampler");
-  for (const auto& [key, value] : inputs.study().simulator->identity().offered.items()) p.options[key] = value;
+  const Json offered = inputs.study().simulator->identity().offered;
+  for (const auto& [key, value] : offered.items()) p.options[key] = value;
   p.options["diagnosis"] = echo(inputs.study().diagnosis);
   return p;
 }

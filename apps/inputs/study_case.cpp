@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "forward/simulation/simulator_kinds.hpp"
@@ -9,10 +11,15 @@
 namespace calomel {
 
 const std::vector<std::string>& known_tables() {
-  static const std::vector<std::string> tables{"case",      "geometry",    "material",  "load",      "time",     "solver",    "sensor", "sensors", "recordings",
-                                               "parameter", "mechanism",   "model",     "condition", "campaign", "surrogate", "enc",    "spe",     "map",
-                                               "sampler",   "sensitivity", "diagnosis", "power",     "report",   "study",     "fields", "output",  "floor",
-                                               "emulator",  "errors",      "posterior", "line",      "drive",    "station"};
+  static const std::vector<std::string> tables = [] {
+    std::vector<std::string> all{"case",      "model",   "parameter",   "mechanism", "recordings", "campaign", "floor",     "surrogate", "enc",   "spe",
+                                 "map",       "sampler", "sensitivity", "diagnosis", "power",      "report",   "study",     "fields",    "emulator",
+                                 "errors",    "posterior"};
+    for (const auto& kind : simulator_kinds().rows())
+      for (const auto& table : kind.entry.tables)
+        if (std::find(all.begin(), all.end(), table) == all.end()) all.push_back(table);
+    return all;
+  }();
   return tables;
 }
 

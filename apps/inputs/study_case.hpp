@@ -11,6 +11,7 @@
 #include "base/case_file.hpp"
 #include "forward/campaign/campaign.hpp"
 #include "forward/simulation/simulator.hpp"
+#include "forward/simulation/case_tables.hpp"
 #include "forward/surrogate/options.hpp"
 #include "inverse/enc/enc.hpp"
 #include "inverse/map/map.hpp"
@@ -38,15 +39,6 @@ struct StudyOptions {
        .least_size = 1});
     v("methods", methods,
       {.doc = "how its calibrate stage calibrates, one after another; all = enc, spe, map", .choices = {"enc", "spe", "map", "all"}, .least_size = 1});
-  }
-};
-
-/// `[fields]` of a case file.
-struct FieldOptions {
-  std::optional<double> interval;
-  template <class V>
-  void visit(V& v) {
-    v("interval", interval, {.unit = "s", .range = above(0), .doc = "time between pictures in fields.exo (default: end / 50)"});
   }
 };
 

@@ -58,8 +58,8 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
                       "corrected. Elements of another size, or a greater emulator.viscosity_sd ({:.3g}), reach it",
                       own_viscosity, study.emulator.viscosity_sd));
   }
-  const bool told = std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key == viscosity_key; });
-  if (!told && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity)
+  const bool sampled = std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.key == viscosity_key; });
+  if (!sampled && std::abs(own_viscosity / study.emulator.viscosity - 1) > same_viscosity)
     notes.warn(viscosity_left_sentence(method, own_viscosity, study.emulator.viscosity));
   taught_.emplace(fit.posterior->box(), fit.posterior->emulator(), fit.histories(), *own_level(inputs_.simulator(), study.emulator), fine, working);
   taught_->reservations = std::move(reservations);

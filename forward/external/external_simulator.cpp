@@ -90,7 +90,8 @@ SimulatorKind external_kind() {
             c.server.stop = settings.stop;
             return std::make_unique<ExternalSimulator>(std::move(c));
           },
-          .tables = {"output"}};
+          .tables = {"output"},
+          .reference = external_reference};
 }
 
 }  // namespace calomel

@@ -38,6 +38,9 @@ class ExternalSimulator final : public Simulator {
   mutable std::unique_ptr<ExternalModel> model_;
 };
 
+/// The tables of an external model for the reference of the case file, in Markdown.
+std::string external_reference();
+
 SimulatorKind external_kind();
 
 }  // namespace calomel

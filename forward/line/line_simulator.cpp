@@ -113,7 +113,9 @@ SimulatorKind line_kind() {
             if (const auto drive = file.text("drive.file")) files["drive.file"] = file.resolve(*drive);
             return std::make_unique<LineSimulator>(std::move(c), std::move(files));
           },
-          .tables = {"line", "drive", "time", "station", "floor"}};
+          .tables = {"line", "drive", "time", "station", "floor"},
+          .reference = line_reference,
+          .catalogues = line_catalogues};
 }
 
 }  // namespace calomel

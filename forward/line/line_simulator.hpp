@@ -32,6 +32,10 @@ class LineSimulator final : public Simulator {
   Capabilities capabilities_;
 };
 
+/// The tables of a line for the reference of the case file, in Markdown; and its mechanisms.
+std::string line_reference();
+std::vector<Catalogue> line_catalogues();
+
 SimulatorKind line_kind();
 
 }  // namespace calomel

@@ -2,6 +2,7 @@
 /// Tables of a case file that several kinds of model have.
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "base/options.hpp"
@@ -30,6 +31,15 @@ struct TimeOptions {
   /// Errors: InputError when the interval does not divide the end.
   void validate() const;
   [[nodiscard]] std::size_t samples() const { return std::size_t(std::llround(end / output_interval)) + 1; }
+};
+
+/// `[fields]` of a case file.
+struct FieldOptions {
+  std::optional<double> interval;
+  template <class V>
+  void visit(V& v) {
+    v("interval", interval, {.unit = "s", .range = above(0), .doc = "time between pictures in fields.exo (default: end / 50)"});
+  }
 };
 
 }  // namespace calomel

@@ -10,8 +10,7 @@ struct ModelOptions {
   std::string kind = "built_in";
   template <class V>
   void visit(V& v) {
-    v("kind", kind,
-      {.doc = "built_in: the explicit solver on a mesh; line: waves along a bar or a pipe, [line]; umbridge: an external model behind HTTP"});
+    v("kind", kind, {.doc = "kind of the true model, one of the list below"});
   }
 };
 

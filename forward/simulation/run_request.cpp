@@ -1,5 +1,7 @@
 #include "forward/simulation/run_request.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cstdlib>
@@ -100,7 +102,12 @@ std::vector<double> theta_at(std::span<const Parameter> parameters, const RunReq
 
 std::string run_text(const RunRequest& r) {
   std::string text;
-  const auto add = [&](const std::string& word, const std::string& value) { text += (text.empty() ? "" : " ") + word + '=' + value; };
+  const auto add = [&](const std::string& word, const std::string& value) {
+    if (!text.empty()) text += ' ';
+    text += word;
+    text += '=';
+    text += value;
+  };
   for (const auto& [key, value] : r.numbers) add(key, number_text(value));
   if (r.element_size) add(mesh_word, number_text(*r.element_size));
   if (r.pulses) add(pulses_word, std::to_string(*r.pulses));
@@ -115,8 +122,11 @@ std::string run_text(const RunRequest& r) {
 std::string text_of(const RunRequest& request) {
   std::string wanted;
   for (const auto& [name, output] : output_words)
-    if (request.wanted.*output) wanted += (wanted.empty() ? "" : "+") + std::string(name);
-  return run_text(request) + ' ' + want_word + '=' + wanted;
+    if (request.wanted.*output) {
+      if (!wanted.empty()) wanted += '+';
+      wanted += name;
+    }
+  return fmt::format("{} {}={}", run_text(request), want_word, wanted);
 }
 
 RunRequest request_of(const std::string& text) {

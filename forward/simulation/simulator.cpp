@@ -12,9 +12,18 @@ namespace {
 
 constexpr std::size_t few_values = 16;  ///< a model of no more values is recorded in double precision
 
-std::string numbers_text(const RunRequest& request) {
+/// The parameters by name, then further numbers by key.
+std::string numbers_text(const ModelShape& shape, const RunRequest& request) {
   std::string text;
-  for (const auto& [key, value] : request.numbers) text += (text.empty() ? "" : ", ") + key.substr(key.rfind('.') + 1) + " = " + number_text(value);
+  std::map<std::string, double> further = request.numbers;
+  const auto add = [&](const std::string& name, double value) { text += (text.empty() ? "" : ", ") + name + " = " + number_text(value); };
+  for (const auto& p : shape.parameters) {
+    const auto at = further.find(p.key);
+    if (at == further.end()) continue;
+    add(p.name, at->second);
+    further.erase(at);
+  }
+  for (const auto& [key, value] : further) add(key, value);
   return text;
 }
 
@@ -41,7 +50,7 @@ RunRecord Simulator::run(const RunRequest& request) const {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
-    record = {.message = fmt::format("{} (at {})", e.what(), numbers_text(request))};
+    record = {.message = fmt::format("{} (at {})", e.what(), numbers_text(shape(), request))};
   }
   return record;
 }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/case_file.hpp"
@@ -11,11 +12,25 @@
 
 namespace calomel {
 
+/// Names that a kind of model knows beside the rest of the program, such as the mechanisms of a bar.
+struct Catalogue {
+  std::string title;                                         ///< for `calomel list`
+  std::vector<std::pair<std::string, std::string>> entries;  ///< name and summary
+};
+template <class Entry>
+Catalogue catalogue_of(std::string title, const Registry<Entry>& registry) {
+  Catalogue out{.title = std::move(title), .entries = {}};
+  for (const auto& row : registry.rows()) out.entries.emplace_back(row.name, row.summary);
+  return out;
+}
+
 /// How a kind of model comes out of a case.
 struct SimulatorKind {
   /// Reads every table of the model. Errors: InputError with the place.
   std::unique_ptr<Simulator> (*make)(CaseFile& file, const SimulatorSettings& settings);
   std::vector<std::string> tables;  ///< tables of the case file that this kind reads beside [case], [model], [parameter] and [mechanism]
+  std::string (*reference)();       ///< these tables for the reference of the case file, in Markdown
+  std::vector<Catalogue> (*catalogues)() = [] { return std::vector<Catalogue>(); };
 };
 
 const Registry<SimulatorKind>& simulator_kinds();

@@ -8,7 +8,7 @@
 
 namespace calomel {
 
-std::unique_ptr<Emulator> ModeGaussianProcess::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t, int threads,
+std::unique_ptr<TrainedMap> ModeGaussianProcess::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t, int threads,
                                                      TrainingRecord& record) {
   InputScaling inputs(set.parameters, Coordinates::log, 0, 1);
   ModeBasis basis(set.histories, set.series, options.modes);
@@ -33,7 +33,7 @@ std::unique_ptr<Emulator> ModeGaussianProcess::train(const TrainingSet& set, con
   });
   std::vector<GaussianProcess> processes;
   for (auto& p : fitted) processes.push_back(std::move(*p));
-  return std::unique_ptr<Emulator>(new ModeGaussianProcess(std::move(inputs), std::move(basis), x, z, std::move(processes)));
+  return std::unique_ptr<TrainedMap>(new ModeGaussianProcess(std::move(inputs), std::move(basis), x, z, std::move(processes)));
 }
 
 Eigen::MatrixXd ModeGaussianProcess::whitened(const Eigen::MatrixXd& thetas, int threads) const {
@@ -75,12 +75,12 @@ void ModeGaussianProcess::save(NetcdfWriter& file, const std::string& prefix) co
   store(file, prefix + "hyperparameters", packed, {{"long_name", "log lengths, warps, log nugget; a column a mode"}});
 }
 
-std::unique_ptr<Emulator> ModeGaussianProcess::load(const NetcdfReader& file, const std::string& prefix) {
+std::unique_ptr<TrainedMap> ModeGaussianProcess::load(const NetcdfReader& file, const std::string& prefix) {
   const auto x = stored_matrix<double>(file, prefix + "training_features"), z = stored_matrix<double>(file, prefix + "training_coefficients");
   const auto packed = stored_matrix<double>(file, prefix + "hyperparameters");
   std::vector<GaussianProcess> processes;
   for (Eigen::Index k = 0; k < z.rows(); ++k) processes.emplace_back(x, z.row(k).transpose(), GaussianProcessHyperparameters::unpacked(packed.col(k)));
-  return std::unique_ptr<Emulator>(new ModeGaussianProcess(InputScaling::load(file, prefix), ModeBasis::load(file, prefix), x, z, std::move(processes)));
+  return std::unique_ptr<TrainedMap>(new ModeGaussianProcess(InputScaling::load(file, prefix), ModeBasis::load(file, prefix), x, z, std::move(processes)));
 }
 
 }  // namespace calomel

@@ -1,6 +1,6 @@
 #pragma once
 /// Surrogate "mode_gaussian_process": one Gaussian process for each proper orthogonal mode of the histories.
-#include "forward/surrogate/emulator.hpp"
+#include "forward/surrogate/trained_map.hpp"
 #include "forward/surrogate/gaussian_process.hpp"
 #include "forward/surrogate/input_scaling.hpp"
 #include "forward/surrogate/modes.hpp"
@@ -9,10 +9,10 @@ namespace calomel {
 
 /// Higdon et al. 2008, section 2.2: independent processes on the whitened mode coefficients. Deterministic, cheap for a
 /// few hundred runs (n^3 a step and mode), with a predictive variance that includes the discarded modes.
-class ModeGaussianProcess final : public Emulator {
+class ModeGaussianProcess final : public TrainedMap {
  public:
-  static std::unique_ptr<Emulator> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
-  static std::unique_ptr<Emulator> load(const NetcdfReader& file, const std::string& prefix);
+  static std::unique_ptr<TrainedMap> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
+  static std::unique_ptr<TrainedMap> load(const NetcdfReader& file, const std::string& prefix);
 
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const override;
   [[nodiscard]] HistoryBasis basis() const override;

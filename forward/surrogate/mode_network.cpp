@@ -38,7 +38,7 @@ double chosen_decay(const std::vector<int>& widths, const ModeNetworkOptions& ow
 
 }  // namespace
 
-std::unique_ptr<Emulator> ModeNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record) {
+std::unique_ptr<TrainedMap> ModeNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record) {
   const ModeNetworkOptions& own = options.mode_network;
   InputScaling inputs(set.parameters, Coordinates::both, -1, 1);
   ModeBasis basis(set.histories, set.series, options.modes);
@@ -73,7 +73,7 @@ std::unique_ptr<Emulator> ModeNetwork::train(const TrainingSet& set, const Surro
   record.epochs = training.epochs;
   record.train_loss = summaries[0].train_loss;
   record.test_loss = summaries[0].test_loss;
-  return std::unique_ptr<Emulator>(new ModeNetwork(std::move(inputs), std::move(basis), std::move(weight), std::move(members)));
+  return std::unique_ptr<TrainedMap>(new ModeNetwork(std::move(inputs), std::move(basis), std::move(weight), std::move(members)));
 }
 
 HistoryBasis ModeNetwork::basis() const { return {basis_.mean(), basis_.map()}; }
@@ -119,11 +119,11 @@ void ModeNetwork::save(NetcdfWriter& file, const std::string& prefix) const {
   for (std::size_t i = 0; i < members_.size(); ++i) save_network(file, prefix + "member_" + std::to_string(i) + '_', members_[i]);
 }
 
-std::unique_ptr<Emulator> ModeNetwork::load(const NetcdfReader& file, const std::string& prefix) {
+std::unique_ptr<TrainedMap> ModeNetwork::load(const NetcdfReader& file, const std::string& prefix) {
   std::vector<Network<float>> members;
   const int n = file.integers(prefix + "members")[0];
   for (int i = 0; i < n; ++i) members.push_back(load_network(file, prefix + "member_" + std::to_string(i) + '_'));
-  return std::unique_ptr<Emulator>(
+  return std::unique_ptr<TrainedMap>(
       new ModeNetwork(InputScaling::load(file, prefix), ModeBasis::load(file, prefix), stored_matrix<float>(file, prefix + "mode_weight"), std::move(members)));
 }
 

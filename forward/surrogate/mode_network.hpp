@@ -1,6 +1,6 @@
 #pragma once
 /// Surrogate "mode_network": small smooth networks from parameters to the modes of the histories.
-#include "forward/surrogate/emulator.hpp"
+#include "forward/surrogate/trained_map.hpp"
 #include "forward/surrogate/input_scaling.hpp"
 #include "forward/surrogate/modes.hpp"
 #include "forward/surrogate/network.hpp"
@@ -10,10 +10,10 @@ namespace calomel {
 /// A few networks from different starts and shuffles, averaged (Lakshminarayanan et al. 2017), each from the parameters
 /// (linear and, where positive, logarithmic too) to whitened mode coefficients times deviation^(1 - whitening).
 /// Their spread, with the discarded modes, is the predictive variance.
-class ModeNetwork final : public Emulator {
+class ModeNetwork final : public TrainedMap {
  public:
-  static std::unique_ptr<Emulator> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
-  static std::unique_ptr<Emulator> load(const NetcdfReader& file, const std::string& prefix);
+  static std::unique_ptr<TrainedMap> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
+  static std::unique_ptr<TrainedMap> load(const NetcdfReader& file, const std::string& prefix);
 
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const override;
   [[nodiscard]] HistoryBasis basis() const override;

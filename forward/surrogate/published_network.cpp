@@ -22,7 +22,7 @@ Network<float> load_network(const NetcdfReader& file, const std::string& prefix)
   return {std::move(layers), Activation(head[1])};
 }
 
-std::unique_ptr<Emulator> PublishedNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads,
+std::unique_ptr<TrainedMap> PublishedNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads,
                                                   TrainingRecord& record) {
   InputScaling inputs(set.parameters, Coordinates::linear, 0, 1);
   const Eigen::VectorXf mean = set.histories.cast<double>().rowwise().mean().cast<float>();
@@ -51,7 +51,7 @@ std::unique_ptr<Emulator> PublishedNetwork::train(const TrainingSet& set, const 
   record.epochs = options.epochs;
   record.train_loss = std::move(summary.train_loss);
   record.test_loss = std::move(summary.test_loss);
-  return std::unique_ptr<Emulator>(new PublishedNetwork(std::move(inputs), std::move(network), mean, scale));
+  return std::unique_ptr<TrainedMap>(new PublishedNetwork(std::move(inputs), std::move(network), mean, scale));
 }
 
 Eigen::MatrixXf PublishedNetwork::histories(const Eigen::MatrixXd& thetas, int threads) const {
@@ -92,8 +92,8 @@ void PublishedNetwork::save(NetcdfWriter& file, const std::string& prefix) const
   store(file, prefix + "output_scale", Eigen::MatrixXf(Eigen::MatrixXf::Constant(1, 1, scale_)));
 }
 
-std::unique_ptr<Emulator> PublishedNetwork::load(const NetcdfReader& file, const std::string& prefix) {
-  return std::unique_ptr<Emulator>(new PublishedNetwork(InputScaling::load(file, prefix), load_network(file, prefix),
+std::unique_ptr<TrainedMap> PublishedNetwork::load(const NetcdfReader& file, const std::string& prefix) {
+  return std::unique_ptr<TrainedMap>(new PublishedNetwork(InputScaling::load(file, prefix), load_network(file, prefix),
                                                         stored_matrix<float>(file, prefix + "output_mean"),
                                                         stored_matrix<float>(file, prefix + "output_scale")(0, 0)));
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// Surrogate "network": the published one, from parameters to every sample of every sensor.
-#include "forward/surrogate/emulator.hpp"
+#include "forward/surrogate/trained_map.hpp"
 #include "forward/surrogate/input_scaling.hpp"
 #include "forward/surrogate/network.hpp"
 
@@ -14,10 +14,10 @@ Network<float> load_network(const NetcdfReader& file, const std::string& prefix)
 /// the training runs and divided by one number, the overall standard deviation, so that the loss stays the MAE in
 /// strain up to that factor. Defaults: the seed paper's table of hyperparameters (layers 242, 191, 128, 108, 94, 72,
 /// ReLU, Adam at 9.5e-4 with the plateau rule, batch 8, 100 epochs, MAE). Initial weights as in Keras (Glorot uniform).
-class PublishedNetwork final : public Emulator {
+class PublishedNetwork final : public TrainedMap {
  public:
-  static std::unique_ptr<Emulator> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
-  static std::unique_ptr<Emulator> load(const NetcdfReader& file, const std::string& prefix);
+  static std::unique_ptr<TrainedMap> train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
+  static std::unique_ptr<TrainedMap> load(const NetcdfReader& file, const std::string& prefix);
 
   [[nodiscard]] Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const override;
   [[nodiscard]] HistoryBasis basis() const override;

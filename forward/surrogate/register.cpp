@@ -1,14 +1,14 @@
 #include <set>
 
-#include "forward/surrogate/emulator.hpp"
+#include "forward/surrogate/trained_map.hpp"
 #include "forward/surrogate/mode_gaussian_process.hpp"
 #include "forward/surrogate/mode_network.hpp"
 #include "forward/surrogate/published_network.hpp"
 
 namespace calomel {
 
-Registry<EmulatorKind> surrogate_kinds() {
-  Registry<EmulatorKind> kinds("surrogate");
+Registry<SurrogateKind> surrogate_kinds() {
+  Registry<SurrogateKind> kinds("surrogate");
   kinds.add("network", "the published feedforward network from parameters to every sample of every sensor",
             {&PublishedNetwork::train, &PublishedNetwork::load});
   kinds.add("mode_network", "small smooth networks from parameters to the proper orthogonal modes of the histories", {&ModeNetwork::train, &ModeNetwork::load});

@@ -62,8 +62,8 @@ Prediction Surrogate::evaluate(std::span<const double> theta) const {
   p.ok = inside(theta.data(), &p.message);
   if (!p.ok) return p;
   const Eigen::MatrixXd at = Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size()));
-  const auto values = [&](const Emulator& emulator) {
-    const Eigen::MatrixXf y = emulator.histories(at, 1);
+  const auto values = [&](const TrainedMap& map) {
+    const Eigen::MatrixXf y = map.histories(at, 1);
     return std::vector<double>(y.data(), y.data() + y.size());
   };
   p.mean = values(*parts_.mean);

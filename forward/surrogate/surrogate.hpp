@@ -7,7 +7,7 @@
 #include <string>
 
 #include "forward/campaign/archive.hpp"
-#include "forward/surrogate/emulator.hpp"
+#include "forward/surrogate/trained_map.hpp"
 
 namespace calomel {
 
@@ -19,7 +19,7 @@ class Surrogate final : public ForwardModel {
   struct Parts {
     std::string kind;
     ModelShape shape;
-    std::unique_ptr<Emulator> mean, slope, scatter;
+    std::unique_ptr<TrainedMap> mean, slope, scatter;
     Eigen::VectorXf held_out;
     double variance_factor = 1;
   };

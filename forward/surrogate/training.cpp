@@ -33,7 +33,7 @@ bool worth_learning(const Eigen::MatrixXf& histories, const RunSplit& split) {
 }
 
 /// Energy slope and scatter are smooth enough companions of the mean: always Gaussian processes on modes.
-std::unique_ptr<Emulator> companion(const Archive& archive, const Eigen::MatrixXf& histories, const RunSplit& split, const SurrogateOptions& options,
+std::unique_ptr<TrainedMap> companion(const Archive& archive, const Eigen::MatrixXf& histories, const RunSplit& split, const SurrogateOptions& options,
                                     std::uint64_t seed, int threads) {
   if (!worth_learning(histories, split)) return nullptr;
   TrainingRecord unused;

@@ -342,7 +342,9 @@ SimulatorKind target_kind() {
               if (const auto name = file.text(key)) files[key] = file.resolve(*name);
             return std::make_unique<TargetSimulator>(std::move(c), settings, std::move(files));
           },
-          .tables = {"geometry", "material", "load", "time", "solver", "sensor", "sensors", "condition", "fields", "floor"}};
+          .tables = {"geometry", "material", "load", "time", "solver", "sensor", "sensors", "condition", "fields", "floor"},
+          .reference = target_reference,
+          .catalogues = target_catalogues};
 }
 
 }  // namespace calomel

@@ -82,6 +82,10 @@ class TargetSimulator final : public Simulator {
 /// The shape of a case's records; it needs no mesh.
 ModelShape shape_of(const ForwardCase& forward_case);
 
+/// The tables of a target for the reference of the case file, in Markdown; and its laws, loads and mechanisms.
+std::string target_reference();
+std::vector<Catalogue> target_catalogues();
+
 SimulatorKind target_kind();
 
 }  // namespace calomel

@@ -80,14 +80,6 @@ double half_width_by_prior(const Parameter& p) {
   return p.coordinate_width(reach, *p.nominal);
 }
 
-/// The same by what the model says of its numbers.
-double half_width_by_hints(const Parameter& p, const InferenceHints& hints) {
-  for (const auto& n : hints.nuisances)
-    if (n.key == p.key && n.name == p.name && !hints.half_widths.contains(p.key)) return n.box_sds * (n.logarithmic ? *p.sigma : *p.sd);
-  if (const auto known = hints.half_widths.find(p.key); known != hints.half_widths.end()) return known->second;
-  return 0.1 * (p.logarithmic() ? std::log(p.max / p.min) : p.max - p.min);
-}
-
 /// (n_parameters)
 std::vector<double> nominal_values(const std::vector<Parameter>& parameters) {
   std::vector<double> theta;
@@ -115,7 +107,7 @@ std::vector<double> middle_of(const PosteriorCase& c, const PosteriorInputs& in)
 void lay_box_about(PosteriorInputs& in, const std::vector<double>& middle, const InferenceHints& hints) {
   for (std::size_t k = 0; k < in.parameters.size(); ++k) {
     in.centre.push_back(k < middle.size() ? middle[k] : *in.parameters[k].nominal);
-    in.half_width.push_back(half_width_by_hints(in.parameters[k], hints));
+    in.half_width.push_back(first_half_width(in.parameters[k], hints));
   }
 }
 
@@ -147,6 +139,13 @@ ErrorOptions default_errors(const Simulator& simulator) {
   ErrorOptions errors;
   if (kind == InferenceHints::Errors::no_gauges) remove_gauge_errors(errors);
   return errors;
+}
+
+double first_half_width(const Parameter& p, const InferenceHints& hints) {
+  if (const auto known = hints.half_widths.find(p.key); known != hints.half_widths.end()) return known->second;
+  for (const auto& n : hints.nuisances)
+    if (n.key == p.key && n.name == p.name) return n.box_sds * (n.logarithmic ? *p.sigma : *p.sd);
+  return 0.1 * (p.logarithmic() ? std::log(p.max / p.min) : p.max - p.min);
 }
 
 std::vector<Parameter> posterior_parameters(const Simulator& simulator, const PosteriorSettings& settings) {

@@ -28,6 +28,9 @@ ErrorOptions default_errors(const Simulator& simulator);
 /// have a prior and are none of them. Errors: those of with_handbook_priors.
 std::vector<Parameter> posterior_parameters(const Simulator& simulator, const PosteriorSettings& settings);
 
+/// Half width of the emulator's first box in a parameter of a posterior on meshes, in the coordinate of the parameter.
+double first_half_width(const Parameter& parameter, const InferenceHints& hints);
+
 /// What a posterior is set up from. What is referred to outlives the inputs.
 struct PosteriorCase {
   Runs& runs;

@@ -70,7 +70,7 @@ Bench of_case(const std::filesystem::path& file, const std::filesystem::path& ou
   const StudyCase study = StudyCase::read(file, {});
   Bench b{load_surrogate(out / "surrogate.nc"), {}};
   std::vector<std::string> said;
-  b.problem = make_problem(b.surrogate->shape(), study.matched_recordings(b.surrogate->shape().sensors, said), *study.recordings);
+  b.problem = make_problem(b.surrogate->shape(), study.matched_recordings(said), *study.recordings);
   return b;
 }
 

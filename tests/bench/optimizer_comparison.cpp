@@ -64,7 +64,7 @@ std::vector<Target> surrogates_of(const std::string& case_file, const std::files
   const auto study = StudyCase::read(case_file, {});
   const auto archive = read_archive(out / "campaign.nc");
   std::vector<std::string> warnings;
-  const auto problem = make_problem(archive.shape, study.matched_recordings(archive.shape.sensors, warnings), *study.recordings);
+  const auto problem = make_problem(archive.shape, study.matched_recordings(warnings), *study.recordings);
   SpeOptions options = study.spe;
   options.total_degree = {15, 16}, options.tensor_product = {}, options.hyperbolic_cross = {}, options.lambda_scale = "cross_validation", options.lambdas = {1};
   const auto data = discrepancies(problem, archive, objectives().get(options.objective), options, 1);

@@ -226,7 +226,7 @@ TEST(WalkThrough, IsACaseThatTheProgramReads) {
   fs::create_directories(folder);
   write_atomically(folder / "case.toml", case_file_in(read_text(root / "docs" / "how-to" / "your_own_target.md")));
   const auto study = StudyCase::read(folder / "case.toml", {});
-  EXPECT_EQ(study.forward.parameters.size(), 3u);
+  EXPECT_EQ(study.parameters().size(), 3u);
   EXPECT_TRUE(study.recordings.has_value());
   fs::remove_all(folder);
 }

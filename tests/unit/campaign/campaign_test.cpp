@@ -15,6 +15,7 @@
 #include "base/provenance.hpp"
 #include "base/random.hpp"
 #include "forward/campaign/archive.hpp"
+#include "tests/model_simulator.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;
@@ -73,11 +74,15 @@ Provenance provenance_of(const CampaignOptions& o, std::uint64_t seed = 1) {
 /// The campaign of `o` on the runs of DIR/runs.journal.
 CampaignSummary run(const ForwardModel& model, const std::filesystem::path& dir, const CampaignOptions& o, int threads, const Provenance& provenance,
                     const CampaignProgress& progress = {}, const std::atomic<bool>* stop = nullptr) {
+  const ModelSimulator simulator(model);
+  const ThreadExecutor executor(threads);
   std::optional<RunStore> store;
-  const auto held = [&]() -> RunStore& {
-    return store.emplace(Provenance{.stage = "runs", .options = {{"load", provenance.options.at("load")}}}, dir / "runs.journal");
+  std::optional<Runs> runs;
+  const auto held = [&]() -> Runs& {
+    store.emplace(Provenance{.stage = "runs", .options = {{"load", provenance.options.at("load")}}}, dir / "runs.journal");
+    return runs.emplace(simulator, *store, executor, stop);
   };
-  return run_campaign(model, o, provenance.seed, threads, provenance, dir, held, progress, stop);
+  return run_campaign(model.shape(), o, provenance.seed, provenance, dir, held, progress);
 }
 
 CampaignSummary run(const ForwardModel& model, const std::filesystem::path& dir, const CampaignOptions& o = small(), int threads = 2) {
@@ -259,10 +264,16 @@ TEST(Campaign, OneOfAnotherDesignTakesTheRunsThatStand) {
   EXPECT_EQ(model.calls, 24);
   (void)run(Ringing(), whole, o);
   EXPECT_EQ(arrays(dir), arrays(whole));
-  // Runs without their pulses do not serve one that keeps them.
-  o.keep_pulses = !o.keep_pulses;
+  // Runs that kept their pulses serve a campaign without them; runs without do not serve one that keeps them.
+  o.keep_pulses = false;
   set_campaign_aside(dir);
-  EXPECT_EQ(run(Ringing(), dir, o).reused, 0u);
+  EXPECT_EQ(run(Ringing(), dir, o).reused, 40u);
+  const auto bare = scratch("campaign_bare");
+  (void)run(Ringing(), bare, o);
+  o.keep_pulses = true;
+  set_campaign_aside(bare);
+  EXPECT_EQ(run(Ringing(), bare, o).reused, 0u);
+  EXPECT_EQ(arrays(bare), arrays(whole));
 }
 
 TEST(Campaign, RunsOfAnotherCaseAreRefusedByName) {

@@ -1,5 +1,8 @@
 #include "forward/external/external_model.hpp"
 
+#include "forward/external/external_simulator.hpp"
+#include "forward/simulation/runs.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -67,6 +70,15 @@ TEST(ExternalModel, WhatDoesNotFitTheServerIsRefused) {
 }
 
 // A run to which no answer came in time says nothing of its point: it counts as failed here, and the next call asks again.
+const ThreadExecutor one(1), two(2);
+
+std::vector<RunRequest> at(const Simulator& simulator, const Eigen::MatrixXd& thetas) {
+  std::vector<RunRequest> requests;
+  for (Eigen::Index i = 0; i < thetas.cols(); ++i)
+    requests.push_back(request_at(simulator.shape().parameters, {thetas.col(i).data(), std::size_t(thetas.rows())}));
+  return requests;
+}
+
 TEST(ExternalModel, ARunWithoutAnAnswerIsNotKept) {
   const ScratchFolder scratch;
   const Provenance provenance{.stage = "runs"};
@@ -82,19 +94,19 @@ TEST(ExternalModel, ARunWithoutAnAnswerIsNotKept) {
   Eigen::MatrixXd theta(1, 1);
   theta << 3;
   {
-    const ExternalModel model(hurried);
+    const ExternalSimulator model(hurried);
     RunStore store(provenance, scratch.path() / "runs.journal");
-    NumberedRuns runs(model, store);
-    EXPECT_FALSE(runs.run(theta, {}, 1)[0].done);
-    EXPECT_FALSE(runs.run(theta, {}, 1)[0].done) << "nor is it asked twice by one call";
-    EXPECT_EQ(store.made(), 1u);
+    Runs runs(model, store, one);
+    EXPECT_FALSE(runs.get(at(model, theta))[0].done);
+    EXPECT_FALSE(runs.get(at(model, theta))[0].done) << "nor is it requested twice by one call";
+    EXPECT_EQ(runs.made(), 1u);
     EXPECT_EQ(store.lost(), 1u);
   }
   slow = false;
-  const ExternalModel model(hurried);
+  const ExternalSimulator model(hurried);
   RunStore store(provenance, scratch.path() / "runs.journal");
-  NumberedRuns runs(model, store);
-  EXPECT_TRUE(runs.run(theta, {}, 1)[0].done);
+  Runs runs(model, store, one);
+  EXPECT_TRUE(runs.get(at(model, theta))[0].done);
   EXPECT_EQ(store.lost(), 0u);
 }
 
@@ -104,20 +116,20 @@ TEST(ExternalModel, AServerThatGoesAwayLosesNoRun) {
   Eigen::MatrixXd thetas(1, 3);
   thetas << 1, 2, 3;
   auto served = std::make_unique<Served>(std::vector{straight_line()});
-  const ExternalModel model(line_case(served->url(), slope));
+  const ExternalSimulator model(line_case(served->url(), slope));
   {
     RunStore store(provenance, scratch.path() / "runs.journal");
-    NumberedRuns runs(model, store);
-    EXPECT_TRUE(runs.run(thetas, {}, 2)[2].done);
+    Runs runs(model, store, two);
+    EXPECT_TRUE(runs.get(at(model, thetas))[2].done);
     served.reset();
     Eigen::MatrixXd more(1, 1);
     more << 4;
-    EXPECT_THROW((void)runs.run(more, {}, 1), Unreachable) << "no run is told as failed";
+    EXPECT_THROW((void)runs.get(at(model, more)), Unreachable) << "no run is told as failed";
   }
   RunStore store(provenance, scratch.path() / "runs.journal");
-  NumberedRuns runs(model, store);
-  EXPECT_EQ(runs.run(thetas, {}, 1)[1].mean[0], 2.0f) << "what was finished is there, without a server";
-  EXPECT_EQ(store.reused(), 3u);
+  Runs runs(model, store, one);
+  EXPECT_EQ(runs.get(at(model, thetas))[1].mean[0], 2.0f) << "what was finished is there, without a server";
+  EXPECT_EQ(runs.reused(), 3u);
 }
 
 }  // namespace

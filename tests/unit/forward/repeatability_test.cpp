@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "base/provenance.hpp"
+#include "forward/target/target_simulator.hpp"
+#include "tests/model_simulator.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
@@ -11,6 +13,12 @@ using calomel::testing::small_case;
 using ::testing::HasSubstr;
 
 namespace {
+
+RepeatabilityFloor floor_of(const ForwardCase& c, const FloorOptions& o, std::uint64_t seed, int threads) {
+  const TargetSimulator simulator(c, {});
+  RunsInMemory runs(simulator, threads);
+  return measure_floor(runs, o, seed);
+}
 
 /// The jitters alone.
 const FloorOptions options{.members = 4, .mesh_jitter = 0.15, .window = 10e-6, .single_runs = 0, .finer_mesh = false, .precisions = false};
@@ -28,14 +36,14 @@ const FloorComparison& comparison(const RepeatabilityFloor& floor, const std::st
 
 TEST(Floor, DependsOnTheSeedAloneNotOnThreads) {
   const ForwardCase c = small_case();
-  const auto one = measure_floor(c, {}, options, 7, 1), two = measure_floor(c, {}, options, 7, 2), other = measure_floor(c, {}, options, 8, 2);
+  const auto one = floor_of(c, options, 7, 1), two = floor_of(c, options, 7, 2), other = floor_of(c, options, 8, 2);
   EXPECT_EQ(one.sd, two.sd);
   EXPECT_NE(one.sd, other.sd);
 }
 
 TEST(Floor, HasAWindowForEveryStretchOfTheRecord) {
   const ForwardCase c = small_case();
-  const auto floor = measure_floor(c, {}, options, 7, 2);
+  const auto floor = floor_of(c, options, 7, 2);
   ASSERT_EQ(floor.window_begin.size(), std::size_t(std::ceil(c.time.end / options.window - 1e-9)));
   EXPECT_EQ(floor.window_begin.front(), 0);
   EXPECT_DOUBLE_EQ(floor.window_end.back(), c.time.end);
@@ -47,7 +55,7 @@ TEST(Floor, HasAWindowForEveryStretchOfTheRecord) {
 // The whole record is the windows together: with n_w samples each, relative^2 = sum n_w sd_w^2 / sum n_w signal_w^2.
 TEST(Floor, OfTheWholeRecordIsThatOfItsWindows) {
   const ForwardCase c = small_case();
-  const auto floor = measure_floor(c, {}, options, 7, 2);
+  const auto floor = floor_of(c, options, 7, 2);
   const std::size_t windows = floor.window_begin.size();
   for (std::size_t row = 0; row < floor.relative.size(); ++row) {
     double sd = 0, signal = 0;
@@ -63,17 +71,17 @@ TEST(Floor, GrowsWithTheJitterOfTheMesh) {
   const ForwardCase c = small_case();
   FloorOptions still = options;
   still.mesh_jitter = 0;
-  EXPECT_GT(measure_floor(c, {}, options, 7, 2).mean, measure_floor(c, {}, still, 7, 2).mean);
+  EXPECT_GT(floor_of(c, options, 7, 2).mean, floor_of(c, still, 7, 2).mean);
 }
 
 TEST(Floor, NeedsThreeMembers) {
   FloorOptions few = options;
   few.members = 2;
-  EXPECT_THROW((void)measure_floor(small_case(), {}, few, 7, 1), ContractFailure);
+  EXPECT_THROW((void)floor_of(small_case(), few, 7, 1), ContractFailure);
 }
 
 TEST(Floor, TellsBesideItWhatElseMovesTheAnswer) {
-  const auto floor = measure_floor(small_case(), {}, beside(), 7, 2);
+  const auto floor = floor_of(small_case(), beside(), 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 3u);
   for (const auto& c : floor.comparisons) {
     EXPECT_EQ(c.message, "") << c.name;
@@ -93,9 +101,9 @@ TEST(Floor, OfSingleRunsIsOfWhatTheirParametersDifferBy) {
   FloorOptions o = beside();
   o.finer_mesh = o.precisions = false;
   o.single_run_shift = 0;
-  EXPECT_EQ(comparison(measure_floor(small_case(), {}, o, 7, 2), "single_runs").worst, 0);
+  EXPECT_EQ(comparison(floor_of(small_case(), o, 7, 2), "single_runs").worst, 0);
   o.single_run_shift = 0.01;
-  const double moved = comparison(measure_floor(small_case(), {}, o, 7, 2), "single_runs").mean;
+  const double moved = comparison(floor_of(small_case(), o, 7, 2), "single_runs").mean;
   EXPECT_GT(moved, 1e-3);
   EXPECT_LT(moved, 0.1);
 }
@@ -104,7 +112,7 @@ TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
   FloorOptions o = beside();
   o.finer_mesh = o.precisions = false, o.single_run_shift = 0.01;
   const auto with = [&](const char* key, const char* bounds) {
-    return comparison(measure_floor(small_case(std::string("[parameter.p]\nkey = \"") + key + "\"\n" + bounds), {}, o, 7, 2), "single_runs");
+    return comparison(floor_of(small_case(std::string("[parameter.p]\nkey = \"") + key + "\"\n" + bounds), o, 7, 2), "single_runs");
   };
   EXPECT_EQ(with("material.mercury.specific_heat", "min = 0\nmax = 1e12\n").worst, 0);  // decides nothing with a given pressure
   EXPECT_GT(with("material.steel.young", "min = 1e6\nmax = 1e12\n").worst, 1e-4);
@@ -113,30 +121,36 @@ TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
 TEST(Floor, SaysWhyAComparisonIsLeftOut) {
   FloorOptions o = beside();
   o.single_runs = 0, o.precisions = false, o.finer_elements = 600;  // fewer than there are now
-  const auto floor = measure_floor(small_case(), {}, o, 7, 2);
+  const auto floor = floor_of(small_case(), o, 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 1u);
   EXPECT_THAT(floor.comparisons[0].message, HasSubstr("floor.finer_elements"));
   EXPECT_TRUE(floor.comparisons[0].relative.empty());
 }
 
 TEST(Floor, StoppedItGoesOnFromItsJournalToTheSameNumbers) {
-  const Provenance provenance{.stage = "floor", .options = {{"a", 1}}};
-  const auto whole = measure_floor(small_case(), {}, beside(), 7, 1);
-  const auto path = scratch("floor_stopped") / "floor.journal";
+  const Provenance provenance{.stage = "runs", .options = {{"a", 1}}};
+  const auto whole = floor_of(small_case(), beside(), 7, 1);
+  const auto path = scratch("floor_stopped") / "runs.journal";
+  const TargetSimulator simulator(small_case(), {});
   std::atomic<bool> stop{false};
   std::size_t before = 0, after = 0;
   {
     RunStore store(provenance, path);
-    EXPECT_THROW((void)measure_floor(small_case(), {}, beside(), 7, 1,
-                                     {.store = &store, .progress = [&](std::size_t done, std::size_t) { before = done, stop = done == 4; }, .stop = &stop}),
+    const ThreadExecutor one(1);
+    Runs runs(simulator, store, one, &stop);
+    EXPECT_THROW((void)measure_floor(runs, beside(), 7,
+                                     [&](std::size_t done, std::size_t) {
+                                       before = done;
+                                       stop = done == 4;
+                                     }),
                  Interrupted);
   }
   EXPECT_EQ(before, 4u);
   RunStore store(provenance, path);
   EXPECT_EQ(store.size(), 4u);
-  const auto resumed = measure_floor(small_case(), {}, beside(), 7, 2, {.store = &store, .progress = [&](std::size_t, std::size_t total) { after = total; }});
-  EXPECT_EQ(store.size(), after);
+  const ThreadExecutor two(2);
+  Runs runs(simulator, store, two);
+  const auto resumed = measure_floor(runs, beside(), 7, [&](std::size_t, std::size_t total) { after = total; });
+  EXPECT_EQ(store.size(), 4 + after);
   EXPECT_EQ(floor_json(resumed), floor_json(whole));
-  store.remove();
-  EXPECT_FALSE(std::filesystem::exists(path));
 }

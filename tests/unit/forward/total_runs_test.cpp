@@ -1,10 +1,11 @@
 // Dissipated energy and time at cutoff of single runs: against the energy balance of a simulation, the fields, and what must be nought.
-#include "forward/total_runs.hpp"
+#include "forward/campaign/total_runs.hpp"
 
 #include <gmock/gmock.h>
 
 #include "base/provenance.hpp"
 #include "forward/mesh/hexahedron.hpp"
+#include "forward/target/target_simulator.hpp"
 #include "tests/scratch.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
@@ -79,30 +80,38 @@ TEST(RunTotals, WithoutACutoffTheTimeAtItIsNought) {
   EXPECT_GT(without.dissipated, 0);
 }
 
-TEST(RunTotals, AreKeptByTheStoreBesideOtherRunsAndToldWhereTheyFail) {
+TEST(RunTotals, AreKeptByTheStoreBesideOtherOutputsAndReportedWhereTheyFail) {
   const auto path = scratch("total_runs") / "runs.journal";
-  const BuiltInModel model(small_case("[parameter.sound_speed]\nmin = 0\nmax = 2000\n"), {.pulses = 1});
+  const TargetSimulator simulator(small_case("[parameter.sound_speed]\nmin = 0\nmax = 2000\n"), {.pulses = 1});
   const Eigen::MatrixXd thetas = Eigen::RowVector3d(1450, 0, 1400);  // nothing resists compression at 0
+  const ThreadExecutor two(2);
   Eigen::MatrixXd first;
   {
     RunStore store(of_test, path);
-    const std::vector<RunPoint> plain{point_at(model.shape().parameters, std::vector{1450.0})};
-    (void)store.run(
-        plain, [&](const RunPoint& p) { return evaluate_run(model, theta_at(model.shape().parameters, p), false); }, 1);
-    first = totals_at(model, thetas, store, 2);
-    EXPECT_EQ(store.made(), 4u) << "a run with histories is another";
-    EXPECT_TRUE(store.read(plain[0]).totals.empty());
-    EXPECT_FALSE(store.read(plain[0]).mean.empty());
+    Runs runs(simulator, store, two);
+    const RunRequest plain = request_at(simulator.shape().parameters, std::vector{1450.0});
+    (void)runs.get({&plain, 1});
+    first = totals_at(runs, thetas);
+    EXPECT_EQ(runs.made(), 4u);
+    EXPECT_EQ(store.size(), 3u) << "the totals are further outputs of the first run";
+    EXPECT_TRUE(store.read(plain).totals.empty());
+    EXPECT_FALSE(store.read(plain).mean.empty());
+    RunRequest both = plain;
+    both.wanted.totals = true;
+    EXPECT_TRUE(store.holds(both));
+    EXPECT_EQ(store.read(both).mean, store.read(plain).mean);
+    EXPECT_EQ(store.read(both).totals.size(), 2u);
   }
   ASSERT_EQ(first.rows(), 2);
   EXPECT_TRUE(first.col(0).allFinite() && first.col(2).allFinite());
   EXPECT_TRUE(first.col(1).array().isNaN().all());
-  const auto alone = model.totals(std::vector{1400.0})[0];
+  const auto alone = simulator.model()->totals(std::vector{1400.0})[0];
   EXPECT_EQ(first(0, 2), alone.dissipated);
   EXPECT_EQ(first(1, 2), alone.time_at_cutoff);
   RunStore store(of_test, path);
-  const Eigen::MatrixXd again = totals_at(model, thetas, store, 1);
-  EXPECT_EQ(store.made(), 0u);
+  Runs runs(simulator, store, two);
+  const Eigen::MatrixXd again = totals_at(runs, thetas);
+  EXPECT_EQ(runs.made(), 0u);
   EXPECT_EQ(again.col(0), first.col(0));
 }
 

@@ -9,7 +9,7 @@
 #include "forward/target/built_in_model.hpp"
 #include "forward/mesh/hexahedron.hpp"
 #include "forward/mesh/make_mesh.hpp"
-#include "forward/parameter_group.hpp"
+#include "forward/target/offered_groups.hpp"
 #include "tests/unit/forward/small_case.hpp"
 
 using namespace calomel;

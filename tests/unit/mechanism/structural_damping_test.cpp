@@ -3,7 +3,7 @@
 #include <complex>
 
 #include "forward/mesh/make_mesh.hpp"
-#include "forward/parameter_group.hpp"
+#include "forward/target/offered_groups.hpp"
 #include "forward/solver/load.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/unit/mechanism/column.hpp"

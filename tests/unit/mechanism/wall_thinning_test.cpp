@@ -9,7 +9,7 @@
 #include "forward/target/built_in_model.hpp"
 #include "forward/mesh/deform_mesh.hpp"
 #include "forward/mesh/make_mesh.hpp"
-#include "forward/parameter_group.hpp"
+#include "forward/target/offered_groups.hpp"
 #include "tests/unit/forward/small_case.hpp"
 #include "tests/verification/small_runs.hpp"
 

@@ -1,9 +1,12 @@
-#include "apps/inputs/posterior_case.hpp"
+#include "inverse/posterior/posterior_setup.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "apps/inputs/provenances.hpp"
+#include "apps/inputs/study_case.hpp"
+#include "inverse/posterior/emulator_meshes.hpp"
 #include "tests/slice_case.hpp"
 
 using namespace calomel;
@@ -18,6 +21,12 @@ const std::string density = "[parameter.density]\nmin = 12000\nmax = 14500\n", n
 StudyCase study(const std::string& more, const std::vector<std::string>& set = {}) {
   return StudyCase::read(folder_with("posterior_case", {{"case.toml", slice_case + more}}) / "case.toml", set);
 }
+
+double own_mesh_error(const StudyCase& s) { return mesh_error(*s.simulator, s.emulator, s.errors.mesh, 0); }
+std::vector<Parameter> parameters_of(const StudyCase& s) { return posterior_parameters(*s.simulator, s.posterior_settings()); }
+std::vector<double> sizes_of(const StudyCase& s) { return element_sizes(*s.simulator, s.emulator); }
+EmulatorMeshes meshes_of_emulator(const StudyCase& s) { return emulator_meshes(*s.simulator, s.emulator); }
+std::optional<int> level_of_case(const StudyCase& s) { return own_level(*s.simulator, s.emulator); }
 
 std::vector<std::string> names(const std::vector<Parameter>& parameters) {
   std::vector<std::string> out;
@@ -36,44 +45,52 @@ TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
 }
 
 TEST(PosteriorCase, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
-  const double own = mesh_error(study(density), 0);
+  const double own = own_mesh_error(study(density));
   EXPECT_GT(own, 0);
-  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[1e-3]"}), 0), 0.08);
-  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[2e-3]"}), 0), 0.16);
-  EXPECT_EQ(mesh_error(study(density, {"emulator.element_sizes=[2e-3, 1e-3]"}), 0), own);
-  EXPECT_EQ(mesh_error(study(density, {"errors.mesh=0.3"}), 0), 0.3);
+  EXPECT_EQ(own_mesh_error(study(density, {"emulator.element_sizes=[1e-3]"})), 0.08);
+  EXPECT_EQ(own_mesh_error(study(density, {"emulator.element_sizes=[2e-3]"})), 0.16);
+  EXPECT_EQ(own_mesh_error(study(density, {"emulator.element_sizes=[2e-3, 1e-3]"})), own);
+  EXPECT_EQ(own_mesh_error(study(density, {"errors.mesh=0.3"})), 0.3);
 }
 
 TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
-  EXPECT_THAT(names(posterior_parameters(study(density))), ElementsAre("density", "regularising_viscosity", "young", "wall_film"));
-  EXPECT_THAT(names(posterior_parameters(study(density, {"errors.young_sd=0", "errors.wall_film_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
+  EXPECT_THAT(names(parameters_of(study(density))), ElementsAre("density", "regularising_viscosity", "young", "wall_film"));
+  EXPECT_THAT(names(parameters_of(study(density, {"errors.young_sd=0", "errors.wall_film_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
   for (const char* no_film : {"geometry.wetted=no_separation", "material.mercury.law=linear"})  // nothing parts from a wall there
-    EXPECT_THAT(names(posterior_parameters(study(density, {no_film}))), ElementsAre("density", "regularising_viscosity", "young"));
-  const auto with_young = posterior_parameters(study(density + "[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n"));
+    EXPECT_THAT(names(parameters_of(study(density, {no_film}))), ElementsAre("density", "regularising_viscosity", "young"));
+  const auto with_young = parameters_of(study(density + "[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n"));
   EXPECT_THAT(names(with_young), ElementsAre("density", "steel", "regularising_viscosity", "wall_film"));
-  EXPECT_EQ(first_half_width(with_young[0], false), 0.035);
-  Parameter cutoff;
-  cutoff.key = "material.mercury.tensile_cutoff", cutoff.min = 0, cutoff.max = 1.5e6, cutoff.nominal = 1.5e5;
-  EXPECT_DOUBLE_EQ(first_half_width(cutoff, false), 0.9e5);  // whatever its bounds
-  cutoff.nominal = 0;
-  EXPECT_DOUBLE_EQ(first_half_width(cutoff, false), 1.5e5);
-  EXPECT_DOUBLE_EQ(first_half_width(with_young[1], false), 0.1 * std::log(2.1 / 1.8));
-  EXPECT_DOUBLE_EQ(first_half_width(with_young[2], true), 1.8 * *with_young[2].sigma);
-  EXPECT_DOUBLE_EQ(first_half_width(with_young[3], true), 2.5 * *with_young[3].sd);
+  const auto hints_with = [](const std::string& more) { return study(density + more).simulator->hints(); };
+  const InferenceHints hints = hints_with("");
+  EXPECT_EQ(first_half_width(with_young[0], hints), 0.035);
+  const auto cutoff_width = [&](const std::string& nominal) {
+    const std::string cutoff = "[parameter.tensile_cutoff]\nmin = 0\nmax = 1.5e6\nnominal = " + nominal + "\n";
+    return first_half_width(study(cutoff).parameters()[0], study(cutoff).simulator->hints());
+  };
+  EXPECT_DOUBLE_EQ(cutoff_width("1.5e5"), 0.9e5);  // whatever its bounds
+  EXPECT_DOUBLE_EQ(cutoff_width("0"), 1.5e5);
+  const InferenceHints own_young = hints_with("[parameter.steel]\nkey = \"material.steel.young\"\nmin = 1.8e11\nmax = 2.1e11\n");
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[1], own_young), 0.1 * std::log(2.1 / 1.8));
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[2], own_young), 1.8 * *with_young[2].sigma);
+  EXPECT_DOUBLE_EQ(first_half_width(with_young[3], own_young), 2.5 * *with_young[3].sd);
   EXPECT_EQ(with_young[3].nominal, 0.0);
 }
 
 TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
-  EXPECT_THAT(element_sizes(study(density)), ElementsAre(0.002, 0.001));
-  EXPECT_EQ(emulator_meshes(study(density)), EmulatorMeshes::several);
-  EXPECT_EQ(own_level(study(density)), 1);
-  EXPECT_EQ(own_level(study(density, {"emulator.element_sizes=[0.0015,0.001]"})), std::nullopt);
-  EXPECT_EQ(emulator_meshes(study(density, {"emulator.element_sizes=[0.002]"})), EmulatorMeshes::one_size);
+  EXPECT_THAT(sizes_of(study(density)), ElementsAre(0.002, 0.001));
+  EXPECT_EQ(meshes_of_emulator(study(density)), EmulatorMeshes::several);
+  EXPECT_EQ(level_of_case(study(density)), 1);
+  EXPECT_EQ(level_of_case(study(density, {"emulator.element_sizes=[0.0015,0.001]"})), std::nullopt);
+  EXPECT_EQ(meshes_of_emulator(study(density, {"emulator.element_sizes=[0.002]"})), EmulatorMeshes::one_size);
 }
 
 TEST(PosteriorCase, TheFinestMeshIsHeldAgainstTheFrontOfThePulse) {
-  const auto elements = [](const std::vector<std::string>& set) { return elements_per_front(study(density, set)); };
-  const double front = study(density).forward.mercury.sound_speed * 0.7e-6;
+  const auto elements = [](const std::vector<std::string>& set) {
+    const auto s = study(density, set);
+    return elements_per_front(*s.simulator, s.emulator);
+  };
+  const double front = study(density).simulator->hints().resolved_length;
+  EXPECT_DOUBLE_EQ(front, 1450.0 * 0.7e-6);
   EXPECT_DOUBLE_EQ(elements({}).value(), front / 0.001);
   EXPECT_LT(elements({}).value(), front_resolved);
   EXPECT_DOUBLE_EQ(elements({"emulator.element_sizes=[0.001,0.0005]"}).value(), front / 0.0005);

@@ -9,13 +9,14 @@
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
-#include "forward/simulation/run_store.hpp"
+#include "forward/simulation/simulated_model.hpp"
 #include "forward/emulator/infill.hpp"
 #include "forward/emulator/mesh_correction.hpp"
 #include "inverse/enc/enc.hpp"
 #include "inverse/calibration/remembering_model.hpp"
 #include "inverse/spe/spe.hpp"
 #include "tests/unit/inverse/meshed.hpp"
+#include "tests/model_simulator.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;
@@ -153,7 +154,7 @@ TEST(EncCorrected, AnAnswerOutsideTheEmulatorsBoxIsMarked) {
 TEST(SpeCorrected, ABiasedMeshIsSeenThrough) {
   const Case c;
   const MeshCorrection correction = c.correction();
-  const auto with = run_spe(c.problem, c.archive, c.working, spe_options(), 1, 2, {}, {}, &correction);
+  const auto with = run_spe(c.problem, c.archive, c.working, spe_options(), 1, 2, {}, &correction);
   const auto without = run_spe(c.problem, c.archive, c.working, spe_options(), 1, 2);
   EXPECT_GT(off(without.theta, 0), 0.05);
   EXPECT_GT(off(without.theta, 1), 0.014);
@@ -170,35 +171,28 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
   const MeshCorrection correction = c.correction();
   auto o = spe_options();
   o.zoom = 1, o.refinements = 1;
-  const auto whole = [&](const MakeRuns& make_runs) { return run_spe(c.problem, c.archive, c.working, o, 1, 1, {}, make_runs, &correction); };
-  const auto expected = whole({});
+  const auto whole = [&](const ForwardModel& model) { return run_spe(c.problem, c.archive, model, o, 1, 1, {}, &correction); };
+  const auto expected = whole(c.working);
   const auto path = scratch("spe_resume") / "runs.journal";
   const Provenance provenance{.stage = "runs", .seed = 1};
-  const auto from = [&](RunStore& store, std::atomic<bool>* stop) -> MakeRuns {
-    return [&, stop](const Eigen::MatrixXd& thetas) {
-      std::vector<RunPoint> points;
-      const auto& parameters = c.working.shape().parameters;
-      for (Eigen::Index i = 0; i < thetas.cols(); ++i) points.push_back(point_at(parameters, {thetas.col(i).data(), parameters.size()}));
-      const auto evaluate = [&](const RunPoint& p) { return evaluate_run(c.working, theta_at(parameters, p), false); };
-      const auto told = [&](std::size_t, std::size_t) {
-        if (stop) *stop = store.made() >= 20;
-      };
-      return store.run(points, evaluate, 1, {}, told, stop);
-    };
-  };
+  const ModelSimulator simulator(c.working);
+  const ThreadExecutor one(1);
   std::size_t first = 0;
   {
     std::atomic<bool> stop = false;
-    RunStore added(provenance, path);
-    EXPECT_THROW((void)whole(from(added, &stop)), Interrupted);
-    first = added.made();
+    RunStore store(provenance, path);
+    Runs runs(simulator, store, one, &stop);
+    const SimulatedModel stopping(runs, true, [&](std::size_t, std::size_t) { stop = runs.made() >= 20; });
+    EXPECT_THROW((void)whole(stopping), Interrupted);
+    first = runs.made();
   }
-  RunStore added(provenance, path);
-  const auto resumed = whole(from(added, nullptr));
-  EXPECT_EQ(resumed.theta, expected.theta);
-  EXPECT_EQ(resumed.calibrated, expected.calibrated);
-  EXPECT_GE(added.reused(), first);
-  EXPECT_EQ(added.reused() + added.made(), resumed.model_runs - 1);  // the nominal point is asked of the model itself
+  RunStore store(provenance, path);
+  Runs runs(simulator, store, one);
+  const auto resumed = whole(SimulatedModel(runs));
+  for (std::size_t k = 0; k < expected.theta.size(); ++k) EXPECT_NEAR(resumed.theta[k], expected.theta[k], 1e-5 * std::abs(expected.theta[k]));
+  EXPECT_EQ(whole(SimulatedModel(runs)).theta, resumed.theta);
+  EXPECT_GE(first, 20u);
+  EXPECT_EQ(store.size(), resumed.model_runs);  // the candidates and the nominal point, too
 }
 
 /// What is said of `line` in [enc] or [spe]; empty when it is taken.

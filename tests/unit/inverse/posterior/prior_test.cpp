@@ -65,12 +65,13 @@ TEST(Prior, IsNothingOutsideItsSupport) {
   EXPECT_TRUE(std::isfinite(Prior(every_kind()[1]).log_density(-9)));  // a normal one has no ends
 }
 
-TEST(HandbookPriors, AreThoseOfMercuryAndRefuseAUniformStranger) {
+TEST(HandbookPriors, ReplaceTheCasesOwnAndRefuseAUniformStranger) {
   std::vector<Parameter> parameters{uniform_parameter("rho", 1000, 14000, 13500), uniform_parameter("c", 500, 4000, 1450),
                                     uniform_parameter("cutoff", 0, 1.5e6, 1.5e5), normal_parameter("young", 193e9, 4e9)};
   parameters[0].key = "material.mercury.density", parameters[1].key = "material.mercury.sound_speed";
   parameters[2].key = "material.mercury.tensile_cutoff", parameters[3].key = "material.steel.young";
-  const auto handbook = with_handbook_priors(parameters);
+  const std::vector<HandbookPrior> known{{"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
+  const auto handbook = with_handbook_priors(parameters, known);
   EXPECT_DOUBLE_EQ(*handbook[0].sd, 0.015 * 13500);
   EXPECT_DOUBLE_EQ(*handbook[1].sd, 0.03 * 1450);
   EXPECT_EQ(handbook[2].prior, "lognormal");
@@ -78,7 +79,7 @@ TEST(HandbookPriors, AreThoseOfMercuryAndRefuseAUniformStranger) {
   EXPECT_EQ(handbook[3].prior, "normal");
   parameters[3].prior = "uniform";
   try {
-    (void)with_handbook_priors(parameters);
+    (void)with_handbook_priors(parameters, known);
     FAIL() << "a uniform prior with a free discrepancy is refused";
   } catch (const InputError& e) {
     EXPECT_EQ(e.parts().key, "parameter.young.prior");

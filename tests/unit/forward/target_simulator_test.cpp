@@ -1,18 +1,16 @@
 // The meshes of an emulator: what mechanisms that a case does not have would do, against runs of cases that have them.
-#include "forward/level_runs.hpp"
+#include "forward/target/target_simulator.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 
-#include "base/provenance.hpp"
-
 #include "forward/mesh/make_mesh.hpp"
-#include "forward/parameter_group.hpp"
+#include "forward/simulation/meshed_runs.hpp"
+#include "forward/target/offered_groups.hpp"
 #include "tests/unit/forward/small_case.hpp"
-#include "tests/scratch.hpp"
+#include "tests/model_simulator.hpp"
 
 namespace calomel {
 namespace {
@@ -26,14 +24,16 @@ Eigen::VectorXd mean_of(const std::string& more) {
   return Eigen::Map<const Eigen::VectorXd>(p.mean.data(), Eigen::Index(p.mean.size()));
 }
 
-std::vector<MechanismDirections> of_case(const std::string& more) {
-  CaseFile file = CaseFile::from_text(small_case_text(more));
-  static int number = 0;  // a store of its own for each case
-  const auto path = scratch_file("runs" + std::to_string(++number));
-  RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, path);
-  const ForwardCase c = ForwardCase::read(file);
-  return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).mechanisms({}, 2);
-}
+/// Runs on the case's own mesh, at the case's regularising viscosity.
+struct OwnMesh {
+  explicit OwnMesh(const ForwardCase& c)
+      : simulator(c, {.pulses = 1}), runs(simulator, 2), meshed(runs, {}, meshes_of({0}, {{viscosity_key, c.mercury.regularising_viscosity}})) {}
+  TargetSimulator simulator;
+  RunsInMemory runs;
+  MeshedRuns meshed;
+};
+
+std::vector<MechanismDirections> of_case(const std::string& more) { return mechanism_directions(OwnMesh(testing::small_case(more)).meshed, {}); }
 
 const MechanismDirections* find(const std::vector<MechanismDirections>& all, const std::string& name) {
   const auto at = std::find_if(all.begin(), all.end(), [&](const auto& l) { return l.name == name; });
@@ -46,7 +46,7 @@ Eigen::VectorXd column(const MechanismDirections& l, const std::string& key) {
   return l.directions.col(at - l.keys.begin());
 }
 
-TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
+TEST(TargetSimulator, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
   const auto all = of_case("");
   const MechanismDirections* beam = find(all, "beam_profile");
   ASSERT_NE(beam, nullptr);
@@ -69,15 +69,14 @@ TEST(LevelRuns, DirectionsAreTheDifferencesOfCasesThatHaveTheMechanism) {
 }
 
 // What acts on one wall goes through the store as any other number does: the run is that of the case that says so.
-TEST(LevelRuns, ANumberOfAWallIsTheCaseThatNamesTheWall) {
+TEST(TargetSimulator, ANumberOfAWallIsTheCaseThatNamesTheWall) {
   const ForwardCase c = testing::small_case();
-  RunStore store({.stage = "runs", .options = "a wall", .seed = 0, .inputs = {}}, scratch_file("wall"));
-  LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
+  const OwnMesh own(c);
   std::set<std::string> walls;
   for (const auto& g : offered_groups(c, make_mesh(c.geometry))) {
     if (g.name != "wall_thinning") continue;
     const Eigen::MatrixXd theta = Eigen::MatrixXd::Constant(1, 1, 0.2);
-    const RunRecord r = runs.run(theta, {0}, g.added, 1, {}, nullptr)[0];
+    const RunRecord r = own.meshed.get(theta, {0}, g.added)[0];
     const std::string wall = g.place.substr(0, g.place.find(','));
     if (wall == "rear" || wall == "side") {  // the mercury goes on there; a slice has none
       EXPECT_FALSE(r.done);
@@ -118,10 +117,9 @@ TEST(OfferedGroups, AStrengthIsAShareOfTheCutoff) {
 }
 
 // Begin and end of a stretch are shapes: no stretch of a box's length can end before it begins, and one that is moved is the case's with those keys.
-TEST(LevelRuns, MovesTheEndsOfAStretch) {
+TEST(TargetSimulator, MovesTheEndsOfAStretch) {
   const ForwardCase c = testing::small_case();
-  RunStore store({.stage = "runs", .options = "ends", .seed = 0, .inputs = {}}, scratch_file("ends"));
-  LevelRuns runs(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store);
+  const OwnMesh own(c);
   int moved = 0;
   for (const auto& g : offered_groups(c, make_mesh(c.geometry))) {
     if (g.name != "wall_thinning" || !g.part) continue;
@@ -135,7 +133,7 @@ TEST(LevelRuns, MovesTheEndsOfAStretch) {
     if (!g.place.starts_with("top, 15 ")) continue;
     std::vector<AddedParameter> all = g.added;
     all.insert(all.end(), g.shapes.begin(), g.shapes.end());
-    const RunRecord r = runs.run(Eigen::MatrixXd(Eigen::Vector3d(0.2, 0.0163, 0.0281)), {0}, all, 1, {}, nullptr)[0];
+    const RunRecord r = own.meshed.get(Eigen::MatrixXd(Eigen::Vector3d(0.2, 0.0163, 0.0281)), {0}, all)[0];
     ASSERT_TRUE(r.done) << r.message;
     const Eigen::VectorXd said = mean_of("[mechanism.wall_thinning]\nenabled = true\nfraction = 0.2\nwall = \"top\"\nbegin = 0.0163\nend = 0.0281\n");
     EXPECT_LT((r.history() - said).norm(), 1e-6 * said.norm());
@@ -188,7 +186,7 @@ TEST(OfferedGroups, CarryTheWordsAndUnitsOfTheRegistry) {
   }
 }
 
-TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
+TEST(TargetSimulator, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
   const auto all = of_case("[mechanism.beam_profile]\nenabled = true\noffset_z = 0.001\n");
   EXPECT_EQ(find(all, "beam_profile"), nullptr);
   EXPECT_NE(find(all, "bubbly_liquid"), nullptr);
@@ -208,14 +206,8 @@ TEST(LevelRuns, WhatIsEnabledOrCannotBeShownIsNotAmongThem) {
 }
 
 // One gauge that cannot be moved towards an edge does not take the others' errors of place with it.
-TEST(LevelRuns, AGaugeNearAnEdgeLeavesTheOthersTheirPlaces) {
-  const auto places = [](const std::string& more) {
-    CaseFile file = CaseFile::from_text(small_case_text(more));
-    static int number = 0;
-    RunStore store({.stage = "runs", .options = more, .seed = 0, .inputs = {}}, scratch_file("places" + std::to_string(++number)));
-    const ForwardCase c = ForwardCase::read(file);
-    return LevelRuns(c, {.pulses = 1}, {}, {0}, c.mercury.regularising_viscosity, store).gauge_places({}, 0.5e-3, 2);
-  };
+TEST(TargetSimulator, AGaugeNearAnEdgeLeavesTheOthersTheirPlaces) {
+  const auto places = [](const std::string& more) { return gauge_place_effects(OwnMesh(testing::small_case(more)).meshed, {}, 0.5e-3, 0); };
   const Eigen::MatrixXd alone = places(""),
                         with = places("[[sensor]]\nname = \"E\"\nposition = [0.0025, 0.0, 0.03]\ndirection = [1, 0, 0]\ngauge_length = 4e-3\n");
   ASSERT_EQ(alone.cols(), 2);

@@ -15,9 +15,9 @@
 
 namespace calomel {
 
-class Emulator {
+class TrainedMap {
  public:
-  virtual ~Emulator() = default;
+  virtual ~TrainedMap() = default;
   /// thetas: (n_parameters, n), natural units; result: (values, n). The same for any number of threads.
   [[nodiscard]] virtual Eigen::MatrixXf histories(const Eigen::MatrixXd& thetas, int threads) const = 0;
   /// Offset and directions of a kind whose histories are offset + directions * coefficients(theta); empty for one that is not of this form.
@@ -51,12 +51,12 @@ struct TrainingRecord {
   double mode_energy = 0;  ///< share of the training variance in them
 };
 
-struct EmulatorKind {
-  std::unique_ptr<Emulator> (*train)(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
-  std::unique_ptr<Emulator> (*load)(const NetcdfReader& file, const std::string& prefix);
+struct SurrogateKind {
+  std::unique_ptr<TrainedMap> (*train)(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record);
+  std::unique_ptr<TrainedMap> (*load)(const NetcdfReader& file, const std::string& prefix);
 };
 
 /// All surrogates by name.
-Registry<EmulatorKind> surrogate_kinds();
+Registry<SurrogateKind> surrogate_kinds();
 
 }  // namespace calomel
