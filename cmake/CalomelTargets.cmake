@@ -2,7 +2,9 @@
 # Sources with options of their own do without: they could not read them.
 function(calomel_precompiled name)
   cmake_parse_arguments(ARG "" "" "OPTIONS;LINKS;HEADERS" ${ARGN})
-  file(WRITE ${CMAKE_BINARY_DIR}/${name}.cpp "")
+  if(NOT EXISTS ${CMAKE_BINARY_DIR}/${name}.cpp)  # so that configuring again compiles nothing
+    file(WRITE ${CMAKE_BINARY_DIR}/${name}.cpp "")
+  endif()
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/${name}.cpp)
   target_link_libraries(${name} PRIVATE fmt::fmt Eigen3::Eigen ${ARG_LINKS})
   target_compile_features(${name} PRIVATE cxx_std_20)

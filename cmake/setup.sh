@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by quickstart and run-tests: the packages of packages.txt, and the release build.
+# Sourced by quickstart and run-tests: installs the packages of packages.txt and configures the release build.
 
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -20,18 +20,24 @@ as_root() {
   fi
 }
 
-# Installs what packages.txt lists and this machine lacks. CALOMEL_PACKAGES=present takes the machine as it is.
+# install_packages HEADING...: installs what packages.txt lists below these headings and this machine lacks. CALOMEL_PACKAGES=present takes the machine as it is.
 install_packages() {
   [ "${CALOMEL_PACKAGES:-}" != present ] || return 0
   if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     fail "Calomel's set-up needs a system with apt (it is made for Debian 12); there is none here." \
       "Install what stands for the packages in packages.txt, then run this again with CALOMEL_PACKAGES=present in the environment."
   fi
-  local package
+  local first heading wanted=no
   missing=()
-  while read -r package; do
-    case $package in '' | '#'*) continue ;; esac
-    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then missing+=("$package"); fi
+  while read -r first heading; do
+    case $first in
+      '') ;;
+      '#') case " $* " in *" $heading "*) wanted=yes ;; *) wanted=no ;; esac ;;
+      *)
+        [ "$wanted" = yes ] || continue
+        if [ "$(dpkg-query -W -f '${db:Status-Status}' "$first" 2>/dev/null)" != installed ]; then missing+=("$first"); fi
+        ;;
+    esac
   done <"$root/packages.txt"
   [ ${#missing[@]} -gt 0 ] || return 0
   echo "installing: ${missing[*]}"
@@ -43,10 +49,14 @@ install_packages() {
   fi
 }
 
-# build TARGET...: configures at the first call, with the words of CALOMEL_CONFIGURE; ninja then makes what has changed.
-build() {
+# configure ON|OFF: makes the build folder, with or without tests, with the words of CALOMEL_CONFIGURE. A folder that is there stays as it is, except that tests
+# are added where they are wanted. The program is compiled in the same way with and without tests (tests/one_build), so that nothing of it is built again.
+configure() {
   local words
   read -ra words <<<"${CALOMEL_CONFIGURE:-}"
-  [ -f "$build/build.ninja" ] || (cd "$root" && cmake --preset release -B "$build" ${words[@]+"${words[@]}"})
-  ninja -C "$build" "$@"
+  if [ ! -f "$build/build.ninja" ]; then
+    (cd "$root" && cmake --preset release -B "$build" -DCALOMEL_TESTS="$1" ${words[@]+"${words[@]}"})
+  elif [ "$1" = ON ] && grep -q '^CALOMEL_TESTS:BOOL=OFF$' "$build/CMakeCache.txt"; then
+    cmake -DCALOMEL_TESTS=ON "$build"
+  fi
 }

@@ -1,13 +1,16 @@
-# Configures without and with a `ccache` on the PATH (one that only calls the compiler) and compares every compile command. Two controls: the cache is
-# taken up where there is one, and a build that differs is found to differ.
+# Configures without and with a `ccache` on the PATH (one that only calls the compiler) and compares every compile command. Two controls: the configuration takes
+# the cache up where there is one, and a build that differs is found to differ. Then configures without tests, as quickstart does, with the packages of the tests
+# out of reach, and compares the commands that make `calomel`.
 unset(ENV{CMAKE_C_COMPILER_LAUNCHER})
 unset(ENV{CMAKE_CXX_COMPILER_LAUNCHER})
+find_program(NINJA ninja REQUIRED)
 file(REMOVE_RECURSE ${WORK})
 set(cache ${WORK}/bin/ccache)
 file(WRITE ${cache} "#!/bin/sh\nexec \"$@\"\n")
 file(CHMOD ${cache} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
-# commands(NAME OPTION...): the compile commands of a configured folder in COMMANDS_NAME, its build rules in RULES_NAME, without the folder's own name.
+# commands(NAME OPTION...): sets COMMANDS_NAME to the compile commands of a configured folder, RULES_NAME to its build rules and PROGRAM_NAME to the commands that
+# make `calomel`; the folder's own name is BUILD in all of them.
 function(commands name)
   set(folder ${WORK}/${name})
   execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${folder} -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_EXPORT_COMPILE_COMMANDS=ON ${ARGN}
@@ -17,7 +20,8 @@ function(commands name)
   endif()
   file(READ ${folder}/compile_commands.json commands)
   file(READ ${folder}/CMakeFiles/rules.ninja rules)
-  foreach(text commands rules)
+  execute_process(COMMAND ${NINJA} -C ${folder} -t commands calomel OUTPUT_VARIABLE program COMMAND_ERROR_IS_FATAL ANY)
+  foreach(text commands rules program)
     string(REPLACE ${folder} BUILD ${text} "${${text}}")
     string(REPLACE "${cache} " "" ${text}_bare "${${text}}")
   endforeach()
@@ -26,12 +30,14 @@ function(commands name)
   endif()
   set(COMMANDS_${name} "${commands_bare}" PARENT_SCOPE)
   set(RULES_${name} "${rules}" PARENT_SCOPE)
+  set(PROGRAM_${name} "${program_bare}" PARENT_SCOPE)
 endfunction()
 
 commands(without -DCCACHE=OFF)
 set(ENV{PATH} "${WORK}/bin:$ENV{PATH}")
 commands(with)
 commands(other -DCMAKE_UNITY_BUILD=ON)
+commands(quick -DCALOMEL_TESTS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenTURNS=ON -DCMAKE_DISABLE_FIND_PACKAGE_Python3=ON)
 
 string(FIND "${RULES_with}" ${cache} taken)
 string(FIND "${RULES_without}" ccache left)
@@ -43,4 +49,7 @@ if(COMMANDS_with STREQUAL COMMANDS_other)
 endif()
 if(NOT COMMANDS_with STREQUAL COMMANDS_without)
   message(FATAL_ERROR "a compiler cache changes what is compiled: compare ${WORK}/without/compile_commands.json with ${WORK}/with/compile_commands.json")
+endif()
+if(NOT PROGRAM_quick STREQUAL PROGRAM_with)
+  message(FATAL_ERROR "tests change how the program is compiled: compare `ninja -t commands calomel` in ${WORK}/quick and ${WORK}/with")
 endif()

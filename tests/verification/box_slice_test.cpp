@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "forward/target/built_in_model.hpp"
+#include "tests/shared_data.hpp"
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -15,12 +16,7 @@ using namespace calomel::testing;
 
 namespace {
 
-/// Beside the source tree, or where CALOMEL_SHARED points.
-std::filesystem::path shared_folder() {
-  if (const char* named = std::getenv("CALOMEL_SHARED")) return named;
-  return std::filesystem::path(CALOMEL_SOURCE_DIR).parent_path() / "shared";
-}
-const std::filesystem::path folder = shared_folder() / "data" / "reference_solutions";
+const std::filesystem::path folder = shared_folder(CALOMEL_SOURCE_DIR) / "data" / "reference_solutions", solution = folder / "box_linear.csv";
 
 /// Columns by name.
 std::map<std::string, std::vector<double>> read_table(const std::filesystem::path& path) {
@@ -48,7 +44,7 @@ Misfit misfit(const std::vector<std::string>& overrides) {
   CaseFile file(folder / "case.toml", all);
   const BuiltInModel model(ForwardCase::read(file), {.pulses = 1});
   const auto run = model.simulate(solve_options(model.forward_case().solver));
-  const auto reference = read_table(folder / "box_linear.csv");
+  const auto reference = read_table(solution);
   Misfit m;
   m.subcycles = run.summary.subcycles;
   const auto& shape = model.shape();
@@ -63,14 +59,14 @@ Misfit misfit(const std::vector<std::string>& overrides) {
   return m;
 }
 
-bool absent() { return !std::filesystem::exists(folder / "box_linear.csv"); }
+bool absent() { return !std::filesystem::exists(solution); }
 
 }  // namespace
 
 TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
   if (absent()) {
-    rows_absent("no reference solutions");
-    GTEST_SKIP() << "the reference solutions are not here: " << folder;
+    rows_absent(absent_from_shared(solution));
+    GTEST_SKIP() << absent_from_shared(solution);
   }
   const Misfit coarse = misfit({"geometry.element_size=0.002"}), middle = misfit({"geometry.element_size=0.001"}),
                fine = misfit({"geometry.element_size=0.0005"});
@@ -110,7 +106,7 @@ TEST(BoxSlice, LinearLiquidFollowsTheReferenceAndConverges) {
 
 namespace {
 
-const std::filesystem::path null_folder = shared_folder() / "checks" / "cases" / "null";
+const std::filesystem::path null_folder = shared_folder(CALOMEL_SOURCE_DIR) / "checks" / "cases" / "null";
 
 /// Mean over the pulses of each gauge, from columns sensor, pulse, time, strain; samples in order.
 std::map<std::string, std::vector<double>> mean_record(const std::filesystem::path& path) {
@@ -158,8 +154,8 @@ const std::map<std::string, double> null_truth{{"density", 13501.5}, {"sound_spe
 // as much is allowed here.
 TEST(BoxSlice, NullRecordIsMetAsCloselyAsItsOwnCodeWould) {
   if (!std::filesystem::exists(null_folder / "recordings.csv")) {
-    rows_absent("no null record");
-    GTEST_SKIP() << "the null record is not here: " << null_folder;
+    rows_absent(absent_from_shared(null_folder / "recordings.csv"));
+    GTEST_SKIP() << absent_from_shared(null_folder / "recordings.csv");
   }
   const Misfit got = null_misfit("0.001", null_truth);
   auto spoiled = null_truth;
@@ -184,7 +180,7 @@ TEST(BoxSlice, DISABLED_NullRecordTable) {
 
 // test_verification --gtest_also_run_disabled_tests --gtest_filter=BoxSlice.DISABLED_*: tables of docs/verification.
 TEST(BoxSlice, DISABLED_ConvergenceTable) {
-  if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
+  if (absent()) GTEST_SKIP() << absent_from_shared(solution);
   const char* sizes = std::getenv("CALOMEL_ELEMENT_SIZES");
   const char* extra = std::getenv("CALOMEL_OVERRIDES");
   std::vector<std::string> overrides;
@@ -201,7 +197,7 @@ TEST(BoxSlice, DISABLED_ConvergenceTable) {
 
 // With the cutoff: the mean of eight energies against box_riemer_mean.csv, over the whole record and over the first 100 us.
 TEST(BoxSlice, DISABLED_RiemerMean) {
-  if (absent()) GTEST_SKIP() << "the reference solutions are not here: " << folder;
+  if (absent()) GTEST_SKIP() << absent_from_shared(solution);
   const auto reference = read_table(folder / "box_riemer_mean.csv");
   const char* sizes = std::getenv("CALOMEL_ELEMENT_SIZES");
   std::string word;

@@ -12,6 +12,7 @@
 #include "forward/line/bar_wave.hpp"
 #include "forward/line/line_model.hpp"
 #include "forward/line/pochhammer_chree.hpp"
+#include "tests/shared_data.hpp"
 #include "tests/verification/rows.hpp"
 
 using namespace calomel;
@@ -22,11 +23,7 @@ namespace {
 const std::string item = "Line on measured records";
 using Numbers = std::map<std::string, double>;
 
-/// Beside the source tree, or where CALOMEL_SHARED points.
-std::filesystem::path data() {
-  const char* named = std::getenv("CALOMEL_SHARED");
-  return (named ? std::filesystem::path(named) : std::filesystem::path(CALOMEL_SOURCE_DIR).parent_path() / "shared") / "data";
-}
+std::filesystem::path data() { return shared_folder(CALOMEL_SOURCE_DIR) / "data"; }
 
 struct Fit {
   std::vector<double> x;
@@ -77,8 +74,8 @@ constexpr double sample = 3.3e-7, bar_speed = 5357, bar_radius = 0.01, travel = 
 TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
   const auto path = data() / "hopkinson_bar" / "disp_check.dat";
   if (!std::filesystem::exists(path)) {
-    rows_absent("no " + path.string());
-    GTEST_SKIP() << "no " << path;
+    rows_absent(absent_from_shared(path));
+    GTEST_SKIP() << absent_from_shared(path);
   }
   const LineModel model = model_of(
       fmt::format("[case]\nsensor_unit = \"V\"\n[model]\nkind = \"line\"\n[line]\nkind = \"bar\"\nwave_speed = {}\nradius = {}\n[drive]\nfile = \"{}\"\n"
@@ -151,8 +148,8 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
 TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
   const auto path = data() / "water_hammer" / "severe_valve_trace.csv";
   if (!std::filesystem::exists(path)) {
-    rows_absent("no " + path.string());
-    GTEST_SKIP() << "no " << path;
+    rows_absent(absent_from_shared(path));
+    GTEST_SKIP() << absent_from_shared(path);
   }
   std::vector<std::pair<double, double>> points, without;
   std::ifstream in(path);

@@ -6,6 +6,7 @@
 
 #include "base/json.hpp"
 #include "base/random.hpp"
+#include "tests/shared_data.hpp"
 #include "tests/verification/reference_scores.hpp"
 #include "uq/convergence/assess.hpp"
 
@@ -146,7 +147,7 @@ TEST_P(EverySampler, FollowsTheReference) {
   const auto& [kind, name] = GetParam();
   const auto& p = reference_posterior(name);
   const Json file = reference_file(p);
-  if (file.is_null()) GTEST_SKIP() << "the reference posteriors are not here: " << p.file;
+  if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));
   const auto options = options_of(kind, name);
   const auto density = p.make(file["data"], Jacobian::kept), stand_in = p.stand_in(file["data"]);
   const auto r = sample(*density, *stand_in, start_of(p), options, {.seed = 1, .threads = 4});
@@ -174,7 +175,7 @@ class Control : public ::testing::TestWithParam<std::string> {};
 TEST_P(Control, AFlatterDensityIsTold) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
-  if (file.is_null()) GTEST_SKIP() << "the reference posteriors are not here: " << p.file;
+  if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));
   EXPECT_GT(worst_of_wrong(p, *p.stand_in(file["data"]), file), 4);
 }
 INSTANTIATE_TEST_SUITE_P(Published, Control, ValuesIn(posterior_names()), [](const auto& info) { return info.param; });
@@ -186,7 +187,7 @@ class FewData : public ::testing::TestWithParam<std::string> {};
 TEST_P(FewData, TellADroppedJacobian) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
-  if (file.is_null()) GTEST_SKIP() << "the reference posteriors are not here: " << p.file;
+  if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));
   EXPECT_GT(worst_of_wrong(p, *p.make(file["data"], Jacobian::dropped), file), 4);
 }
 INSTANTIATE_TEST_SUITE_P(Published, FewData, ValuesIn(std::vector<std::string>{"eight_schools", "lotka_volterra"}),

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "base/artefact.hpp"
 #include "base/json.hpp"
+#include "tests/shared_data.hpp"
 #include "uq/convergence/diagnostics.hpp"
 
 namespace calomel::testing {
 
-std::filesystem::path reference_path(const ReferencePosterior& posterior) {
-  const char* named = std::getenv("CALOMEL_SHARED");
-  const auto shared = named ? std::filesystem::path(named) : std::filesystem::path(CALOMEL_SOURCE_DIR).parent_path() / "shared";
-  return shared / "data" / "posteriors" / posterior.file;
-}
+std::filesystem::path reference_path(const ReferencePosterior& posterior) { return shared_folder(CALOMEL_SOURCE_DIR) / "data" / "posteriors" / posterior.file; }
 
 Json reference_file(const ReferencePosterior& posterior) {
   const auto path = reference_path(posterior);

@@ -108,7 +108,7 @@ TEST(Lasso, AgreesWithScikitLearnWhereItIsInstalled) {
       EXPECT_EQ(compare(table), 36);
       return;
     }
-  GTEST_SKIP() << "scikit-learn is not installed; the stored optima stand for it";
+  GTEST_SKIP() << "absent: scikit-learn for python3 (Debian's python3-sklearn)";
 }
 
 TEST(Lasso, FulfilsTheOptimalityConditions) {
