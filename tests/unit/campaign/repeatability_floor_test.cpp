@@ -6,6 +6,7 @@
 #include "base/netcdf_file.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/campaign.hpp"
+#include "tests/model_simulator.hpp"
 #include "tests/scratch.hpp"
 
 using namespace calomel;
@@ -49,9 +50,13 @@ CampaignSummary run(const std::filesystem::path& dir, const FloorSource& floor) 
   CampaignOptions o;
   o.runs = 5, o.pulses = 1;
   const Provenance provenance{.stage = "campaign", .options = {{"campaign", identity_options(o)}}};
+  const Line line;
+  const ModelSimulator simulator(line);
+  const ThreadExecutor one(1);
   RunStore store({.stage = "runs"}, dir / "runs.journal");
+  Runs runs(simulator, store, one);
   return run_campaign(
-      Line(), o, 1, 1, provenance, dir, [&]() -> RunStore& { return store; }, {}, nullptr, floor);
+      line.shape(), o, 1, provenance, dir, [&]() -> Runs& { return runs; }, {}, floor);
 }
 
 }  // namespace

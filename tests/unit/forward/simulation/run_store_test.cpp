@@ -13,7 +13,7 @@ namespace {
 
 const Provenance of_test{.stage = "runs", .seed = 3};
 
-RunRequest at(double a, Outputs wanted = {}) {
+RunRequest run_at(double a, Outputs wanted = {}) {
   RunRequest r;
   r.numbers = {{"number.a", a}};
   r.wanted = wanted;
@@ -47,18 +47,18 @@ TEST(RunStore, KeepsARunInThisLifeAndTheNext) {
   const auto path = scratch("run_store") / "runs.journal";
   {
     RunStore store(of_test, path);
-    EXPECT_FALSE(store.holds(at(1)));
-    EXPECT_THROW((void)store.read(at(1)), ContractFailure);
-    store.keep(at(1), of_mean(10));
-    store.keep(at(2), {.message = "a is even"});
-    EXPECT_TRUE(store.holds(at(1)));
+    EXPECT_FALSE(store.holds(run_at(1)));
+    EXPECT_THROW((void)store.read(run_at(1)), ContractFailure);
+    store.keep(run_at(1), of_mean(10));
+    store.keep(run_at(2), {.message = "a is even"});
+    EXPECT_TRUE(store.holds(run_at(1)));
   }
   RunStore store(of_test, path);
   EXPECT_EQ(store.size(), 2u);
-  EXPECT_EQ(store.read(at(1)), of_mean(10));
-  EXPECT_FALSE(store.read(at(2)).done);
-  EXPECT_EQ(store.read(at(2)).message, "a is even");
-  EXPECT_THAT(store.requests(), testing::ElementsAre(at(1), at(2)));  // in the order of the texts
+  EXPECT_EQ(store.read(run_at(1)), of_mean(10));
+  EXPECT_FALSE(store.read(run_at(2)).done);
+  EXPECT_EQ(store.read(run_at(2)).message, "a is even");
+  EXPECT_THAT(store.requests(), testing::ElementsAre(run_at(1), run_at(2)));  // in the order of the texts
 }
 
 TEST(RunStore, ARecordServesEveryRequestThatItCovers) {
@@ -73,22 +73,22 @@ TEST(RunStore, ARecordServesEveryRequestThatItCovers) {
     RunRecord with_pulses = of_mean(10);
     with_pulses.pulses = {9, 11};
     with_pulses.energies = {0.9, 1.1};
-    store->keep(at(1, pulses), with_pulses);
-    EXPECT_TRUE(store->holds(at(1)));
-    EXPECT_EQ(store->read(at(1)), of_mean(10)) << "a record has what was requested and no more";
-    EXPECT_EQ(store->read(at(1, pulses)), with_pulses);
-    EXPECT_FALSE(store->holds(at(1, totals)));
-    store->keep(at(1, totals), {.done = true, .totals = {0.5, 1e-6}});
-    EXPECT_EQ(store->read(at(1, totals)), (RunRecord{.done = true, .totals = {0.5, 1e-6}}));
+    store->keep(run_at(1, pulses), with_pulses);
+    EXPECT_TRUE(store->holds(run_at(1)));
+    EXPECT_EQ(store->read(run_at(1)), of_mean(10)) << "a record has what was requested and no more";
+    EXPECT_EQ(store->read(run_at(1, pulses)), with_pulses);
+    EXPECT_FALSE(store->holds(run_at(1, totals)));
+    store->keep(run_at(1, totals), {.done = true, .totals = {0.5, 1e-6}});
+    EXPECT_EQ(store->read(run_at(1, totals)), (RunRecord{.done = true, .totals = {0.5, 1e-6}}));
     RunRecord all = with_pulses;
     all.totals = {0.5, 1e-6};
-    EXPECT_EQ(store->read(at(1, pulses.with(totals))), all);
+    EXPECT_EQ(store->read(run_at(1, pulses.with(totals))), all);
     EXPECT_EQ(store->size(), 1u);
     EXPECT_EQ(store->requests().at(0).wanted, pulses.with(totals));
-    store->keep(at(2, totals), {.message = "no balance"});
-    store->keep(at(2), of_mean(1));
-    EXPECT_TRUE(store->read(at(2)).done);
-    RunRequest both = at(2, totals.with({}));
+    store->keep(run_at(2, totals), {.message = "no balance"});
+    store->keep(run_at(2), of_mean(1));
+    EXPECT_TRUE(store->read(run_at(2)).done);
+    RunRequest both = run_at(2, totals.with({}));
     EXPECT_FALSE(store->read(both).done);
     EXPECT_EQ(store->read(both).message, "no balance");
   }
@@ -98,12 +98,12 @@ TEST(RunStore, AnAnswerThatDidNotComeIsNotKept) {
   const auto path = scratch("run_store_lost") / "runs.journal";
   {
     RunStore store(of_test, path);
-    store.keep(at(1), {.lost = true, .message = "no answer"});
-    EXPECT_TRUE(store.lost(at(1)));
-    EXPECT_FALSE(store.holds(at(1)));
-    EXPECT_EQ(store.read(at(1)).message, "no answer");
+    store.keep(run_at(1), {.lost = true, .message = "no answer"});
+    EXPECT_TRUE(store.lost(run_at(1)));
+    EXPECT_FALSE(store.holds(run_at(1)));
+    EXPECT_EQ(store.read(run_at(1)).message, "no answer");
     EXPECT_EQ(store.lost(), 1u);
-    store.keep(at(1), of_mean(1));
+    store.keep(run_at(1), of_mean(1));
     EXPECT_EQ(store.lost(), 0u);
   }
   EXPECT_EQ(RunStore(of_test, path).size(), 1u);
@@ -113,13 +113,13 @@ TEST(RunStore, CutOffInAWriteKeepsEveryRecordThatIsWhole) {
   const auto path = scratch("run_store_cut") / "runs.journal";
   {
     RunStore store(of_test, path);
-    store.keep(at(1), of_mean(1));
-    store.keep(at(2), of_mean(2));
+    store.keep(run_at(1), of_mean(1));
+    store.keep(run_at(2), of_mean(2));
   }
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 3);
   const RunStore store(of_test, path);
   EXPECT_EQ(store.size(), 1u);
-  EXPECT_TRUE(store.holds(at(1)));
+  EXPECT_TRUE(store.holds(run_at(1)));
 }
 
 TEST(RunStore, RefusesAJournalOfAnotherCase) {
@@ -153,10 +153,10 @@ TEST(RunStore, ReadsJournalsOfTheFirstVersion) {
   for (int life = 0; life < 2; ++life) {  // rewritten in the first
     RunStore store(of_test, path);
     EXPECT_EQ(store.size(), 3u);
-    EXPECT_EQ(store.read(at(1)), of_mean(10));
-    EXPECT_EQ(store.read(at(1, {.mean = true, .pulses = true, .totals = true})).totals.size(), 2u);
-    EXPECT_EQ(store.read(at(2)).message, "a is even");
-    RunRequest on_mesh = at(3);
+    EXPECT_EQ(store.read(run_at(1)), of_mean(10));
+    EXPECT_EQ(store.read(run_at(1, {.mean = true, .pulses = true, .totals = true})).totals.size(), 2u);
+    EXPECT_EQ(store.read(run_at(2)).message, "a is even");
+    RunRequest on_mesh = run_at(3);
     on_mesh.element_size = 0.001;
     on_mesh.numbers["material.mercury.regularising_viscosity"] = 2000;
     EXPECT_EQ(store.read(on_mesh), of_mean(3));
@@ -172,7 +172,7 @@ TEST(RunStore, AJournalOfTheFirstVersionOfAnotherCaseStaysAsItIs) {
   EXPECT_THROW(RunStore(Provenance{.stage = "runs", .options = {{"time", {{"end", 1}}}}, .seed = 3}, path), InputError);
   EXPECT_EQ(std::filesystem::file_size(path), before);
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".rewritten"));
-  EXPECT_TRUE(RunStore(of_test, path).holds(at(1)));
+  EXPECT_TRUE(RunStore(of_test, path).holds(run_at(1)));
 }
 
 }  // namespace
