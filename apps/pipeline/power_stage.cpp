@@ -9,7 +9,7 @@
 #include "apps/inputs/posterior_inputs.hpp"
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
-#include "apps/presentation/diagnosis_words.hpp"
+#include "apps/presentation/diagnosis_course.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/power_lines.hpp"
 #include "apps/presentation/run_lines.hpp"

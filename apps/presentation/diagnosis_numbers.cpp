@@ -13,6 +13,13 @@ constexpr std::size_t numbers_shown = 2;  ///< of an explanation, in a sentence
 
 }  // namespace
 
+std::string capital(std::string text) {
+  if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string sentence(const std::string& text) { return capital(text) + (text.ends_with('.') ? "" : "."); }
+
 std::string listed(const std::vector<std::string>& words, const char* last) {
   std::string s;
   for (std::size_t i = 0; i < words.size(); ++i) s += (i == 0 ? "" : i + 1 == words.size() ? fmt::format(" {} ", last) : ", ") + words[i];

@@ -10,6 +10,12 @@
 
 namespace calomel {
 
+constexpr double least_support = 3;  ///< log Bayes factor up to which the records do not support an explanation
+
+/// The text with a capital, and as a sentence with a full stop.
+[[nodiscard]] std::string capital(std::string text);
+[[nodiscard]] std::string sentence(const std::string& text);
+
 /// "a", "a and b", "a, b and c".
 [[nodiscard]] std::string listed(const std::vector<std::string>& words, const char* last = "and");
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "apps/presentation/diagnosis_reasons.hpp"
 #include "base/random.hpp"
 
 namespace calomel {
