@@ -5,6 +5,8 @@
 #include <chrono>
 
 #include "apps/inputs/provenances.hpp"
+#include "apps/presentation/diagnosis_course.hpp"
+#include "apps/presentation/diagnosis_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
@@ -46,10 +48,11 @@ ExitStatus diagnose_stage(StageCall& call) {
                              .terms = inputs.simulator().terms(),
                              .run = run,
                              .options = study.diagnosis,
-                             .say = [&](const std::string& text) { notes.say(stage_line("diagnose", text)); },
+                             .report = [&](const DiagnosisEvent& event) { notes.say(stage_line("diagnose", event_text(event))); },
                              .round = [&](const PosteriorRound& r, const std::vector<Parameter>& parameters) { notes.say(round_line(r, parameters)); }};
     const Diagnosis d = diagnose(in);
-    Json json = diagnosis_json(d, in, provenance);
+    const DiagnosisText words = diagnosis_text(d, in.groups);
+    Json json = diagnosis_json(d, in, words, provenance);
     const bool trusted = d.unsettled().empty();
     json["warnings"] = base->warnings;
     json["status"] = trusted ? "done" : "not_to_be_trusted";
@@ -57,8 +60,8 @@ ExitStatus diagnose_stage(StageCall& call) {
     write_diagnosis_histories(d, base->problem, provenance, inputs.artefact("diagnosis.nc"));
     write_json(inputs.artefact("diagnosis.json"), json);
     notes.say(stage_line("diagnose", fmt::format("verdict: {}{}: {}", text(d.verdict.kind),
-                                                 d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), d.verdict.reason)));
-    notes.say(json["summary"].get<std::string>());
+                                                 d.verdict.mechanisms.empty() ? "" : " " + join(d.verdict.mechanisms), words.reason)));
+    notes.say(words.summary());
     return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });
 }

@@ -2,8 +2,9 @@
 
 #include "apps/inputs/provenances.hpp"
 #include "apps/presentation/calibration_lines.hpp"
+#include "apps/presentation/data_check_words.hpp"
 #include "base/artefact.hpp"
-#include "uq/slips.hpp"
+#include "uq/data_checks.hpp"
 
 namespace calomel {
 
@@ -32,8 +33,8 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
                                   [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); });
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
-  const auto told = slips(*made.inputs, made.fit);
-  summary.warnings.insert(summary.warnings.begin(), told.begin(), told.end());
+  const auto checks = data_check_sentences(check_data(*made.inputs, made.fit), made.inputs->errors);
+  summary.warnings.insert(summary.warnings.begin(), checks.begin(), checks.end());
   write_map(summary, *made.inputs, made.fit, provenance, command.out);
   inputs.notes().say(map_lines(summary));
   return summary;

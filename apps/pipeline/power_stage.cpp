@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/inputs/provenances.hpp"
+#include "apps/presentation/diagnosis_course.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/power_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
@@ -93,13 +94,14 @@ ExitStatus power_stage(StageCall& call) {
     in->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, in->parameters)); };
     const PosteriorFit fit = fit_posterior(*in);
     const auto groups = inputs.simulator().offered();
-    const Answers answers = ask({.fit = fit,
-                                 .problem = problem,
-                                 .groups = groups,
-                                 .level = runs.levels() > 1 ? 1 : 0,
-                                 .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
-                                   return runs.get(thetas, level, added, progress);
-                                 }});
+    const ScreeningResult screening =
+        screen_candidates({.fit = fit,
+                           .problem = problem,
+                           .groups = groups,
+                           .level = runs.levels() > 1 ? 1 : 0,
+                           .run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
+                             return runs.get(thetas, level, added, progress);
+                           }});
 
     std::vector<Plan> plans{{.name = "as planned", .observations = {}}};
     for (const auto& g : plan->gauges) plans.push_back({"with " + g, {}});
@@ -113,12 +115,13 @@ ExitStatus power_stage(StageCall& call) {
         if ((own && first) || gauge || other) plans[k].observations.push_back(i);
       }
     }
-    auto all = power(fit, problem, groups, answers.questions, plans);
+    auto all = power(fit, problem, groups, screening.candidates, plans);
     std::stable_sort(all.begin() + 1, all.end(), [](const auto& a, const auto& b) { return a.gain > b.gain; });
     Json json = Json::array();
     for (const auto& p : all) json.push_back(plan_json(p));
-    write_json(inputs.artefact("power.json"),
-               {{"plans", json}, {"skipped", answers.skipped}, {"settled", fit.settled}, {"provenance", power_provenance(inputs).json()}});
+    write_json(
+        inputs.artefact("power.json"),
+        {{"plans", json}, {"skipped", not_screened_texts(screening.not_screened)}, {"settled", fit.settled}, {"provenance", power_provenance(inputs).json()}});
     notes.say(power_lines(all));
     return fit.settled ? ExitStatus::done : ExitStatus::not_to_be_trusted;
   });

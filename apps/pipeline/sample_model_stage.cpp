@@ -7,6 +7,7 @@
 #include "apps/pipeline/predictive_groups.hpp"
 #include "apps/pipeline/sample_artefacts.hpp"
 #include "apps/pipeline/sample_parts.hpp"
+#include "apps/presentation/data_check_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
@@ -17,9 +18,9 @@
 #include "inverse/posterior/direct_start.hpp"
 #include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
+#include "uq/data_checks.hpp"
 #include "uq/model_density.hpp"
 #include "uq/sampler/modes.hpp"
-#include "uq/slips.hpp"
 
 namespace calomel {
 
@@ -108,7 +109,7 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
                         {"pulls", pulls_json(left)}}},
                       {"adequate", goodness.adequate},
                       {"adequacy", goodness.sentence}},
-             .warnings = slips(problem, options, errors, prediction, left)};
+             .warnings = data_check_sentences(check_data(problem, errors, prediction, left), options)};
   if (!goodness.adequate) out.warnings.push_back(goodness.sentence);
   return out;
 }

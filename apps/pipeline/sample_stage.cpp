@@ -11,6 +11,7 @@
 #include "apps/pipeline/sample_parts.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/data_check_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
@@ -18,12 +19,12 @@
 #include "inverse/posterior/emulator_meshes.hpp"
 #include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
+#include "uq/data_checks.hpp"
 #include "uq/posterior_moments.hpp"
 #include "uq/posterior_file.hpp"
 #include "uq/refinement.hpp"
 #include "uq/regions.hpp"
 #include "uq/sampler/sampler.hpp"
-#include "uq/slips.hpp"
 #include "uq/true_model_density.hpp"
 
 namespace calomel {
@@ -61,7 +62,7 @@ ExitStatus sample_stage(StageCall& call) {
   const Convergence convergence = assessed(result, study.sampler.thin);
   const auto alarms = absorption(parameters, convergence);
   const GoodnessOfFit goodness = goodness_of_fit(residual_of(fit));
-  auto warnings = slips(*made.inputs, fit);
+  auto warnings = data_check_sentences(check_data(*made.inputs, fit), made.inputs->errors);
   warnings.insert(warnings.end(), made.inputs->warnings.begin(), made.inputs->warnings.end());
   if (!goodness.adequate) warnings.push_back(goodness.sentence);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the report shows of diagnosis.json; all empty where there is none. The sentences themselves are uq/diagnosis/plain_words'.
+/// What the report shows of diagnosis.json; all empty where there is none. The sentences themselves are apps/presentation/diagnosis_words'.
 #include <string>
 
 #include "apps/report/report.hpp"

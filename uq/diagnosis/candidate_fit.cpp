@@ -17,25 +17,23 @@ namespace {
 constexpr double reach = 1.0;           ///< half width of the first box of a number, over its distance from off to first order
 constexpr double widths = 6;            ///< the same in standard deviations to first order
 constexpr double least_width = 0.1;     ///< the same over the standard deviation of the number's prior
-constexpr double farthest_shift = 0.7;  ///< of the base parameters' box by what the first order says, in its half widths
-constexpr int spare_of_cheap = 3;  ///< runs over coefficients to begin with where runs cost little and a box is drawn in: with the base model's two a box about
-                                   ///< a law with a step is drawn in to the wrong place
-constexpr double zoom = 0.4,
-                 box_in_deviations =
-                     8;  ///< the second box over the first, at least, and in deviations of the answer; in narrower boxes the deviations come out too small
-constexpr double rough = 2,
-                 rough_beside_errors =
-                     0.02;  ///< noise of an emulator over the base model's and over the records' errors, as variances, beyond both of which it says little
-constexpr double sets_in = 0.02;  ///< of a share: below off by this its law has set in
-// Of the search for a cheap model's fit.
+constexpr double farthest_shift = 0.7;  ///< shift of the base parameters' box by the first-order estimate, in its half widths, at most
+constexpr int spare_of_cheap = 3;  ///< runs over coefficients to begin with where runs are cheap and a box is shrunk: with the base model's two, a box about
+                                   ///< a law with a step shrinks to the wrong place
+constexpr double zoom = 0.4;       ///< the second box over the first, at least
+constexpr double box_in_deviations = 8;       ///< the second box in deviations of the answer; in narrower boxes the deviations come out too small
+constexpr double rough = 2;                   ///< numerical noise of an emulator over the base model's, as variances, beyond which its evidence means little,
+constexpr double rough_beside_errors = 0.02;  ///< if it is also beyond this over the records' errors
+constexpr double sets_in = 0.02;              ///< a share has set in below off by this
+// Of the search for the fit of a model with cheap runs.
 constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2;
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;
-constexpr double start_width = 0.3;               ///< half width of a further start of a cheap model, over a number's range
+constexpr double start_width = 0.3;               ///< half width of a further start, over a number's range
 constexpr int most_rounds = 16;                   ///< of the second box: most of them are a few runs about the answer
-constexpr double steady = 3, steady_share = 0.1;  ///< change of a log Bayes factor in a round, and that over itself, below which it stays
-constexpr int stays_enough = 2;                   ///< rounds in a row
-constexpr double standing = 1;  ///< move of the mode in a round, in deviations, below which it stands: an evidence may stay while the numbers still walk
+constexpr double steady = 3, steady_share = 0.1;  ///< change of a log Bayes factor in a round, absolute and relative, below which it is stable
+constexpr int stable_enough = 2;                  ///< rounds in a row
+constexpr double standing = 1;  ///< move of the mode in a round, in deviations, below which it is stable: an evidence may stay while the numbers still move
 
 /// Log evidence of a fit under the errors of another, each on its own emulator.
 double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
@@ -46,8 +44,8 @@ double evidence(const PosteriorFit& fit, const PosteriorFit& errors) {
   return log_evidence(p, modes[0]);
 }
 
-/// A base fit that had to do without the physics has pushed its parameters away from what is known of them: the box reaches back there, where knowledge is
-/// narrower than the box.
+/// Makes the box reach back to the handbook where the handbook is narrower than the box, because a base fit without the physics has moved its parameters away
+/// from it.
 void reach_back(PosteriorInputs& in) {
   for (std::size_t k = 0; k < in.centre.size(); ++k) {
     const Parameter& p = in.parameters[k];
@@ -64,11 +62,12 @@ void reach_back(PosteriorInputs& in) {
   }
 }
 
+/// One side of a box.
 struct Side {
   double centre = 0, half_width = 0;
 };
 
-/// Of a number, about its estimate to first order; the half width is one of its coordinate, as the box has it.
+/// The side of a number, about its estimate to first order. The half width is in its coordinate, as the box has it.
 Side side_of(const AddedParameter& a, double estimate, double sd) {
   const Parameter& p = a.parameter;
   const double away = std::abs(p.coordinate(estimate) - p.coordinate(*p.nominal)), deviation = p.coordinate_width(sd, estimate);
@@ -76,39 +75,52 @@ Side side_of(const AddedParameter& a, double estimate, double sd) {
   return {estimate, std::max({reach * away, widths * deviation, least})};
 }
 
-/// Of a cheap model, whose boxes are drawn in about whatever mode the first one shows: from the planned box and from one about the middle of the numbers'
-/// ranges.
-FittedCandidate fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base) {
-  std::optional<FittedCandidate> best;
-  double most = 0;
-  std::string failed;
+/// The best of several fits of one candidate, and why the last one failed.
+struct BestFit {
+  std::optional<CandidateFit> fit;
+  double log_bayes_factor = 0;
+  std::string failure;
+
+  void offer(PosteriorInputs inputs, PosteriorFit made, double of_fit) {
+    if (fit && !(of_fit > log_bayes_factor)) return;
+    log_bayes_factor = of_fit;
+    const bool stable = made.settled;
+    fit.emplace(CandidateFit{.inputs = std::move(inputs), .fit = std::move(made), .stable = stable});
+  }
+  CandidateFit take() {
+    if (!fit) throw NumericsError(failure);
+    return std::move(*fit);
+  }
+};
+
+/// Fits a model with cheap runs from the planned box and from one about the middle of the numbers' ranges, because a box shrinks about whatever mode it shows
+/// first.
+CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base) {
+  BestFit best;
   for (const bool about_the_middle : {false, true}) {
     PosteriorInputs in = planned;
     for (std::size_t k = planned.known_dimension; k < in.parameters.size() && about_the_middle; ++k) {
       const Parameter& p = in.parameters[k];
       const auto [least, greatest] = expected_range(p);
       const double low = p.coordinate(least), high = p.coordinate(greatest);
-      in.centre[k] = p.natural(0.5 * (low + high)), in.half_width[k] = start_width * (high - low);
+      in.centre[k] = p.natural(0.5 * (low + high));
+      in.half_width[k] = start_width * (high - low);
     }
     try {
       PosteriorFit fit = fit_posterior(in);
-      const double worth = log_bayes_factor(fit, base);
-      if (best && worth <= most) continue;
-      most = worth;
-      const bool stands = fit.settled;
-      best.emplace(FittedCandidate{.inputs = std::move(in), .fit = std::move(fit), .stands = stands});
+      const double of_fit = log_bayes_factor(fit, base);
+      best.offer(std::move(in), std::move(fit), of_fit);
     } catch (const NumericsError& e) {
-      failed = e.what();
+      best.failure = e.what();
     }
   }
-  if (!best) throw NumericsError(failed);
-  return std::move(*best);
+  return best.take();
 }
 
-/// Of a cheap model: the model itself is fitted first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid
-/// about the best. That is done with the records' errors alone and with those that the base fit holds for likeliest, where they have a discrepancy: of records
-/// far better than the model the former say little. The better one counts.
-FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& worth) {
+/// Fits a model with cheap runs itself first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the
+/// best. That is done with the records' errors alone and, where the likeliest errors of the base fit have a discrepancy, with those: the errors of records far
+/// better than the model say little of where it fits best. The better fit counts.
+CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted) {
   DirectSearch search{.design_runs = design_runs,
                       .design_runs_a_parameter = design_runs_a_parameter,
                       .descents = descents,
@@ -121,68 +133,65 @@ FittedCandidate fit_by_least_squares(const PosteriorInputs& planned, const Poste
   const WeightedErrors& likeliest = base.likeliest();
   std::vector<const ErrorModel*> errors{nullptr};
   if (likeliest.discrepancy > 0) errors.push_back(&likeliest.errors);
-  std::optional<FittedCandidate> best;
-  double most = 0;
-  std::string failed;
+  BestFit best;
   for (const ErrorModel* e : errors) {
     PosteriorInputs in = planned;
     search.errors = e;
     try {
       start_directly(in, search);
-      in.go_on = [&](const PosteriorFit& f) { return worth(log_bayes_factor(f, base)); };
+      in.go_on = [&](const PosteriorFit& f) { return wanted(log_bayes_factor(f, base)); };
       PosteriorFit fit = held_to_the_model(in, fit_posterior(in));
       in.go_on = {};
-      if (const double of_fit = log_bayes_factor(fit, base); !best || of_fit > most) {
-        most = of_fit;
-        const bool stands = fit.settled;
-        best.emplace(FittedCandidate{.inputs = std::move(in), .fit = std::move(fit), .stands = stands});
-      }
+      const double of_fit = log_bayes_factor(fit, base);
+      best.offer(std::move(in), std::move(fit), of_fit);
     } catch (const NumericsError& x) {
-      failed = x.what();
+      best.failure = x.what();
     }
   }
-  if (!best) throw NumericsError(failed);
-  return std::move(*best);
+  return best.take();
 }
 
 }  // namespace
 
-CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const std::vector<ParameterGroup>& groups, const Question& question) {
+CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const ParameterGroup& group, const ScreenedCandidate& screened) {
   CandidatePlan plan{.added = {}, .inputs = inputs};
   PosteriorInputs& in = plan.inputs;
   const std::size_t n = in.parameters.size();
-  const ParameterGroup& group = groups[question.group];
-  const FirstOrder& worth = question.worth;
+  const FirstOrderEstimate& estimate = screened.first_order;
   std::vector<Side> sides;
-  for (std::size_t i = 0; i < question.numbers.size(); ++i) {
-    const AddedParameter& a = group.added[question.numbers[i]];
+  for (std::size_t i = 0; i < screened.numbers.size(); ++i) {
+    const AddedParameter& a = group.added[screened.numbers[i]];
     const auto k = Eigen::Index(i);
     plan.added.push_back(a);
-    sides.push_back(side_of(a, std::clamp(*a.parameter.nominal + worth.value[k], a.parameter.min, a.parameter.max), worth.sd[k]));
+    sides.push_back(side_of(a, std::clamp(*a.parameter.nominal + estimate.value[k], a.parameter.min, a.parameter.max), estimate.sd[k]));
   }
-  for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value that did best
+  for (std::size_t i = 0; i < group.shapes.size(); ++i) {  // about the value with the greatest evidence
     plan.added.push_back(group.shapes[i]);
     const Parameter& p = group.shapes[i].parameter;
-    sides.push_back({question.shapes[i], p.sigma ? *p.sigma
-                                         : p.sd  ? p.coordinate_width(*p.sd, question.shapes[i])
+    sides.push_back({screened.shapes[i], p.sigma ? *p.sigma
+                                         : p.sd  ? p.coordinate_width(*p.sd, screened.shapes[i])
                                                  : 0.5 * (p.coordinate(p.max) - p.coordinate(p.min))});
   }
   Eigen::VectorXd u = fit.modes[0].at.u;
   const auto& free = fit.posterior->free();
-  for (std::size_t i = 0; i < free.size(); ++i) u[free[i]] += std::clamp(worth.shift[Eigen::Index(i)], -farthest_shift, farthest_shift);
+  for (std::size_t i = 0; i < free.size(); ++i) u[free[i]] += std::clamp(estimate.shift[Eigen::Index(i)], -farthest_shift, farthest_shift);
   in.centre = fit.posterior->box().theta(u);
   reach_back(in);
   for (std::size_t i = 0; i < plan.added.size(); ++i) {
     in.parameters.push_back(plan.added[i].parameter);
-    if (Parameter& p = in.parameters.back(); !plan.added[i].share_of.empty())
-      p.max = *p.nominal - sets_in, p.nominal.reset();  // the base model's runs lie beyond the step
-    in.centre.push_back(sides[i].centre), in.half_width.push_back(sides[i].half_width);
+    if (Parameter& p = in.parameters.back(); !plan.added[i].share_of.empty()) {
+      p.max = *p.nominal - sets_in;
+      p.nominal.reset();  // the base model's runs lie beyond the step
+    }
+    in.centre.push_back(sides[i].centre);
+    in.half_width.push_back(sides[i].half_width);
   }
   const auto d = Eigen::Index(in.parameters.size());
-  in.emulator.coarse_runs = 0,
-  in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;  // by its own number of coefficients
+  in.emulator.coarse_runs = 0;  // by its own number of coefficients
+  in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
-  in.known.clear(), in.go_on = {};
+  in.known.clear();
+  in.go_on = {};
   for (const auto& r : fit.runs) {
     TaughtRun known = r;
     for (const auto& a : plan.added) known.theta.push_back(*a.parameter.nominal);
@@ -218,9 +227,9 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
 
-FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& worth) {
+CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted) {
   PosteriorInputs& in = plan.inputs;
-  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, worth) : fit_from_two(in, base);
+  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, wanted) : fit_from_two(in, base);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) {
     return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace());
@@ -228,29 +237,29 @@ FittedCandidate fit_candidate(CandidatePlan plan, const PosteriorFit& base, cons
   in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
   PosteriorFit fit = fit_posterior(in);
   double last = log_bayes_factor(fit, base);
-  if (!worth(is_rough(fit) ? std::nullopt : std::optional(last))) return {.inputs = std::move(in), .fit = std::move(fit)};
+  if (!wanted(is_rough(fit) ? std::nullopt : std::optional(last))) return {.inputs = std::move(in), .fit = std::move(fit)};
   // Again about the answer: over a wide box a quadratic is only so good.
   const LocalMode& mode = fit.modes[0];
   const Eigen::VectorXd sd = mode.covariance.diagonal().cwiseSqrt();
   in.centre = mode.at.theta;
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
-    if (k < own || plan.added[k - own].share_of.empty())  // a share does nearly the same over all its range
+    if (k < own || plan.added[k - own].share_of.empty())  // the effect of a share is nearly the same over all its range
       in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-  in.clear_of_edge = 1;  // laid anew whenever an answer that still moves comes near an edge it would lose the runs that let it stand
+  in.clear_of_edge = 1;  // a box that is laid anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
-  int stayed = 0;
+  int stable_rounds = 0;
   in.go_on = [&](const PosteriorFit& f) {
-    if (is_rough(f)) return f.rounds.size() == 1 && worth({});
+    if (is_rough(f)) return f.rounds.size() == 1 && wanted({});
     const double now = log_bayes_factor(f, base);
-    const bool stays = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
-    stayed = stays ? stayed + 1 : 0;
+    const bool stable = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
+    stable_rounds = stable ? stable_rounds + 1 : 0;
     last = now;
-    return int(f.rounds.size()) <= most_rounds && stayed < stays_enough && worth(now);
+    return int(f.rounds.size()) <= most_rounds && stable_rounds < stable_enough && wanted(now);
   };
   PosteriorFit second = fit_posterior(in);
-  const bool stands = stayed >= stays_enough || second.settled;
-  return {.inputs = std::move(in), .fit = std::move(second), .stands = stands};
+  const bool stable = stable_rounds >= stable_enough || second.settled;
+  return {.inputs = std::move(in), .fit = std::move(second), .stable = stable};
 }
 
 }  // namespace calomel

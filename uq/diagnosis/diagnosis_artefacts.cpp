@@ -1,19 +1,20 @@
+#include "uq/diagnosis/diagnosis_artefacts.hpp"
+
 #include <cmath>
 #include <limits>
 
-#include "base/json.hpp"
+#include "base/errors.hpp"
 #include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "inverse/data/history_file.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
-#include "uq/diagnosis/diagnosis_artefacts.hpp"
-#include "uq/diagnosis/plain_words.hpp"
+#include "uq/diagnosis/fit_measures.hpp"
 
 namespace calomel {
 
 namespace {
 
-constexpr double absorbing = 2;  ///< prior standard deviations
+constexpr double absorbing = 2;  ///< prior deviation of a base parameter that may stand in for what is left out
 
 Json estimates_json(const std::vector<Estimate>& all) {
   Json list = Json::array();
@@ -34,7 +35,10 @@ double residual_rms(const Problem& problem, const std::vector<double>& history) 
   for (const auto& o : problem.observations) {
     const auto y = on_record_times(problem, std::span(history).subspan(problem.shape.at(o.condition, o.sensor, 0), problem.shape.times.size()));
     for (std::size_t t = 0; t < y.size(); ++t)
-      if (o.compared[t]) sum += (y[t] - o.mean[t]) * (y[t] - o.mean[t]), ++n;
+      if (o.compared[t]) {
+        sum += (y[t] - o.mean[t]) * (y[t] - o.mean[t]);
+        ++n;
+      }
   }
   return problem.mae_scale * std::sqrt(sum / double(n));
 }
@@ -47,26 +51,10 @@ Json fit_of(const Problem& problem, const std::vector<double>& history, double c
           {"unit", problem.mae_unit}};
 }
 
-/// |history - record| / |record| of each observation on the grid that is compared; NaN where there is no history.
-std::vector<double> misfits_of(const PosteriorFit& base, const std::vector<double>& history) {
-  const Decimation& grid = base.errors->grid();
-  std::vector<double> all(grid.observations(), std::numeric_limits<double>::quiet_NaN());
-  if (history.empty()) return all;
-  const Eigen::VectorXd values = grid.apply(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = misfit_of(fold_of(grid, {i}), grid, values, base.errors->data());
-  return all;
-}
-
-double mean_of(const std::vector<double>& x) {
-  double sum = 0;
-  for (const double v : x) sum += v;
-  return sum / double(x.size());
-}
-
-/// Middle and deviation of what was known of the parameters beforehand; those without such a prior are left out.
+/// Middle and standard deviation of the parameters' priors; parameters without a handbook value are left out.
 Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters) {
   Json object = Json::object();
-  for (const auto& e : d.base_parameters)
+  for (const auto& e : d.base.parameters)
     for (const auto& p : parameters) {
       if (p.name != e.name) continue;
       if (p.mean && p.sd) object[p.name] = {{"mean", number(*p.mean)}, {"sd", number(*p.sd)}};
@@ -75,7 +63,7 @@ Json handbook_json(const Diagnosis& d, const std::vector<Parameter>& parameters)
   return object;
 }
 
-/// In the case's unit: a number that the fit counts by its inverse is told as itself; null where it is none.
+/// A number in the case's unit: one that the fit has as its inverse is inverted; NaN where it is none.
 Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& groups) {
   for (const auto& g : groups)
     for (const auto& a : g.added)
@@ -85,20 +73,21 @@ Estimate in_case_unit(const Estimate& e, const std::vector<ParameterGroup>& grou
   return e;
 }
 
-Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& groups) {
-  std::vector<Estimate> told;
-  for (const auto& e : c.numbers) told.push_back(in_case_unit(e, groups));
-  Json list = estimates_json(told);
+Json numbers_json(const Alternative& c, const std::vector<ParameterGroup>& groups, const std::vector<NumberText>& texts) {
+  std::vector<Estimate> in_unit;
+  for (const auto& e : c.numbers) in_unit.push_back(in_case_unit(e, groups));
+  Json list = estimates_json(in_unit);
   for (std::size_t i = 0; i < c.numbers.size(); ++i) {
-    const PlainNumber plain = plain_number(c, c.numbers[i], groups);
-    list[i]["value"] = plain.value, list[i]["off"] = plain.off, list[i]["doc"] = plain.doc, list[i]["deviations_from_off"] = number(plain.deviations),
-    list[i]["told_by_records"] = c.numbers[i].told;
+    const AddedParameter* added = added_parameter_of(c, c.numbers[i], groups);
+    if (!added) added = shape_of(c, c.numbers[i], groups);
+    list[i]["value"] = texts.at(i).value;
+    list[i]["off"] = texts.at(i).off;
+    list[i]["doc"] = added ? added->doc : "";
+    list[i]["deviations_from_off"] = number(deviations_from_off(c, c.numbers[i], groups));
+    list[i]["told_by_records"] = c.numbers[i].from_records;
   }
   return list;
 }
-
-/// The explanation that the verdict names, the first of them, or null.
-const Alternative* named_of(const Diagnosis& d) { return d.verdict.mechanisms.empty() ? nullptr : d.alternative(d.verdict.mechanisms[0]); }
 
 Json location_json(const Diagnosis& d, const DiagnosisInputs& in) {
   const LocatedMismatch& l = d.location;
@@ -130,131 +119,179 @@ Json by_scale_json(const EvidenceByScale& all) {
   return out;
 }
 
-/// null where it was not asked.
-Json missing_json(const std::optional<MissingTerms>& m) {
+/// Null where no terms were screened.
+Json missing_json(const std::optional<MissingTerms>& m, const DiagnosisText& text) {
   if (!m) return {};
   Json terms = Json::array();
-  for (const auto& t : m->terms)
+  for (std::size_t i = 0; i < m->terms.size(); ++i) {
+    const MissingTerm& t = m->terms[i];
     terms.push_back({{"what", t.what},
                      {"place", t.place},
                      {"unit", t.unit},
                      {"mean", number(t.value)},
                      {"sd", number(t.sd)},
-                     {"value", plain_term(t)},
+                     {"value", text.missing_terms.at(i)},
                      {"log_bayes_factor", number(t.log_bayes_factor)}});
+  }
   return {{"terms", terms},
-          {"asked", m->asked},
+          {"asked", m->screened},
           {"misfit_before", number(m->misfit_before)},
           {"misfit_after", number(m->misfit_after)},
-          {"sentence", plain_missing(*m)}};
+          {"sentence", text.missing}};
 }
 
-}  // namespace
+/// Adds what is known of an explanation to its entry of the ranking.
+void add_explanation(Json& entry, const Alternative& c, const Diagnosis& d, const DiagnosisInputs& in, const ExplanationText& text) {
+  const Explanation& e = c.explanation;
+  const auto share = share_explained(d.base.evidence, e);
+  entry["parameters"] = numbers_json(c, in.groups, text.numbers);
+  entry["plain_name"] = text.plain_name;
+  entry["size"] = text.size;
+  entry["explained"] = share ? Json(*share) : Json();
+  entry["numerical"] = e.numerical;
+  entry["heldout_tried"] = !c.held_out.empty();
+  entry["heldout_gain"] = number(c.held_out_gain);
+  entry["log_bayes_factor"] = number(e.log_bayes_factor);
+  entry["first_order_log_bayes_factor"] = number(c.first_order_log_bayes_factor);
+  entry["score_p_value"] = number(c.p_value);
+  entry["chi2"] = number(e.chi2);
+  entry["base_pull"] = number(e.base_prior_deviation);
+  entry["by_discrepancy"] = by_scale_json(e.by_scale);
+  entry["discrepancy"] = number(mean_scale(e.by_scale));
+  entry["farthest"] = number(e.farthest);
+  entry["fitted"] = e.fitted;
+  entry["runs"] = c.runs;
+  entry["message"] = text.message;
+  entry["same_as"] = e.same_as;
+  entry["base_parameters"] = by_name(c.base_parameters);
+  if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
+  if (const auto& p = e.hold_out_prediction) entry["beginning"] = {{"before", number(p->beginning_before)}, {"after", number(p->beginning)}};
+  if (!c.sensor.empty()) entry["sensor"] = c.sensor;
+  Json places = Json::object();  // walls, stretches, laws; of a fault of a gauge, by itself or in a pair, the gauge
+  for (const auto& [group, place] : text.places)
+    if (!place.empty()) places[group] = place;
+  entry["places"] = std::move(places);
+  if (!c.other_sensors.empty()) entry["other_sensors"] = c.other_sensors;
+}
 
-Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Provenance& provenance) {
+Json ranking_json(const Diagnosis& d, const DiagnosisInputs& in, const DiagnosisText& text) {
   Json ranking = Json::array();
-  for (const auto& r : d.verdict.ranking) {
+  for (std::size_t i = 0; i < d.verdict.ranking.size(); ++i) {
+    const Ranked& r = d.verdict.ranking[i];
+    const ExplanationText& words = text.ranking.at(i);
     Json entry{{"name", r.name},
                {"probability", number(r.probability)},
                {"log_evidence", number(r.log_evidence)},
                {"parameters", Json::array()},
                {"heldout_gain", 0.0}};
-    for (const auto& c : d.candidates)
-      if (c.explanation.name == r.name) {
-        entry["parameters"] = numbers_json(c, in.groups);
-        entry["plain_name"] = plain_name(c, in.groups), entry["size"] = plain_size(c, in.groups);
-        const auto share = share_explained(d.evidence, c.explanation);
-        entry["explained"] = share ? Json(*share) : Json(), entry["numerical"] = c.explanation.numerical;
-        entry["heldout_tried"] = !c.held_out.empty();
-        entry["heldout_gain"] = number(c.held_out_gain);
-        entry["log_bayes_factor"] = number(c.explanation.log_bayes_factor), entry["first_order_log_bayes_factor"] = number(c.first_log_bayes_factor);
-        entry["score_p_value"] = number(c.p_value), entry["chi2"] = number(c.explanation.chi2), entry["base_pull"] = number(c.explanation.base_pull);
-        entry["by_discrepancy"] = by_scale_json(c.explanation.by_scale), entry["discrepancy"] = number(mean_scale(c.explanation.by_scale)),
-        entry["farthest"] = number(c.explanation.farthest);
-        entry["fitted"] = c.explanation.fitted, entry["runs"] = c.runs, entry["message"] = c.message, entry["same_as"] = c.explanation.same_as;
-        entry["base_parameters"] = by_name(c.base_parameters);
-        if (!c.history.empty()) entry["residual_rms"] = number(residual_rms(in.base.problem, c.history));
-        if (const auto& f = c.explanation.foretold) entry["beginning"] = {{"before", number(f->beginning_before)}, {"after", number(f->beginning)}};
-        if (!c.sensor.empty()) entry["sensor"] = c.sensor;
-        Json places = Json::object();  // walls, stretches, laws; of a fault of a gauge, by itself or in a pair, the gauge
-        for (const auto& [group, place] : c.places)
-          if (!place.empty()) places[group] = place;
-        entry["places"] = std::move(places);
-        if (!c.other_sensors.empty()) entry["other_sensors"] = c.other_sensors;
-      }
-    const Why because = why(d, r.name, in.groups);
-    entry["why"] = because.why, entry["would_change"] = because.would_change;
+    if (const Alternative* c = d.alternative(r.name)) add_explanation(entry, *c, d, in, words);
+    entry["why"] = words.why;
+    entry["would_change"] = words.would_change;
     ranking.push_back(std::move(entry));
   }
-  const Alternative* named = named_of(d);
-  const std::vector<double>& after_history = named ? named->history : d.base_history;
-  const auto before = misfits_of(d.base, d.base_history), after = misfits_of(d.base, after_history);
-  const auto out_before = misfits_of(d.base, d.held_out_history), out_after = misfits_of(d.base, named ? named->held_out_history : d.held_out_history);
-  const PlainSummary summary = plain_summary(
-      d, in.groups,
-      {mean_of(before), mean_of(after), d.held_out_before, d.held_out_after, in.base.problem.observations.size() == 1 ? "stretches of the record" : "gauges"});
+  return ranking;
+}
+
+/// The misfit of every gauge: before and with what is named, in the fit and held out of it.
+Json gauges_json(const Diagnosis& d, const Problem& problem) {
+  const Alternative* named = d.named();
+  const PosteriorFit& base = d.base.fit;
+  const auto before = misfits_by_gauge(base, d.base.history), after = misfits_by_gauge(base, named ? named->history : d.base.history);
+  const auto out_before = misfits_by_gauge(base, d.hold_out.history), out_after = misfits_by_gauge(base, named ? named->held_out_history : d.hold_out.history);
   Json gauges = Json::array();
-  for (std::size_t i = 0; i < before.size(); ++i)
-    gauges.push_back({{"name", in.base.problem.label(in.base.problem.observations[i])},
-                      {"sensor", in.base.problem.shape.sensors[in.base.problem.observations[i].sensor]},
-                      {"condition", in.base.problem.shape.conditions[in.base.problem.observations[i].condition]},
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Observation& o = problem.observations[i];
+    gauges.push_back({{"name", problem.label(o)},
+                      {"sensor", problem.shape.sensors[o.sensor]},
+                      {"condition", problem.shape.conditions[o.condition]},
                       {"before", number(before[i])},
                       {"after", number(after[i])},
                       {"heldout_before", number(out_before[i])},
                       {"heldout_after", number(out_after[i])}});
-  Json conditions = Json::array();
-  for (const auto& c : d.held_out_conditions)
-    conditions.push_back({{"name", c.name}, {"heldout_before", number(c.before)}, {"heldout_after", number(c.after)}});
+  }
+  return gauges;
+}
+
+/// Base parameters that the base model moves far from the handbook.
+Json absorbed_json(const BaseFit& base) {
   Json absorbed = Json::array();
-  for (std::size_t k = 0; k < d.handbook_pulls.size(); ++k)
-    if (std::abs(d.handbook_pulls[k]) > absorbing)
-      absorbed.push_back({{"parameter", d.base_parameters[k].name}, {"prior_sigmas", number(d.handbook_pulls[k])}});
-  Json mixed_up = Json::array();
-  for (const auto& m : d.mixed_up)
-    mixed_up.push_back(
-        {{"gauge", m.gauge}, {"other", m.other}, {"own", number(m.own)}, {"like", number(m.like)}, {"factor", number(m.factor)}, {"text", plain_mixed_up(m)}});
-  return {{"verdict", text(d.verdict.kind)},
+  for (std::size_t k = 0; k < base.prior_deviations.size(); ++k)
+    if (std::abs(base.prior_deviations[k]) > absorbing)
+      absorbed.push_back({{"parameter", base.parameters[k].name}, {"prior_sigmas", number(base.prior_deviations[k])}});
+  return absorbed;
+}
+
+Json mislabelled_json(const std::vector<MislabelledChannel>& channels, const DiagnosisText& text) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const MislabelledChannel& m = channels[i];
+    all.push_back({{"gauge", m.gauge},
+                   {"other", m.other},
+                   {"own", number(m.own)},
+                   {"like", number(m.like)},
+                   {"factor", number(m.factor)},
+                   {"text", text.mislabelled.at(i)}});
+  }
+  return all;
+}
+
+Json clock_json(const std::optional<ClockOffset>& clock, const DiagnosisText& text) {
+  if (!clock) return {};
+  return {{"late_s", number(clock->delay)}, {"sd_s", number(clock->sd)}, {"log_bayes_factor", number(clock->log_bayes_factor)}, {"text", text.clock}};
+}
+
+Json evidence_json(const BaseFit& base) {
+  const BaseEvidence& e = base.evidence;
+  const Json local = e.local ? Json{{"log_evidence", number(*e.local)}, {"gauges", base.likeliest_place}} : Json();
+  return {{"values", number(e.values)},
+          {"chi2", number(e.chi2)},
+          {"discrepancy", number(mean_scale(e.by_scale))},
+          {"by_discrepancy", by_scale_json(e.by_scale)},
+          {"local", local}};
+}
+
+}  // namespace
+
+Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const DiagnosisText& text, const Provenance& provenance) {
+  expect(text.ranking.size() == d.verdict.ranking.size() && text.mislabelled.size() == d.base.mislabelled.size(), "the words are about this diagnosis");
+  const Problem& problem = in.base.problem;
+  const Alternative* named = d.named();
+  Json conditions = Json::array();
+  for (const auto& c : d.hold_out.conditions)
+    conditions.push_back({{"name", c.name}, {"heldout_before", number(c.before)}, {"heldout_after", number(c.after)}});
+  return {{"verdict", calomel::text(d.verdict.kind)},
           {"mechanisms", d.verdict.mechanisms},
-          {"reason", d.verdict.reason},
-          {"summary", summary.text()},
-          {"finding", summary.finding},
-          {"next_step", summary.next_step},
-          {"ranking", ranking},
+          {"reason", text.reason},
+          {"summary", text.summary()},
+          {"finding", text.finding},
+          {"next_step", text.next_step},
+          {"ranking", ranking_json(d, in, text)},
           {"location", location_json(d, in)},
           {"fit",
-           {{"before", fit_of(in.base.problem, d.base_history, mean_of(before), d.held_out_before)},
-            {"after", fit_of(in.base.problem, after_history, mean_of(after), d.held_out_after)}}},
-          {"gauges", gauges},
+           {{"before", fit_of(problem, d.base.history, d.misfits.before, d.misfits.held_out_before)},
+            {"after", fit_of(problem, named ? named->history : d.base.history, d.misfits.after, d.misfits.held_out_after)}}},
+          {"gauges", gauges_json(d, problem)},
           {"conditions", conditions},
           {"base_parameters",
-           {{"before", by_name(d.base_parameters)},
-            {"after", by_name(named ? named->base_parameters : d.base_parameters)},
+           {{"before", by_name(d.base.parameters)},
+            {"after", by_name(named ? named->base_parameters : d.base.parameters)},
             {"handbook", handbook_json(d, in.base.parameters)}}},
-          {"absorbed", absorbed},
-          {"missing", missing_json(d.missing)},
-          {"separating_measurement", d.separating},
-          {"mixed_up", mixed_up},
+          {"absorbed", absorbed_json(d.base)},
+          {"missing", missing_json(d.missing, text)},
+          {"separating_measurement", text.separating_measurement},
+          {"mixed_up", mislabelled_json(d.base.mislabelled, text)},
           {"dead_gauges", d.dead},
-          {"late", d.late ? Json{{"late_s", number(d.late->late)},
-                                 {"sd_s", number(d.late->sd)},
-                                 {"log_bayes_factor", number(d.late->log_bayes_factor)},
-                                 {"text", plain_late(*d.late)}}
-                          : Json()},
-          {"evidence",
-           {{"values", number(d.evidence.values)},
-            {"chi2", number(d.evidence.chi2)},
-            {"discrepancy", number(mean_scale(d.evidence.by_scale))},
-            {"by_discrepancy", by_scale_json(d.evidence.by_scale)},
-            {"local", d.evidence.local ? Json{{"log_evidence", number(*d.evidence.local)}, {"gauges", d.likeliest_place}} : Json()}}},
+          {"late", clock_json(d.clock, text)},
+          {"evidence", evidence_json(d.base)},
           {"runs", d.runs},
-          {"skipped", d.skipped},
-          {"base_fit", fit_json(d.base, in.base.parameters)},
+          {"skipped", text.skipped},
+          {"base_fit", fit_json(d.base.fit, in.base.parameters)},
           {"unsettled", d.unsettled()},
           {"provenance", provenance.json()}};
 }
 
 const Alternative* shown_explanation(const Diagnosis& d) {
-  if (const Alternative* named = named_of(d)) return named;
+  if (const Alternative* named = d.named()) return named;
   if (d.verdict.kind != VerdictKind::unknown) return nullptr;
   for (const auto& e : d.by_evidence())
     if (const Alternative* c = d.alternative(e.name); !c->history.empty() && e.log_bayes_factor > 0) return c;
@@ -267,8 +304,8 @@ void write_diagnosis_histories(const Diagnosis& d, const Problem& problem, const
   file.attribute("title", "calomel diagnosis");
   file.attribute("verdict", text(d.verdict.kind));
   file.attribute("explanation", shown ? shown->explanation.name : "");
-  file.history("base", d.base_history, "base model at its best fit, by the emulator");
-  file.history("held_out_base", d.held_out_history, "each gauge by the base model fitted without it");
+  file.history("base", d.base.history, "base model at its best fit, by the emulator");
+  file.history("held_out_base", d.hold_out.history, "each gauge by the base model fitted without it");
   if (shown) {
     file.history("explained", shown->history, "model with " + shown->explanation.name + " at its best fit");
     file.history("held_out_explained", shown->held_out_history, "each gauge by the model with " + shown->explanation.name + " fitted without it");

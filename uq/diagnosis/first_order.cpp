@@ -46,7 +46,7 @@ FirstOrderModel::FirstOrderModel(const LogPosterior& posterior, const LocalMode&
   const Eigen::MatrixXd left = inverse_symmetric(mode.covariance) - likeliest.jacobian.transpose() * likeliest.jacobian;
   const SymmetricEigen eigen = symmetric_eigen(0.5 * (left + left.transpose()));
   curvature_ = eigen.vectors * eigen.values.cwiseMax(of_the_box).asDiagonal() * eigen.vectors.transpose();
-  slope_ = -likeliest.jacobian.transpose() * likeliest.residual;
+  gradient_ = -likeliest.jacobian.transpose() * likeliest.residual;
   // Noise of the first hypothesis under another: the trace of its covariance in the other's units.
   const Eigen::Index size = posterior.values();
   const Eigen::MatrixXd root = inverse(posterior.whiten(Eigen::MatrixXd::Identity(size, size), mode.at, 0));
@@ -74,7 +74,7 @@ FirstOrderModel::Block FirstOrderModel::block(const AddedDirections& directions)
   return out;
 }
 
-FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
+FirstOrderEstimate FirstOrderModel::estimate(const AddedDirections& directions) const {
   const Block with_block = block(directions);
   const Eigen::Index n = directions.by_number.cols(), k = posterior_.dimension();
   const auto values = double(posterior_.values());
@@ -84,7 +84,7 @@ FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
     const Errors& e = errors_[i];
     const auto& [d, factor] = with_block.errors[i];
     const double chi2 = e.residual.squaredNorm();
-    const Eigen::VectorXd b = e.jacobian.transpose() * e.residual + slope_;
+    const Eigen::VectorXd b = e.jacobian.transpose() * e.residual + gradient_;
     without.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(e.factor, b), e.freedom, values) - e.factor.half_log_determinant());
     with.push_back(e.log_norm - penalty_of_errors(chi2 - quadratic(factor, joined(b, d.transpose() * e.residual)), e.freedom, values) -
                    factor.half_log_determinant());
@@ -92,7 +92,7 @@ FirstOrder FirstOrderModel::worth(const AddedDirections& directions) const {
   }
   const Errors& e = errors_[best];
   const auto& [d, factor] = with_block.errors[best];
-  const Eigen::VectorXd at = factor.solve(joined(e.jacobian.transpose() * e.residual + slope_, d.transpose() * e.residual));
+  const Eigen::VectorXd at = factor.solve(joined(e.jacobian.transpose() * e.residual + gradient_, d.transpose() * e.residual));
   const Eigen::VectorXd variance = factor.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(k + n, k + n))).diagonal();
   return {.log_bayes_factor = log_sum(with) - log_sum(without),
           .value = directions.prior_sd.cwiseProduct(at.tail(n)),

@@ -10,9 +10,9 @@ namespace calomel {
 
 namespace {
 
-constexpr double on_face = 1e-4;    ///< [m] of the outermost gauge of a face
-constexpr double of_target = 1e-3;  ///< [m] of the target's own outermost plane: gauges' places are those of the case
-constexpr std::size_t parts = 4;    ///< of a record that is the only one
+constexpr double on_face = 1e-4;    ///< [m] between a gauge and the outermost gauge of its face, at most
+constexpr double of_target = 1e-3;  ///< [m] between the outermost gauge and the target's own plane, at most: gauges' places are those of the case
+constexpr std::size_t parts = 4;    ///< of a single record
 
 using Gauges = std::vector<std::size_t>;  ///< observations
 
@@ -24,10 +24,13 @@ std::vector<Gauges> groups_of(std::map<Key, Gauges> by_key) {
   return all;
 }
 
-/// The gauge by itself, under all conditions that it recorded; of a single gauge each condition by itself.
+/// Each gauge by itself, under all conditions that it recorded; where there is one gauge, each condition by itself.
 std::vector<Gauges> each_alone(const Problem& problem) {
   std::map<std::size_t, Gauges> by_sensor, by_observation;
-  for (std::size_t i = 0; i < problem.observations.size(); ++i) by_sensor[problem.observations[i].sensor].push_back(i), by_observation[i].push_back(i);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    by_sensor[problem.observations[i].sensor].push_back(i);
+    by_observation[i].push_back(i);
+  }
   return groups_of(by_sensor.size() > 1 ? std::move(by_sensor) : std::move(by_observation));
 }
 
@@ -94,7 +97,7 @@ std::vector<Eigen::Index> rows_without(const Fold& fold, const Decimation& grid)
   return rest;
 }
 
-/// Of a part of a fit, from the modes of the whole.
+/// The best mode of a part of a fit, from the modes of the whole.
 LocalMode mode_of_part(const LogPosterior& part, const PosteriorFit& whole) {
   std::vector<Eigen::VectorXd> starts;
   for (const auto& m : whole.modes) starts.push_back(m.q);
@@ -130,7 +133,8 @@ double misfit_of(const Fold& fold, const Decimation& grid, const Eigen::VectorXd
     if (rows.empty()) continue;
     const auto at = Eigen::Index(grid.offset(i)), n = Eigen::Index(grid.windows(i).size());
     const double size = std::min(data.segment(at, n).norm() / std::sqrt(double(n)), greatest_amplitude(data.segment(at, n)));
-    sum += (prediction - data)(rows).norm() / (size * std::sqrt(double(rows.size()))), ++records;
+    sum += (prediction - data)(rows).norm() / (size * std::sqrt(double(rows.size())));
+    ++records;
   }
   return sum / records;
 }
@@ -161,7 +165,7 @@ void keep_held_out(const Fold& fold, const Decimation& grid, const Problem& prob
 HeldOut::HeldOut(const Problem& problem, const PosteriorFit& base, const GaugePlaces& places)
     : problem_(problem), base_(base), folds_(folds_by_face(problem, base.errors->grid(), places)) {
   base_fit_ = left_out(base);
-  std::ranges::fill(base_fit_.worth, 0.0);
+  std::ranges::fill(base_fit_.log_bayes_factor, 0.0);
 }
 
 HeldOutFit HeldOut::left_out(const PosteriorFit& fit) const {
@@ -170,7 +174,7 @@ HeldOutFit HeldOut::left_out(const PosteriorFit& fit) const {
   for (const auto& f : folds_) {
     const PartFit part = fit_without(fit, fit, f);
     out.misfit.push_back(misfit_of(f, grid, part.prediction, base_.errors->data()));
-    out.worth.push_back(part.log_evidence);
+    out.log_bayes_factor.push_back(part.log_evidence);
     keep_held_out(f, grid, problem_, part.history, out.history);
   }
   return out;
@@ -178,7 +182,7 @@ HeldOutFit HeldOut::left_out(const PosteriorFit& fit) const {
 
 HeldOutFit HeldOut::by(const PosteriorFit& fit) const {
   HeldOutFit out = left_out(fit);
-  for (std::size_t i = 0; i < folds_.size(); ++i) out.worth[i] -= fit_without(base_, fit, folds_[i]).log_evidence;
+  for (std::size_t i = 0; i < folds_.size(); ++i) out.log_bayes_factor[i] -= fit_without(base_, fit, folds_[i]).log_evidence;
   return out;
 }
 
@@ -188,7 +192,7 @@ HeldOutFit HeldOut::by(const LinearBeside& linear) const {
   for (const auto& f : folds_) {
     const PartFit part = fit_without_fold(linear, f);
     out.misfit.push_back(misfit_of(f, grid, part.prediction, base_.errors->data()));
-    out.worth.push_back(part.log_evidence - fit_without(base_, linear.fit, f).log_evidence);
+    out.log_bayes_factor.push_back(part.log_evidence - fit_without(base_, linear.fit, f).log_evidence);
     keep_held_out(f, grid, problem_, part.history, out.history);
   }
   return out;
@@ -212,7 +216,8 @@ PartFit HeldOut::fit_without_fold(const LinearBeside& linear, const Fold& f) con
   const LogPosterior with = part_of(linear.fit, linear.with, rows), without = part_of(linear.fit, linear.without, rows);
   const LocalMode m = mode_of_part(with, linear.fit);
   const AddedDirections of_rows{.by_number = linear.directions.by_number(rows, Eigen::all), .prior_sd = linear.directions.prior_sd};
-  const Eigen::VectorXd numbers = numbers_beside(without, m.at, of_rows, with.likeliest(m.at)), change = linear.rest + linear.effects * numbers;
+  const Eigen::VectorXd numbers = numbers_beside(without, m.at, of_rows, with.likeliest(m.at));
+  const Eigen::VectorXd change = linear.rest + linear.effects * numbers;
   return {.log_evidence = log_evidence(with, m),
           .prediction = linear.fit.coefficients * with.emulator().features(m.at.u, m.at.beyond) + grid.apply(change),
           .history = linear.fit.history(m.at.u, m.at.beyond) + change};
@@ -237,7 +242,10 @@ std::vector<HeldOutCondition> HeldOut::by_condition(const PosteriorFit* named) c
 
 double HeldOut::mean(const std::vector<double>& by_fold) const {
   double sum = 0, count = 0;
-  for (std::size_t i = 0; i < folds_.size(); ++i) sum += by_fold[i] * folds_[i].records, count += folds_[i].records;
+  for (std::size_t i = 0; i < folds_.size(); ++i) {
+    sum += by_fold[i] * folds_[i].records;
+    count += folds_[i].records;
+  }
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int windows = 8;
 constexpr int bands = 6;
-constexpr double seen = 0.05;  ///< q-value
+constexpr double significant_q = 0.05;  ///< q-value
 
 struct Tested {
   double score, p_value;
@@ -55,7 +55,10 @@ Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
   for (const auto& p : parts) rows += p.rows();
   Eigen::MatrixXd all(rows, parts[0].cols());
   rows = 0;
-  for (const auto& p : parts) all.middleRows(rows, p.rows()) = p, rows += p.rows();
+  for (const auto& p : parts) {
+    all.middleRows(rows, p.rows()) = p;
+    rows += p.rows();
+  }
   return all;
 }
 
@@ -99,14 +102,16 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
       if (window_of(times[i]) == w) at.push_back(i);
     all.push_back(tested(unit_rows(at, n), residual, covariance));
     auto& x = out.windows.emplace_back();
-    x.begin = begin_of(w), x.end = begin_of(w + 1);
+    x.begin = begin_of(w);
+    x.end = begin_of(w + 1);
   }
   double nyquist = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
     if (const auto w = grid.windows(i); w.size() > 1) nyquist = std::max(nyquist, 0.5 / (w[1].time - w[0].time));
   for (int b = 0; b < bands; ++b) {
     auto& x = out.bands.emplace_back();
-    x.low = nyquist * b / bands, x.high = nyquist * (b + 1) / bands;
+    x.low = nyquist * b / bands;
+    x.high = nyquist * (b + 1) / bands;
     std::vector<Eigen::MatrixXd> parts;
     for (std::size_t i = 0; i < grid.observations(); ++i) parts.push_back(cosine_rows(grid, i, b));
     all.push_back(tested(stacked(parts), residual, covariance));
@@ -133,7 +138,11 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
   for (const auto& t : all) p.push_back(t.p_value);
   const auto q = false_discovery(p);
   std::size_t at = 0;
-  const auto fill = [&](ResidualPart& part) { part.score = all[at].score, part.q_value = q[at], ++at; };
+  const auto fill = [&](ResidualPart& part) {
+    part.score = all[at].score;
+    part.q_value = q[at];
+    ++at;
+  };
   for (auto& s : out.sensors) fill(s);
   for (auto& w : out.windows) fill(w);
   for (auto& b : out.bands) fill(b);
@@ -147,10 +156,23 @@ LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eig
       const std::size_t k = map_begin + i * windows + std::size_t(w);
       out.map_q_values(Eigen::Index(i), w) = q[k];
       const double from = begin_of(w);
-      if (!(q[k] < seen) || from > first || (from == first && all[k].score <= strongest)) continue;
-      first = from, strongest = all[k].score, out.first_sensor = out.sensors[i].name, out.first_observation = i, out.first_time = from;
+      if (!(q[k] < significant_q) || from > first || (from == first && all[k].score <= strongest)) continue;
+      first = from;
+      strongest = all[k].score;
+      out.first_sensor = out.sensors[i].name;
+      out.first_observation = i;
+      out.first_time = from;
     }
   return out;
+}
+
+LocatedMismatch locate_mismatch(const Problem& problem, const PosteriorFit& fit) {
+  const LogPosterior& posterior = *fit.posterior;
+  const LocalMode& m = fit.modes[0];
+  const Eigen::VectorXd residual = fit.errors->data() - fit.prediction(m.at);
+  const Eigen::MatrixXd j = posterior.jacobian(m.at);
+  const Eigen::MatrixXd covariance = fit.errors->covariance() + posterior.density(m.at).variance * fit.noise + j * m.covariance * j.transpose();
+  return locate(problem, fit.errors->grid(), residual, covariance);
 }
 
 }  // namespace calomel

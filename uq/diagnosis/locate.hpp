@@ -1,20 +1,21 @@
 #pragma once
-/// Where a fit and the records part: which gauges, when, at which frequencies.
+/// Location of the mismatch between a fit and the records: gauges, times and frequencies.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "inverse/data/decimation.hpp"
 #include "inverse/data/problem.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
 
 namespace calomel {
 
-/// A part of the residual against its covariance, NaN where nothing was recorded: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, chi-squared with k degrees
-/// of freedom where nothing is missing.
+/// A part of the residual compared with its covariance: q = (B r)^T (B S B^T)^-1 (B r) for its k rows B, which is chi-squared with k degrees of freedom where
+/// nothing is missing. NaN where nothing was recorded.
 struct ResidualPart {
   double score = 0;  ///< q / k
-  double q_value =
-      1;  ///< by Benjamini and Yekutieli (2001, Ann. Stat. 29, 1165) over all parts: false discoveries among those as small, however the parts depend
+  /// By Benjamini and Yekutieli (2001, Ann. Stat. 29, 1165) over all parts: the share of false discoveries among values as small, however the parts depend.
+  double q_value = 1;
 };
 
 struct LocatedMismatch {
@@ -34,13 +35,16 @@ struct LocatedMismatch {
   Eigen::MatrixXd map_q_values;  ///< of those
   Eigen::MatrixXd band_map;      ///< (observations, bands): score of each gauge in each band
   Eigen::MatrixXd band_map_q_values;
-  std::string first_sensor;           ///< where the residual is first seen (q below 0.05); empty: nowhere
+  std::string first_sensor;           ///< gauge at which the residual is first significant (q below 0.05); empty: none
   double first_time = 0;              ///< [s]
-  std::size_t first_observation = 0;  ///< of the problem's, where there is such a gauge
+  std::size_t first_observation = 0;  ///< index of that gauge's observation
 };
 
-/// residual, covariance: (size), (size, size) on the grid.
+/// Tests every gauge, window and band. residual, covariance: (size), (size, size) on the grid.
 [[nodiscard]] LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance);
+
+/// The same of a fit at its mode, with the covariance of the records, the emulator and the parameters.
+[[nodiscard]] LocatedMismatch locate_mismatch(const Problem& problem, const PosteriorFit& fit);
 
 /// q-values by Benjamini and Yekutieli of p-values, in their order; NaN of one that is NaN, which is not counted.
 [[nodiscard]] std::vector<double> false_discovery(const std::vector<double>& p_values);

@@ -1,10 +1,7 @@
 #include "uq/diagnosis/missing_terms.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "uq/diagnosis/held_out.hpp"
 #include "uq/diagnosis/verdict.hpp"
@@ -14,98 +11,110 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t most_terms = 3;
-constexpr double worth_telling = Gates{}.lead;  ///< log Bayes factor: what a name has to lead by
+constexpr double least_of_a_term = Gates{}.lead;  ///< log Bayes factor: what a name has to lead by
 
-AddedDirections joined(const std::vector<const Question*>& questions) {
+AddedDirections joined_directions(const std::vector<const ScreenedCandidate*>& terms) {
+  const auto n = Eigen::Index(terms.size());
   AddedDirections all;
-  all.by_number.resize(questions[0]->directions.by_number.rows(), Eigen::Index(questions.size())), all.prior_sd.resize(Eigen::Index(questions.size()));
-  for (std::size_t i = 0; i < questions.size(); ++i) {
-    all.by_number.col(Eigen::Index(i)) = questions[i]->directions.by_number.col(0);
-    all.prior_sd[Eigen::Index(i)] = questions[i]->directions.prior_sd[0];
+  all.by_number.resize(terms[0]->directions.by_number.rows(), n);
+  all.prior_sd.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    all.by_number.col(i) = terms[std::size_t(i)]->directions.by_number.col(0);
+    all.prior_sd[i] = terms[std::size_t(i)]->directions.prior_sd[0];
   }
   return all;
 }
 
-class Telling {
+/// The selection of terms, from the screening to the run with those that were taken.
+class TermSelection {
  public:
-  explicit Telling(const QuestionInputs& in) : in_(in), mode_(in.fit.modes[0]), first_order_(*in.fit.posterior, mode_) {}
+  explicit TermSelection(const ScreeningInputs& in) : in_(in), mode_(in.fit.modes[0]), first_order_(*in.fit.posterior, mode_) {}
 
-  MissingTerms told() {
-    Answers answers = ask(in_);
-    questions_ = std::move(answers.questions), out_.asked = questions_.size();
-    std::map<std::string, std::size_t> reasons;  // behind the term's label
-    for (const auto& s : answers.skipped) ++reasons[s.substr(s.find(": ") + 2)];
-    for (const auto& [reason, count] : reasons) out_.skipped.push_back(fmt::format("{} of {} terms: {}", count, in_.groups.size(), reason));
+  MissingTerms select() {
+    ScreeningResult result = screen_candidates(in_);
+    screened_ = std::move(result.candidates);
+    out_.screened = screened_.size();
+    out_.offered = in_.groups.size();
+    out_.not_screened = std::move(result.not_screened);
     while (taken_.size() < most_terms && take_next()) continue;
-    for (std::size_t i = 0; i < taken_.size(); ++i) out_.terms[i].value = worth_.value[Eigen::Index(i)], out_.terms[i].sd = worth_.sd[Eigen::Index(i)];
-    if (!taken_.empty()) run_with_them();
+    for (std::size_t i = 0; i < taken_.size(); ++i) {
+      out_.terms[i].value = estimate_.value[Eigen::Index(i)];
+      out_.terms[i].sd = estimate_.sd[Eigen::Index(i)];
+    }
+    if (!taken_.empty()) run_with_terms();
     return std::move(out_);
   }
 
  private:
-  /// The one that says most beside those that are taken, where it says enough.
+  /// Takes the term with the greatest evidence beside those that are taken, where that is enough.
   bool take_next() {
-    const Question* best = nullptr;
-    FirstOrder with_best;
-    double most = worth_telling;
-    for (const auto& q : questions_) {
-      if (std::find(taken_.begin(), taken_.end(), &q) != taken_.end()) continue;
-      std::vector<const Question*> with = taken_;
-      with.push_back(&q);
-      FirstOrder worth = first_order_.worth(joined(with));
-      const Parameter& number = in_.groups[q.group].added[0].parameter;
-      const double gain = worth.log_bayes_factor - worth_.log_bayes_factor - std::log(double(questions_.size())),
-                   value = *number.nominal + worth.value[worth.value.size() - 1];
-      if (gain > most && value >= number.min && value <= number.max)
-        most = gain, best = &q, with_best = std::move(worth);  // what no law allows is no description
+    const ScreenedCandidate* best = nullptr;
+    FirstOrderEstimate with_best;
+    double most = least_of_a_term;
+    for (const auto& candidate : screened_) {
+      if (std::find(taken_.begin(), taken_.end(), &candidate) != taken_.end()) continue;
+      std::vector<const ScreenedCandidate*> with = taken_;
+      with.push_back(&candidate);
+      FirstOrderEstimate estimate = first_order_.estimate(joined_directions(with));
+      const Parameter& number = in_.groups[candidate.group].added[0].parameter;
+      const double gain = estimate.log_bayes_factor - estimate_.log_bayes_factor - std::log(double(screened_.size()));
+      const double value = *number.nominal + estimate.value[estimate.value.size() - 1];
+      if (!(gain > most) || value < number.min || value > number.max) continue;  // a number that no law allows is no description
+      most = gain;
+      best = &candidate;
+      with_best = std::move(estimate);
     }
     if (!best) return false;
-    taken_.push_back(best), worth_ = std::move(with_best);
+    taken_.push_back(best);
+    estimate_ = std::move(with_best);
     const ParameterGroup& group = in_.groups[best->group];
     out_.terms.push_back({.what = group.name, .place = group.place, .unit = group.added[0].unit, .log_bayes_factor = most});
     return true;
   }
 
-  void run_with_them() {
+  void run_with_terms() {
     LogPosterior::Point at = mode_.at;
-    for (Eigen::Index k = 0; k < worth_.shift.size(); ++k) at = in_.fit.posterior->moved(at, k, worth_.shift[k]);
+    for (Eigen::Index k = 0; k < estimate_.shift.size(); ++k) at = in_.fit.posterior->moved(at, k, estimate_.shift[k]);
     const auto own = Eigen::Index(at.theta.size()), n = Eigen::Index(taken_.size());
     std::vector<AddedParameter> added;
-    Eigen::MatrixXd thetas(own + n, 2);
+    Eigen::MatrixXd thetas(own + n, 2);  // without the terms and with them
     for (Eigen::Index k = 0; k < own; ++k) {
       const Prior& prior = in_.fit.posterior->priors()[std::size_t(k)];
-      thetas(k, 0) = mode_.at.theta[std::size_t(k)], thetas(k, 1) = std::clamp(at.theta[std::size_t(k)], prior.low(), prior.high());
+      thetas(k, 0) = mode_.at.theta[std::size_t(k)];
+      thetas(k, 1) = std::clamp(at.theta[std::size_t(k)], prior.low(), prior.high());
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       const AddedParameter& a = in_.groups[taken_[std::size_t(i)]->group].added[0];
       added.push_back(a);
-      thetas(own + i, 0) = *a.parameter.nominal, thetas(own + i, 1) = std::clamp(*a.parameter.nominal + worth_.value[i], a.parameter.min, a.parameter.max);
+      thetas(own + i, 0) = *a.parameter.nominal;
+      thetas(own + i, 1) = std::clamp(*a.parameter.nominal + estimate_.value[i], a.parameter.min, a.parameter.max);
     }
     const auto records = in_.run(thetas, {in_.level, in_.level}, added);
     for (const auto& r : records)
       if (!r.done) {
-        out_.skipped.push_back("a run with the terms that were found: " + r.message);
+        out_.run_failure = r.message;
         return;
       }
     const Decimation& grid = in_.fit.errors->grid();
     const Eigen::VectorXd& data = in_.fit.errors->data();
-    const Eigen::VectorXd base = grid.apply(in_.fit.history_at_mode()), change = grid.apply(Eigen::VectorXd(records[1].history() - records[0].history()));
+    const Eigen::VectorXd base = grid.apply(in_.fit.history_at_mode());
+    const Eigen::VectorXd change = grid.apply(Eigen::VectorXd(records[1].history() - records[0].history()));
     out_.misfit_before = misfit_of_all(grid, base, data);
     out_.misfit_after = misfit_of_all(grid, base + change, data);
   }
 
-  const QuestionInputs& in_;
+  const ScreeningInputs& in_;
   const LocalMode& mode_;
   const FirstOrderModel first_order_;
-  std::vector<Question> questions_;
-  std::vector<const Question*> taken_;
-  FirstOrder worth_;  ///< of those that are taken
+  std::vector<ScreenedCandidate> screened_;
+  std::vector<const ScreenedCandidate*> taken_;
+  FirstOrderEstimate estimate_;  ///< of those that are taken
   MissingTerms out_;
 };
 
 }  // namespace
 
-MissingTerms missing_terms(const QuestionInputs& in) { return Telling(in).told(); }
+MissingTerms missing_terms(const ScreeningInputs& in) { return TermSelection(in).select(); }
 
 int missing_terms_runs(const std::vector<ParameterGroup>& groups) {
   int runs = 3;  // the base model's own mode, and the two at the end

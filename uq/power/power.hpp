@@ -1,11 +1,11 @@
 #pragma once
-/// What an experiment could tell before it is made: which omitted mechanisms a diagnosis of its records would name, and from which strength on.
+/// The power of an experiment before it is made: which omitted mechanisms a diagnosis of its records would name, and from which strength on.
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/options.hpp"
-#include "uq/diagnosis/question.hpp"
+#include "uq/diagnosis/screening.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
 namespace calomel {
@@ -32,23 +32,23 @@ struct PowerOptions {
   }
 };
 
-/// An experiment, as a part of all that was planned.
+/// An experiment, as a part of all observations that were planned.
 struct Plan {
   std::string name;
-  std::vector<std::size_t> observations;  ///< of the problem
+  std::vector<std::size_t> observations;  ///< indices into the problem's
 };
 
-/// What it takes to name one number of one mechanism.
+/// The strength from which on one number of one mechanism would be named.
 struct Detectable {
-  std::string mechanism;       ///< its name
+  std::string mechanism;
   std::string place;           ///< wall or gauge that it is about, or empty
   bool of_gauge = false;       ///< the place is a gauge
   std::string number;          ///< name of the parameter
-  double off = 0;              ///< where it is switched off, of the case's number: infinite where that is none
-  std::optional<double> from;  ///< the value nearest to off, on the side that is asked, at which it would be named; none within its range
+  double off = 0;              ///< the case's number where the mechanism is off; infinite where it is then none
+  std::optional<double> from;  ///< the value nearest to off, on the side that is screened, at which it would be named; none within its range
   double farthest = 0;         ///< end of its range on that side
-  double share = 2;            ///< of its range that is needed; 2 where the whole range is not enough
-  std::string limited_by;      ///< what stands in the way just below: a rival's label, or empty: the evidence itself
+  double share = 2;            ///< share of its range that is needed; 2 where the whole range is not enough
+  std::string limited_by;      ///< label of the candidate that competes just below that strength; empty: the evidence itself is not enough
 };
 
 struct PlanPower {
@@ -57,10 +57,10 @@ struct PlanPower {
   double gain = 0;  ///< over the first plan: mean over its numbers of log(share needed there / here)
 };
 
-/// For each plan and each number alone, the least strength s at which records with it, noise as it is expected, would pass the gates of evidence and lead, to
-/// first order about the fit: log B of its own question at least `log_bayes_factor`, and `lead` above every other group's. `fit`: to planned records in which
-/// nothing is missing, of all observations of all plans; `questions`: about it.
+/// For each plan and each number alone, the least strength at which records with it, and expected noise, would pass the gates of evidence and of lead, to first
+/// order about the fit: log B of its own candidate at least `log_bayes_factor`, and `lead` above every other group's. `fit`: to planned records in which
+/// nothing is missing, of all observations of all plans; `screened`: candidates about it.
 [[nodiscard]] std::vector<PlanPower> power(const PosteriorFit& fit, const Problem& problem, const std::vector<ParameterGroup>& groups,
-                                           const std::vector<Question>& questions, const std::vector<Plan>& plans, const Gates& gates = {});
+                                           const std::vector<ScreenedCandidate>& screened, const std::vector<Plan>& plans, const Gates& gates = {});
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// An experiment whose model is a formula, with physics that may be missing: for the diagnosis and for the power of an experiment.
+/// An experiment whose model is a formula, with physics that may be missing, for the diagnosis and for the power of an experiment.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include "base/json.hpp"
 #include "base/provenance.hpp"
 #include "tests/unit/inverse/lines.hpp"
+#include "tests/unit/uq/diagnosis/described.hpp"
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 namespace calomel {
@@ -17,7 +18,7 @@ namespace calomel {
 inline constexpr std::size_t times = 100;
 inline constexpr std::size_t sensors = 6;
 
-/// What a gauge at place x shows: a damped oscillation whose speed is a parameter, an echo that may be missing, a drift that may be, and something else.
+/// Reading of a gauge at place x: a damped oscillation whose speed is a parameter, and an echo, a drift and something foreign that may be missing in the model.
 inline double strain(std::size_t sensor, double t, double amplitude, double speed, double echo, double drift, double foreign) {
   const double x = double(sensor), us = 1e6 * t, arrival = 5 + 4 * x / speed;
   const double s = us > arrival ? (us - arrival) / 10 : 0, late = us > 50 + 2 * x ? us - 50 - 2 * x : 0;
@@ -27,16 +28,39 @@ inline double strain(std::size_t sensor, double t, double amplitude, double spee
 
 inline Parameter handbook(const std::string& name, double mean, double sd) {
   Parameter p = normal_parameter(name, mean, sd);
-  p.min = mean * 0.7, p.max = mean * 1.4;
+  p.min = mean * 0.7;
+  p.max = mean * 1.4;
   return p;
 }
 
 inline AddedParameter added(const std::string& group, const std::string& key, double low, double high, std::vector<double> strengths) {
   AddedParameter a;
-  a.parameter.name = group + '.' + key, a.parameter.key = "mechanism." + a.parameter.name, a.parameter.min = low, a.parameter.max = high,
+  a.parameter.name = group + '.' + key;
+  a.parameter.key = "mechanism." + a.parameter.name;
+  a.parameter.min = low;
+  a.parameter.max = high;
   a.parameter.nominal = 0;
   a.strengths = std::move(strengths);
   return a;
+}
+
+/// Words that name the place in diagnosis.json at which they belong: the sentences themselves are made by the presentation.
+inline DiagnosisText placeholder_text(const Diagnosis& d) {
+  DiagnosisText text{.reason = "reason", .finding = "finding", .next_step = "next step", .separating_measurement = "separating measurement"};
+  for (const auto& r : d.verdict.ranking) {
+    ExplanationText words{.why = "why of " + r.name, .would_change = "change of " + r.name};
+    if (const Alternative* a = d.alternative(r.name)) {
+      words.plain_name = "plain " + r.name;
+      words.numbers.resize(a->numbers.size());
+    }
+    text.ranking.push_back(std::move(words));
+  }
+  for (const auto& m : d.base.mislabelled) text.mislabelled.push_back("mislabelled " + m.gauge);
+  if (d.missing) {
+    text.missing = "missing";
+    for (const auto& t : d.missing->terms) text.missing_terms.push_back("change of " + t.what);
+  }
+  return text;
 }
 
 /// A case with a truth: amplitude, speed, echo, drift, foreign, and a gain of gauge 2.
@@ -100,9 +124,13 @@ struct Experiment {
                          .recording_options = recording_options,
                          .errors = {.values = 240, .band = 2e5, .young_sd = 0},
                          .emulator = {}};
-    base.emulator.coarse_runs = 24, base.emulator.fine_runs = 10;
-    base.parameters = parameters, base.levels = 2, base.discrepancy = true;
-    base.centre = {1, 1}, base.half_width = {0.1, 0.1};
+    base.emulator.coarse_runs = 24;
+    base.emulator.fine_runs = 10;
+    base.parameters = parameters;
+    base.levels = 2;
+    base.discrepancy = true;
+    base.centre = {1, 1};
+    base.half_width = {0.1, 0.1};
     return base;
   }
   static std::vector<ParameterGroup> groups() {
@@ -119,12 +147,12 @@ struct Experiment {
   [[nodiscard]] Diagnosis diagnosed(const std::filesystem::path& folder = {}, std::vector<ParameterGroup> offered = groups(),
                                     DiagnosisOptions options = {.leaders = 2}) const {
     const PosteriorInputs fitted = base();
-    const DiagnosisInputs in{.base = fitted, .groups = std::move(offered), .terms = terms(), .run = runs(), .options = options, .say = {}, .round = {}};
+    const DiagnosisInputs in{.base = fitted, .groups = std::move(offered), .terms = terms(), .run = runs(), .options = options, .report = {}, .round = {}};
     Diagnosis d = diagnose(in);
     if (folder.empty()) return d;
     const Provenance provenance{.stage = "diagnosis", .options = Json::object(), .seed = 1, .inputs = {}};
     write_diagnosis_histories(d, problem, provenance, folder / "diagnosis.nc");
-    write_json(folder / "diagnosis.json", diagnosis_json(d, in, provenance));
+    write_json(folder / "diagnosis.json", diagnosis_json(d, in, placeholder_text(d), provenance));
     return d;
   }
 };

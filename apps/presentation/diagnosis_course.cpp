@@ -1,0 +1,112 @@
+#include "apps/presentation/diagnosis_course.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <variant>
+
+#include "apps/presentation/data_check_words.hpp"
+
+namespace calomel {
+
+std::string fit_status_text(const Alternative& a) {
+  switch (a.status.kind) {
+    case FitStatus::Kind::unremarkable:
+      return {};
+    case FitStatus::Kind::first_order:
+      return "to first order";
+    case FitStatus::Kind::linearised_run_failed:
+      return "a run about its numbers failed";
+    case FitStatus::Kind::on_unsettled_fit:
+      return "it stands on a fit that has not settled";
+    case FitStatus::Kind::numbers_moved:
+      return fmt::format("its numbers still moved after {} runs", a.runs);
+    case FitStatus::Kind::stable:
+      return fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", a.status.coarse, a.status.fine);
+    case FitStatus::Kind::emulator:
+    case FitStatus::Kind::failed:
+      break;
+  }
+  return a.status.message;
+}
+
+namespace {
+
+const char* no_effect_text = "none of its numbers changes the records by itself";
+
+std::string skipped_text(const SkippedStep& s) {
+  switch (s.kind) {
+    case SkippedStep::Kind::mechanisms:
+      return "what each mechanism would be worth, and everything after it: gauges look mixed up";
+    case SkippedStep::Kind::no_effect:
+      return s.name + ": " + no_effect_text;
+    case SkippedStep::Kind::relinearisation:
+      return fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", s.name, s.runs, s.made, s.limit);
+    case SkippedStep::Kind::fit:
+      return fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", s.name, s.runs, s.made, s.limit);
+    case SkippedStep::Kind::search_cut_short:
+      return fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", s.name, s.limit);
+    case SkippedStep::Kind::missing_terms:
+      return fmt::format("what is missing: its terms take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
+    case SkippedStep::Kind::screening_failed:
+    case SkippedStep::Kind::fit_ended:
+      break;
+  }
+  return s.name + ": " + s.message;
+}
+
+/// Terms that were not screened, counted by the reason, and a run with the terms that failed.
+std::vector<std::string> skipped_terms(const MissingTerms& m) {
+  std::map<std::string, std::size_t> reasons;
+  for (const auto& term : m.not_screened) ++reasons[term.failure.value_or(no_effect_text)];
+  std::vector<std::string> all;
+  for (const auto& [reason, count] : reasons) all.push_back(fmt::format("what is missing: {} of {} terms: {}", count, m.offered, reason));
+  if (m.run_failure) all.push_back("what is missing: a run with the terms that were found: " + *m.run_failure);
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> not_screened_texts(const std::vector<NotScreened>& groups) {
+  std::vector<std::string> all;
+  for (const auto& g : groups) all.push_back(g.label + ": " + g.failure.value_or(no_effect_text));
+  return all;
+}
+
+std::vector<std::string> skipped_texts(const Diagnosis& d) {
+  std::vector<std::string> all;
+  for (const auto& step : d.skipped) all.push_back(skipped_text(step));
+  if (!d.missing) return all;
+  const auto terms = skipped_terms(*d.missing);
+  all.insert(all.end(), terms.begin(), terms.end());
+  return all;
+}
+
+namespace {
+
+struct EventText {
+  std::string operator()(const BaseFitBegins&) const { return "base fit"; }
+  std::string operator()(const LocalEvidenceFound& e) const { return fmt::format("something in one place alone: log evidence {:.3g}", e.log_evidence); }
+  std::string operator()(const MislabelledChannel& m) const { return mislabelled_sentence(m); }
+  std::string operator()(const ClockOffset& c) const { return clock_sentence(c); }
+  std::string operator()(const ScreeningBegins& s) const {
+    if (s.on_top_of.empty()) return "what each mechanism would be worth, to first order";
+    return fmt::format("what {} would be worth on top of {}, to first order", s.gauges_alone ? "a fault of each gauge" : "each mechanism", s.on_top_of);
+  }
+  std::string operator()(const CandidateScreened& c) const {
+    if (c.on_top) return fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", c.label, c.log_bayes_factor);
+    return fmt::format("{}: log Bayes factor {:.3g} to first order, p {:.2g}", c.label, c.log_bayes_factor, c.p_value);
+  }
+  std::string operator()(const FitBegins& f) const { return fmt::format("fit of {} ({} runs so far)", f.name, f.runs); }
+  std::string operator()(const ExplanationFitted& e) const {
+    return fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", e.name, e.log_bayes_factor, e.chi2,
+                       e.values, e.base_chi2, e.runs);
+  }
+  std::string operator()(const TermScreeningBegins&) const { return "which terms would do what is missing"; }
+};
+
+}  // namespace
+
+std::string event_text(const DiagnosisEvent& event) { return std::visit(EventText{}, event); }
+
+}  // namespace calomel

@@ -1,0 +1,22 @@
+#pragma once
+/// The course of a diagnosis: lines about its events, about how fits ended, and about what was not done.
+#include <string>
+#include <vector>
+
+#include "uq/diagnosis/diagnosis.hpp"
+
+namespace calomel {
+
+/// The line of the terminal for an event of a running diagnosis.
+[[nodiscard]] std::string event_text(const DiagnosisEvent& event);
+
+/// How the fit of an explanation ended; empty where there is nothing to report.
+[[nodiscard]] std::string fit_status_text(const Alternative& a);
+
+/// Groups for which there is no candidate, one entry each.
+[[nodiscard]] std::vector<std::string> not_screened_texts(const std::vector<NotScreened>& groups);
+
+/// What was not done, one entry each.
+[[nodiscard]] std::vector<std::string> skipped_texts(const Diagnosis& d);
+
+}  // namespace calomel

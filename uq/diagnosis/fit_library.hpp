@@ -1,0 +1,61 @@
+#pragma once
+/// What the fits of a diagnosis share: explanations and fits made so far, and what every fit is made with.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "uq/diagnosis/alternative.hpp"
+#include "uq/diagnosis/base_fit.hpp"
+#include "uq/diagnosis/held_out.hpp"
+#include "uq/diagnosis/run_budget.hpp"
+
+namespace calomel {
+
+/// An explanation as it was fitted, to which a further one is added.
+struct ExplanationFit {
+  std::vector<AddedParameter> added;  ///< in the order of the fit's parameters, behind the base model's
+  PosteriorInputs inputs;             ///< without the run function
+  PosteriorFit fit;
+};
+
+/// Explanations found so far, and their fits.
+struct FitLibrary {
+  std::vector<Alternative> candidates;         ///< in the order in which they were made, until they are judged
+  std::map<std::string, ExplanationFit> fits;  ///< by the explanation's name
+
+  /// Greatest log Bayes factor of those that were fitted; 0 where none was.
+  [[nodiscard]] double best_log_bayes_factor() const;
+};
+
+constexpr double least_to_fit = 3;               ///< log Bayes factor of a candidate that is fitted
+constexpr double far_behind = 2 * Gates{}.lead;  ///< log Bayes factors behind the best: twice the lead that a name needs, as first order is not exact
+
+/// Whether an explanation of this log Bayes factor could lead the best one.
+[[nodiscard]] inline bool may_lead(double log_bayes_factor, double best) { return log_bayes_factor > least_to_fit && log_bayes_factor > best - far_behind; }
+
+/// What every fit of an explanation is made with. All that is referred to outlives it.
+struct FitContext {
+  const DiagnosisInputs& in;
+  const BaseFit& base;
+  const HeldOut& held_out;
+  RunBudget& budget;
+  FitLibrary& library;
+
+  /// The fit that an explanation is added to: that of `on_top_of`, or the base model's.
+  [[nodiscard]] const PosteriorFit& fit_below(const Alternative* on_top_of) const {
+    return on_top_of ? library.fits.at(on_top_of->explanation.name).fit : base.fit;
+  }
+};
+
+/// Screening about a fit to which these numbers were added, on the coarser mesh. The arguments outlive the result.
+[[nodiscard]] ScreeningInputs screening_about(const DiagnosisInputs& in, RunBudget& budget, const PosteriorFit& fit, std::vector<AddedParameter> added,
+                                              const std::vector<ParameterGroup>& groups);
+
+/// The effect of a number as it is reported: a share of another number in the unit of the case, times what `own` parameters of the case or the case itself have
+/// for the whole. A share that the records do not narrow to half its prior's deviation is reported as its prior.
+[[nodiscard]] Estimate reported_number(const DiagnosisInputs& in, const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own);
+
+/// Reports an explanation that was fitted.
+void report_fitted(const FitContext& context, const Alternative& a);
+
+}  // namespace calomel
