@@ -28,13 +28,14 @@ namespace {
 /// Errors: InputError for a sampler that cannot sample this case.
 void expect_sampler_fits(const StudyCase& study) {
   const SamplerOptions& sampler = study.sampler;
-  if (sampler.kind == "delayed_acceptance" && study.runs_the_model_itself())
+  const SamplerEntry& entry = sampler.entry();
+  if (!entry.first_stage.empty() && study.runs_the_model_itself())
     throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself",
                       .key = "sampler.kind",
-                      .value = "\"delayed_acceptance\"",
-                      .suggestion = study.capabilities().log_density ? "take \"dram\""
-                                                                     : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
-  if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
+                      .value = '"' + sampler.kind + '"',
+                      .suggestion = fmt::format("take \"{}\"{}", entry.first_stage,
+                                                study.capabilities().log_density ? "" : ", or add a [surrogate] table so that there is an emulator")});
+  if (entry.check) entry.check(sampler, study.parameters().size());
 }
 
 }  // namespace
@@ -55,8 +56,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   study.errors = default_errors(*study.simulator);
   study.file.read("errors", study.errors);
   study.file.read("posterior", study.posterior);
-  if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
-  if (can.cheap_runs && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
+  const auto sampler = study.file.text("sampler.kind");
+  study.sampler = default_sampler_options(sampler && samplers().contains(*sampler) ? *sampler : study.sampler.kind, can.cheap_runs);
   study.file.read("sampler", study.sampler);
   study.file.locating([&] { expect_sampler_fits(study); });
   constexpr int quick_runs = 10000;  // of a model whose runs take milliseconds

@@ -29,7 +29,7 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
   std::function<std::vector<MechanismDirections>(std::span<const double>)> left_out;
   if (options.score_tests && !inputs.study().capabilities().cheap_runs)
     left_out = [&](std::span<const double>) {
-      return mechanism_directions(meshed_runs(inputs.posterior_case()), made.fit.modes[0].at.theta,
+      return mechanism_directions(meshed_runs(inputs.runs(), inputs.study().posterior_settings()), made.fit.modes[0].at.theta,
                                   [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); });
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);

@@ -73,10 +73,7 @@ ExitStatus power_stage(StageCall& call) {
     const Runs::Progress progress = [&](std::size_t done, std::size_t total) { notes.say(fmt::format("power: {} of {} runs of the true model", done, total)); };
 
     const RecordingOptions recording_options;
-    const Recordings none;
-    const Problem no_problem;
-    const MeshedRuns runs =
-        meshed_runs({.runs = *other.runs, .problem = no_problem, .recordings = none, .recording_options = recording_options, .settings = study.posterior_settings()});
+    const MeshedRuns runs = meshed_runs(*other.runs, study.posterior_settings());
     std::vector<double> theta;
     for (const auto& p : runs.parameters()) theta.push_back(*p.nominal);
     const auto run = runs.get(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0}, {}, progress)[0];

@@ -34,7 +34,7 @@ void need_basin(StageCall& call) {
   auto& inputs = call.inputs;
   if (call.trained || !basin_on_surrogate(inputs.study())) return;
   if (inputs.command().fresh || !std::filesystem::exists(inputs.artefact("surrogate.nc")))  // what is wrong with the meshes is reported before the campaign
-    (void)inputs.study().file.locating([&] { return inputs.simulator().mesh_scale(meshed_runs(inputs.posterior_case()).mesh(0)); });
+    (void)inputs.study().file.locating([&] { return inputs.simulator().mesh_scale(meshed_runs(inputs.runs(), inputs.study().posterior_settings()).mesh(0)); });
   (void)train_stage(call, Asked::upstream);
 }
 

@@ -176,19 +176,19 @@ std::vector<Parameter> posterior_parameters(const Simulator& simulator, const Po
   return parameters;
 }
 
-MeshedRuns meshed_runs(const PosteriorCase& c) {
-  const Simulator& simulator = c.runs.simulator();
+MeshedRuns meshed_runs(Runs& runs, const PosteriorSettings& settings) {
+  const Simulator& simulator = runs.simulator();
   const InferenceHints hints = simulator.hints();
   std::map<std::string, double> numbers;
-  if (!hints.numerical_viscosity.empty()) numbers[hints.numerical_viscosity] = c.settings.emulator.viscosity;
-  return {c.runs, posterior_parameters(simulator, c.settings), meshes_of(element_sizes(simulator, c.settings.emulator), numbers)};
+  if (!hints.numerical_viscosity.empty()) numbers[hints.numerical_viscosity] = settings.emulator.viscosity;
+  return {runs, posterior_parameters(simulator, settings), meshes_of(element_sizes(simulator, settings.emulator), numbers)};
 }
 
 std::unique_ptr<PosteriorInputs> set_up_posterior(const PosteriorCase& c) {
   const Simulator& simulator = c.runs.simulator();
   const InferenceHints hints = simulator.hints();
   const bool cheap = simulator.capabilities().cheap_runs;
-  const MeshedRuns runs = meshed_runs(c);
+  const MeshedRuns runs = meshed_runs(c.runs, c.settings);
   std::unique_ptr<PosteriorInputs> out(new PosteriorInputs{.problem = c.problem,
                                                            .recordings = c.recordings,
                                                            .recording_options = c.recording_options,

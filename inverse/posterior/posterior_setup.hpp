@@ -46,8 +46,8 @@ struct PosteriorCase {
   Runs::Progress basin_progress = {};       ///< of that search
 };
 
-/// The runs of a posterior: its parameters on the emulator's meshes.
-MeshedRuns meshed_runs(const PosteriorCase& posterior_case);
+/// The runs of a posterior: its parameters on the emulator's meshes. `runs` outlives the result.
+MeshedRuns meshed_runs(Runs& runs, const PosteriorSettings& settings);
 
 /// Errors: InputError for recordings or meshes, where no parameter may vary, and for times of [errors] far below the records' scale; NumericsError where no
 /// run succeeds; those of Runs.
