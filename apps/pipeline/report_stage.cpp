@@ -5,6 +5,7 @@
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/presentation/case_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
+#include "apps/report/data/surface.hpp"
 #include "apps/report/report.hpp"
 #include "base/json.hpp"
 #include "forward/mesh/mesh.hpp"

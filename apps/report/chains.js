@@ -1,5 +1,5 @@
 'use strict';
-// Chains of a posterior: what was known before and after, traces, ranks.
+// Chains of a posterior: prior and posterior densities, traces and ranks.
 
 /// A curve over its own span, scaled to its greatest value, as points of a plot.
 function scaled_curve(curve, scale) {
@@ -45,7 +45,7 @@ function draw_chains(place, data) {
       const path = line.map((v, k) => v === null ? '' : `${k && line[k - 1] !== null ? 'L' : 'M'}${scale.sx(data.iterations[k]).toFixed(1)},${scale.sy(v).toFixed(1)}`).join('');
       svg('path', { d: path, fill: 'none', stroke: palette[c % palette.length], 'stroke-width': 0.9, 'stroke-opacity': 0.65 }, root);
     });
-    // Counts of ranks against what is expected: a strip a chain, wide enough for all of them and for chance.
+    // Counts of ranks against the expected count, one strip a chain. A strip is wide enough for all counts and for the band of chance.
     const reach = 1.1 * Math.max(1.5 * data.spread[i], ...q.ranks.flat().map(n => Math.abs(n - data.expected)));
     const strip = right.height / q.ranks.length, bar = right.width / data.bins;
     q.ranks.forEach((counts, c) => {

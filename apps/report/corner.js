@@ -1,8 +1,8 @@
 'use strict';
 // The posterior's corner plot: densities on the diagonal, pairs below it.
 
-/// Segments of the line where a grid of values crosses `level`, by linear interpolation along the edges of its squares (marching squares). `at(r, c)` is 0 beyond the grid, so that
-/// lines close there; points are in cells, the centre of the first one at 0.
+/// Segments of the line where a grid of values crosses `level`, by linear interpolation along the edges of its squares (marching squares). `at(r, c)` is 0 beyond the grid, so
+/// lines close there. Points are in cells; the centre of the first cell is at 0.
 function contour(at, n, level) {
   const path = [];
   const cross = (a, b) => (level - a) / (b - a);
@@ -24,7 +24,7 @@ function draw_corner(place, data) {
   const most = Math.floor(size / 7.2), lines = data.axes.map(a => label_lines(a.label, most)), deepest = Math.max(...lines.map(l => l.length));
   const width = Math.max(left + n * step, 560), height = n * step + 74 + 16 * (deepest - 1) + (data.marks.length > 4 ? 20 : 0), root = svg('svg', { class: 'drawing', viewBox: `0 0 ${width} ${height}` }, place);
   const defs = svg('defs', {}, root), about = 4;
-  // As many ticks as their numbers leave room for.
+  // The room for their numbers limits the number of ticks.
   const about_x = span => [5, 4, 3, 2].find(k => {
     const t = ticks(span[0], span[1], k);
     return t.list.length * (14 + 7.4 * Math.max(...t.list.map(v => number(v, t.step).length))) < 0.85 * size;
@@ -88,7 +88,7 @@ function draw_corner(place, data) {
       if (u === null || v === null) return;
       const inside = u >= a.span[0] && u <= a.span[1] && v >= b.span[0] && v <= b.span[1];
       let cx = Math.min(Math.max(scale.sx(u), box.left), box.left + box.width), cy = Math.min(Math.max(scale.sy(v), box.top), box.top + box.height);
-      // Outside of the frame: an arrow on its edge, towards the point, behind those that are there already.
+      // A point outside the frame is an arrow on its edge towards the point, behind earlier arrows.
       const angle = Math.atan2(scale.sy(v) - cy, scale.sx(u) - cx) * 180 / Math.PI, back = 11 * taken.filter(t => Math.hypot(t[0] - cx, t[1] - cy) < 8).length;
       if (!inside) {
         taken.push([cx, cy]);
@@ -101,7 +101,7 @@ function draw_corner(place, data) {
     });
   });
 
-  // Below: what the marks and lines are.
+  // The legend of marks and lines, below the plot.
   let lx = left, ly = height - 8 - (data.marks.length > 4 ? 20 : 0);
   const word = (text, room) => {
     svg('text', { x: lx + room, y: ly }, root, text);

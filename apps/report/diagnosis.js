@@ -1,14 +1,14 @@
 'use strict';
-// What a diagnosis found: the mismatch on the target, by gauge and time, by gauge and frequency, and the probabilities of what was tried.
+// Drawings of a diagnosis: the mismatch on the target, by gauge and time and by gauge and frequency, and the probabilities of the explanations.
 
-/// Colour [r, g, b] of a mismatch: white where errors alone make it (1 or less), darker up to `most` (after ColorBrewer's YlOrBr).
+/// Colour [r, g, b] of a mismatch: white when errors alone explain it (1 or less), darker up to `most` (after ColorBrewer's YlOrBr).
 function mismatch_colour(x, most) {
   const stops = [[255, 255, 255], [254, 227, 145], [254, 153, 41], [204, 76, 2], [102, 37, 6]];
   const t = Math.min(Math.max((x - 1) / (most - 1), 0), 1) * (stops.length - 1), i = Math.min(Math.floor(t), stops.length - 2);
   return stops[i].map((a, k) => a + (stops[i + 1][k] - a) * (t - i));
 }
 
-/// End of the colours: the greatest mismatch, 3 at least, so that chance stays pale.
+/// End of the colour scale: the greatest mismatch, but at least 3, so that chance is pale.
 function mismatch_most(data) {
   let most = 3;
   for (const list of [data.rows, ...[data.times, data.bands].flatMap(m => [m.columns, ...m.cells])]) for (const p of list) if (p.mismatch !== null) most = Math.max(most, p.mismatch);
@@ -25,7 +25,7 @@ function mismatch_cell(root, box, part, most) {
   svg('text', style, root, times_text(part.mismatch));
 }
 
-/// Gauges by stretches of time or bands of frequency, `map` {axis, columns, cells}; all gauges together in the last row, the whole record in the last column.
+/// Map of gauges by windows of time or bands of frequency, `map` {axis, columns, cells}. The last row is all gauges together, the last column the whole record.
 function draw_mismatch_map(place, data, map) {
   if (!place || !data || !map.columns.length) return;
   const most = mismatch_most(data), longest = Math.max(10, ...data.rows.map(r => r.name.length)), left = Math.min(30 + 7.6 * longest, 260), n = map.columns.length;
@@ -61,7 +61,8 @@ function draw_probabilities(place, data) {
   });
 }
 
-/// The gauges of the target coloured by mismatch, and the walls about them: the mean of the gauges by a Gaussian of their distance, fading to the steel's grey where none is near.
+/// The gauges of the target coloured by mismatch, and the walls around them. A wall has the mean of the gauges, weighted by a Gaussian of their distance; far from all
+/// gauges it fades to the grey of steel.
 function draw_mismatch_target(view, scale_place, note, target, data) {
   if (!view || !target || !data) return;
   const most = mismatch_most(data), of = new Map(data.gauges.map(g => [g.name, g]));

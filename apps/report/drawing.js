@@ -1,7 +1,7 @@
 'use strict';
 // Small drawings in SVG: axes with round ticks, lines, scatter plots and a matrix of them.
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito 2008), darkened where white would swallow them.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito 2008), darkened where they are too pale on white.
 const palette = ['#0072b2', '#d55e00', '#008a63', '#b35a8c', '#7a5c00', '#3d8fc4', '#444444'];
 const dashes = ['', '7 3', '2 3', '9 3 2 3', '12 4', '4 2', '1 2'];
 
@@ -141,7 +141,7 @@ function draw_ridge(place, data) {
     }
     svg('path', { d: path, fill: 'none', stroke: '#444', 'stroke-width': 1.5, 'stroke-dasharray': '6 4', 'clip-path': 'url(#ridge-clip)' }, root);
   }
-  // One bad round would take all the colours: they span from the 5 % quantile to the best.
+  // The colours span from the 5 % quantile to the best value, since one bad round would take the whole scale otherwise.
   const sorted = data.points.map(p => p[2]).sort((a, b) => a - b);
   const quantile = q => sorted[Math.round(q * (sorted.length - 1))];
   const low = data.minimise ? quantile(0) : quantile(0.05), high = data.minimise ? quantile(0.95) : quantile(1);
@@ -150,7 +150,7 @@ function draw_ridge(place, data) {
     const dot = svg('circle', { cx: scale.sx(x), cy: scale.sy(y), r: 5, fill: shade(v), 'fill-opacity': 0.85, stroke: '#333', 'stroke-width': 0.6 }, root);
     svg('title', {}, dot, `${optimizer}: ${number(v)} at ${number(x)}, ${number(y)}`);
   }
-  const taken = [];  // places of the labels, so that marks close together keep theirs apart
+  const taken = [];  // places of the labels, to keep the labels of close marks apart
   data.marks.forEach((m, i) => {
     const cx = scale.sx(m.x), cy = scale.sy(m.y), colour = (series_style[m.label.toLowerCase()] || { color: palette[i % palette.length] }).color;
     svg('path', { d: `M${cx - 9},${cy}H${cx + 9}M${cx},${cy - 9}V${cy + 9}`, stroke: '#fff', 'stroke-width': 5 }, root);

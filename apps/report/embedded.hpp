@@ -1,5 +1,5 @@
 #pragma once
-/// The files of the report page as they were at build time (embed.cmake writes the definitions).
+/// The files of the report page at build time. embed.cmake writes the definitions.
 #include <string_view>
 
 namespace calomel::embedded {

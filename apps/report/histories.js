@@ -23,11 +23,11 @@ function element(tag, attributes, parent, text) {
   return node;
 }
 
-/// Lower and upper edge of a series' band: "low" and "high" of what was measured, KEY_low and KEY_high of the others.
+/// Lower and upper edge of a series' band: "low" and "high" of the records, KEY_low and KEY_high of other series.
 const band_edges = key => key === 'measured' ? ['low', 'high'] : [`${key}_low`, `${key}_high`];
 const banded_keys = ['measured', 'predicted', 'draws'];
 
-/// Rows of Dygraph's custom bars: every series is [low, value, high]; where there is no band it has no width.
+/// Rows of Dygraph's custom bars: every series is [low, value, high]. Without a band both edges are the value.
 function history_rows(time, series, sensor) {
   return time.map((t, i) => [t].concat(series.map(s => {
     const v = sensor[s.key] ? sensor[s.key][i] : null;

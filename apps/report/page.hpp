@@ -1,16 +1,25 @@
 #pragma once
-/// The words of the page and the data of its drawings.
-#include "apps/report/report.hpp"
-#include "apps/report/study.hpp"
+/// The sections of the page in their order, and the data of its drawings.
+#include <cstddef>
+
+#include "apps/report/data/report_input.hpp"
+#include "apps/report/data/study.hpp"
+#include "apps/report/parts/html.hpp"
 
 namespace calomel {
 
-/// First screen: the case, what was run, what came out in plain words, and the warnings. HTML.
-std::string header_html(const Study& study, const ReportInput& input);
-/// All sections after it. HTML.
-std::string sections_html(const Study& study, const ReportInput& input);
-/// What the scripts draw: {target, histories, convergence, ridge, loss, decay, design, corner, predictive, priors, chains, sensitivity}; parts that are not
-/// there are null. At most `samples` a trace, `quads` a surface and `points` a scatter plot.
-Json page_data(const Study& study, const ReportInput& input, std::size_t samples, std::size_t quads, std::size_t points);
+/// All sections after the first screen.
+Html sections_html(const Study& study, const ReportInput& input);
+
+/// Limits of the data of the drawings.
+struct DrawingLimits {
+  std::size_t samples = 3000;  ///< a trace
+  std::size_t quads = 24000;   ///< a surface
+  std::size_t points = 2000;   ///< a scatter plot
+};
+
+/// The data of the drawings: {target, histories, diagnosis, diagnosis_histories, convergence, ridge, loss, decay, design, corner, predictive, priors, chains,
+/// sensitivity}. A part whose artefact is missing is null.
+Json page_data(const Study& study, const ReportInput& input, const DrawingLimits& limits);
 
 }  // namespace calomel

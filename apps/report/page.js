@@ -1,5 +1,5 @@
 'use strict';
-// Everything is drawn from the one block of data; a drawing that fails says so in its place and leaves the others alone.
+// All drawings use the one block of data. A drawing that fails shows a message in its place and does not affect the others.
 (function () {
   const data = JSON.parse(document.getElementById('report-data').textContent);
   const attempt = (id, draw) => {

@@ -1,31 +1,39 @@
 #include "apps/report/report.hpp"
 
-#include <fmt/format.h>
-
 #include <map>
+#include <string_view>
+#include <utility>
 
-#include "apps/report/chains.hpp"
-#include "apps/report/comparison_tables.hpp"
-#include "apps/report/diagnosis_tables.hpp"
-#include "apps/report/emulator_tables.hpp"
+#include "apps/report/data/study.hpp"
 #include "apps/report/embedded.hpp"
-#include "apps/report/floor_tables.hpp"
 #include "apps/report/page.hpp"
-#include "apps/report/posterior.hpp"
-#include "apps/report/sensitivity.hpp"
-#include "apps/report/spe_tables.hpp"
-#include "apps/report/study.hpp"
-#include "apps/report/tables.hpp"
-#include "apps/report/traces.hpp"
+#include "apps/report/parts/elements.hpp"
+#include "apps/report/parts/traces.hpp"
+#include "apps/report/sections/campaign.hpp"
+#include "apps/report/sections/candidates.hpp"
+#include "apps/report/sections/chains.hpp"
+#include "apps/report/sections/comparison.hpp"
+#include "apps/report/sections/convergence.hpp"
+#include "apps/report/sections/diagnosis_tables.hpp"
+#include "apps/report/sections/emulator.hpp"
+#include "apps/report/sections/floor.hpp"
+#include "apps/report/sections/header.hpp"
+#include "apps/report/sections/parameters.hpp"
+#include "apps/report/sections/polynomials.hpp"
+#include "apps/report/sections/posterior.hpp"
+#include "apps/report/sections/scores.hpp"
+#include "apps/report/sections/sensitivity_tables.hpp"
+#include "apps/report/sections/surrogate.hpp"
+#include "apps/report/sections/target.hpp"
 #include "base/artefact.hpp"
-#include "base/json.hpp"
 
 namespace calomel {
 
 namespace {
-constexpr std::size_t most_bytes = 9'500'000;  // of the page: its contract is 10 MB
 
-/// A script as it may stand inside <script>: nothing in it may end the element or open an HTML comment.
+constexpr std::size_t most_bytes = 9'500'000;  ///< greatest size of the page, whose contract is 10 MB
+
+/// A script for the inside of <script>: nothing in it may end the element or open an HTML comment.
 std::string inside_script(std::string_view text) {
   std::string s(text);
   for (const auto& [from, to] : {std::pair{"</script", "<\\/script"}, std::pair{"<!--", "<\\!--"}})
@@ -33,7 +41,7 @@ std::string inside_script(std::string_view text) {
   return s;
 }
 
-/// JSON inside <script type="application/json">: "<" only as an escape.
+/// JSON for the inside of <script type="application/json">: "<" only as an escape.
 std::string inside_script(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string s;
@@ -42,8 +50,18 @@ std::string inside_script(const Json& json) {
   return s;
 }
 
-/// The template with every {{name}} replaced; what is put in is not searched again.
-std::string filled(std::string_view text, const std::map<std::string, std::string>& parts) {
+/// Scripts one after another.
+Html scripts(const std::vector<std::string_view>& texts) {
+  std::string all;
+  for (const auto& text : texts) {
+    if (!all.empty()) all += "\n";
+    all += inside_script(text);
+  }
+  return trusted_html(std::move(all));
+}
+
+/// The template with every {{name}} replaced by its part. The parts are not searched again.
+std::string filled(std::string_view text, const std::map<std::string, Html>& parts) {
   std::string s;
   for (std::size_t at = 0;;) {
     const auto open = text.find("{{", at);
@@ -52,10 +70,74 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
     const auto close = text.find("}}", open);
     const auto found = parts.find(std::string(text.substr(open + 2, close - open - 2)));
     expect(close != std::string_view::npos && found != parts.end(), "the page template names only parts that are made");
-    s += found->second;
+    s += found->second.str();
     at = close + 2;
   }
 }
+
+/// All parts of the template but the data of the drawings.
+std::map<std::string, Html> page_parts(const Study& study, const ReportInput& input) {
+  using namespace embedded;
+  return {{"title", input.case_name},
+          {"header", header_html(study, input)},
+          {"first_link", study.diagnosis ? list_item(link_to("diagnosis", "Left out")) : Html()},
+          {"sections", sections_html(study, input)},
+          {"style", trusted_html(std::string(dygraphs_css) + std::string(page_css))},
+          {"libraries", scripts({dygraphs_js, synchronizer_js, three_js, orbit_controls_js})},
+          {"scripts", scripts({drawing_js, histories_js, target_js, diagnosis_js, corner_js, chains_js, sensitivity_js, page_js})},
+          {"version", version}};
+}
+
+/// Every table of the report; a table may be empty.
+std::vector<Table> all_tables(const Study& study, const ReportInput& input) {
+  return {headline_table(study, input),
+          parameter_table(study, input),
+          sensor_table(input),
+          score_table(study, input, "accuracy"),
+          score_table(study, input, "mae"),
+          mesh_table(study, input),
+          agreement_table(study),
+          place_table(study),
+          effort_table(study),
+          nuisance_table(study),
+          pull_table(study),
+          emulator_table(study),
+          share_table(study),
+          hypothesis_table(study),
+          optimizer_agreement_table(study),
+          formulation_table(study, input),
+          trial_table(study),
+          decay_table(study),
+          optimizer_table(study),
+          convergence_table(study),
+          round_table(study, input),
+          candidate_table(study, input),
+          surrogate_table(study, input),
+          polynomial_error_table(study),
+          polynomial_table(study),
+          lambda_table(study),
+          mode_table(study, input),
+          loss_table(study),
+          design_table(study),
+          failure_table(study, std::size_t(-1)),
+          scatter_table(study, input),
+          floor_table(study),
+          floor_sensor_table(study),
+          posterior_table(study, input),
+          prior_table(study, input),
+          floor_window_table(study, input),
+          mismatch_table(study),
+          mismatch_map_table(study),
+          band_table(study),
+          explanation_table(study),
+          reason_table(study),
+          missing_table(study),
+          effect_table(study),
+          handbook_table(study, input),
+          sensitivity_table(study),
+          morris_table(study, input)};
+}
+
 }  // namespace
 
 void expect_something_to_report(const std::filesystem::path& out_dir, const std::string& case_file) {
@@ -70,27 +152,16 @@ void expect_something_to_report(const std::filesystem::path& out_dir, const std:
 void write_report(const std::filesystem::path& out_dir, const ReportInput& input) {
   expect_something_to_report(out_dir, input.case_file);
   const Study study = read_study(out_dir, input.time_end);
-  std::map<std::string, std::string> parts{
-      {"title", escape_html(input.case_name)},
-      {"header", header_html(study, input)},
-      {"first_link", study.diagnosis ? "<li><a href=\"#diagnosis\">Left out</a></li>\n" : ""},
-      {"sections", sections_html(study, input)},
-      {"style", std::string(embedded::dygraphs_css) + std::string(embedded::page_css)},
-      {"libraries", inside_script(embedded::dygraphs_js) + "\n" + inside_script(embedded::synchronizer_js) + "\n" + inside_script(embedded::three_js) + "\n" +
-                        inside_script(embedded::orbit_controls_js)},
-      {"scripts", inside_script(embedded::drawing_js) + "\n" + inside_script(embedded::histories_js) + "\n" + inside_script(embedded::target_js) + "\n" +
-                      inside_script(embedded::diagnosis_js) + "\n" + inside_script(embedded::corner_js) + "\n" + inside_script(embedded::chains_js) + "\n" +
-                      inside_script(embedded::sensitivity_js) + "\n" + inside_script(embedded::page_js)},
-      {"version", escape_html(version)}};
-  std::size_t samples = 3000, quads = 24000, points = 2000;
+  std::map<std::string, Html> parts = page_parts(study, input);
+  DrawingLimits limits;
   for (int attempt = 0; attempt < 12; ++attempt) {
-    parts["data"] = inside_script(page_data(study, input, samples, quads, points));
+    parts["data"] = trusted_html(inside_script(page_data(study, input, limits)));
     const std::string page = filled(embedded::page_html, parts);
     if (page.size() <= most_bytes) {
       write_atomically(out_dir / "report.html", page);
       return;
     }
-    samples = samples * 2 / 3, quads = quads * 2 / 3, points = points * 2 / 3;
+    limits = {limits.samples * 2 / 3, limits.quads * 2 / 3, limits.points * 2 / 3};
   }
   throw InputError({.problem = "the page would be larger than 10 MB even with few samples a trace",
                     .suggestion = "report fewer sensors, or read the artefacts with report --csv",
@@ -105,60 +176,14 @@ std::vector<std::filesystem::path> write_tables_csv(const std::filesystem::path&
   std::vector<std::filesystem::path> paths;
   const auto write = [&](const std::string& name, const std::string& text) {
     const auto path = folder / (name + ".csv");
-    if (text.empty()) {  // a stage that is gone leaves no table of an earlier report behind
+    if (text.empty()) {  // a table of an earlier report does not stay when its stage is gone
       std::filesystem::remove(path);
       return;
     }
     write_atomically(path, text);
     paths.push_back(path);
   };
-  for (const Table& t : {headline_table(study, input),
-                         parameter_table(study, input),
-                         sensor_table(input),
-                         score_table(study, input, "accuracy"),
-                         score_table(study, input, "mae"),
-                         mesh_table(study, input),
-                         agreement_table(study),
-                         place_table(study),
-                         effort_table(study),
-                         nuisance_table(study),
-                         pull_table(study),
-                         emulator_table(study),
-                         share_table(study),
-                         hypothesis_table(study),
-                         optimizer_agreement_table(study),
-                         formulation_table(study, input),
-                         trial_table(study),
-                         decay_table(study),
-                         optimizer_table(study),
-                         convergence_table(study),
-                         round_table(study, input),
-                         candidate_table(study, input),
-                         surrogate_table(study, input),
-                         polynomial_error_table(study),
-                         polynomial_table(study),
-                         lambda_table(study),
-                         mode_table(study, input),
-                         loss_table(study),
-                         design_table(study),
-                         failure_table(study, std::size_t(-1)),
-                         scatter_table(study, input),
-                         floor_table(study),
-                         floor_sensor_table(study),
-                         posterior_table(study, input),
-                         prior_table(study, input),
-                         floor_window_table(study, input),
-                         mismatch_table(study),
-                         mismatch_map_table(study),
-                         band_table(study),
-                         explanation_table(study),
-                         reason_table(study),
-                         missing_table(study),
-                         effect_table(study),
-                         handbook_table(study, input),
-                         sensitivity_table(study),
-                         morris_table(study, input)})
-    write(t.id, t.empty() ? "" : t.csv());
+  for (const Table& t : all_tables(study, input)) write(t.id, t.empty() ? "" : t.csv());
   write("histories", histories_csv(study, input));
   write("diagnosis_histories", diagnosis_histories_csv(study, input));
   write("posterior_predictive", predictive_histories_csv(study, input));

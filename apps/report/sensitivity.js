@@ -1,5 +1,5 @@
 'use strict';
-// Which parameters the records depend on: total indices by gauge and time, index curves of one gauge, elementary effects.
+// Drawings of the sensitivity analysis: total indices by gauge and time, index curves of one gauge, elementary effects.
 
 /// Colour of a share: white at 0 and below, dark at 1 and above (after ColorBrewer's Blues).
 function share_colour(x) {
@@ -8,7 +8,7 @@ function share_colour(x) {
   return `rgb(${stops[i].map((a, k) => Math.round(a + (stops[i + 1][k] - a) * (t - i))).join(',')})`;
 }
 
-/// A pattern of thin strokes for what means little.
+/// A pattern of thin strokes for shares that mean little.
 function hatch(root, id) {
   const pattern = svg('pattern', { id, width: 6, height: 6, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)' }, svg('defs', {}, root));
   svg('rect', { width: 6, height: 6, fill: '#f4f4f4' }, pattern);

@@ -1,5 +1,5 @@
 'use strict';
-// The target in three dimensions: three.js where the browser has WebGL, else the same picture painted on a flat canvas.
+// The target in three dimensions: by three.js when the browser has WebGL, else painted on a flat canvas.
 
 const surface_colours = { outer: [168, 180, 192], wetted: [120, 160, 190] }, sensor_colour = [179, 60, 0];
 
@@ -15,7 +15,7 @@ function has_webgl() {
   }
 }
 
-/// Centre and radius of all that is drawn.
+/// Centre and radius of the whole drawing.
 function target_extent(data) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   const take = (x, k) => { low[k] = Math.min(low[k], x); high[k] = Math.max(high[k], x); };
@@ -28,7 +28,7 @@ function target_extent(data) {
 /// Edges of a surface at which it bends by more than 30 degrees, or ends: [x, y, z, x, y, z] each.
 function feature_edges(surface) {
   const v = surface.vertices, edges = new Map(), corner = i => [v[3 * i], v[3 * i + 1], v[3 * i + 2]];
-  // Corners at one place are one corner, whatever their numbers.
+  // Corners at one place count as one corner, whatever their numbers.
   const names = new Map(), same = [];
   for (let i = 0; 3 * i < v.length; ++i) {
     const name = corner(i).join(',');
@@ -56,7 +56,7 @@ function feature_edges(surface) {
   return list;
 }
 
-/// HTML labels above the picture; `place(positions)` moves them, [x, y] in pixels each; a label that would cover another moves down.
+/// HTML labels above the picture. `place(positions)` moves them, [x, y] in pixels each. A label that would cover another one moves down.
 function target_labels(view, names) {
   const layer = element('div', { class: 'labels' }, view);
   const nodes = names.map(name => element('span', { class: 'label' }, layer, name));
@@ -72,7 +72,7 @@ function target_labels(view, names) {
   };
 }
 
-/// Draws {outer, wetted, sensors: [{name, position, direction, label, colour}]}; a label and a colour may be left out. `paint(position)`, where there is one, gives the colour of the outer
+/// Draws {outer, wetted, sensors: [{name, position, direction, label, colour}]}; label and colour are optional. `paint(position)`, when given, is the colour of the outer
 /// surface at a place.
 function draw_target(view, note, data, paint) {
   if (!view || !data) return;
@@ -199,7 +199,7 @@ function draw_target_flat(view, data, extent, paint) {
       const right = -st * x + ct * y, away = ct * x + st * y;
       return [right, z * cp - away * sp, away * cp + z * sp];
     };
-    // As large as the turned box lets it be.
+    // The scale is as large as the turned box allows.
     let half = [1e-9, 1e-9];
     for (let k = 0; k < 8; ++k) {
       const p = turned([0, 1, 2].map(i => (k >> i & 1 ? extent.high : extent.low)[i]));
