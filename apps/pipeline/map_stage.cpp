@@ -3,6 +3,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/presentation/calibration_lines.hpp"
 #include "apps/presentation/data_check_words.hpp"
+#include "apps/presentation/fit_words.hpp"
 #include "base/artefact.hpp"
 #include "uq/data_checks.hpp"
 
@@ -33,9 +34,12 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
                                   [&](std::size_t done, std::size_t all) { progress("runs of the score tests", done, all); });
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
+  summary.message = map_message(summary, made.fit);
   const auto checks = data_check_sentences(check_data(*made.inputs, made.fit), made.inputs->errors);
   summary.warnings.insert(summary.warnings.begin(), checks.begin(), checks.end());
-  write_map(summary, *made.inputs, made.fit, provenance, command.out);
+  const auto doubts = map_warnings(summary, *made.inputs, made.fit);
+  summary.warnings.insert(summary.warnings.end(), doubts.begin(), doubts.end());
+  write_map(summary, *made.inputs, made.fit, map_words(summary), provenance, command.out);
   inputs.notes().say(map_lines(summary));
   return summary;
 }

@@ -47,8 +47,8 @@ std::string sentence_of(const Convergence& convergence) {
       return fmt::format("{} cannot be judged by {} draws a chain; set sampler.draws to some thousands", name, f.draws);
     case ChainState::not_finite:
       return fmt::format(
-          "{} has draws that are not finite, so the density or its transformation is wrong there; look at them in posterior.nc and narrow the bounds of {}", name,
-          name);
+          "{} has draws that are not finite, so the density or its transformation is wrong there; look at them in posterior.nc and narrow the bounds of {}",
+          name, name);
     case ChainState::constant:
       return fmt::format(
           "{} has not moved: all draws are {:g}, because every proposal was refused; start from the covariance of calibrate --method map, or raise "
@@ -66,7 +66,8 @@ std::string sentence_of(const Convergence& convergence) {
           name, numbers(s));
     case ChainState::separate_modes:
       return fmt::format(
-          "{} lies near {:.5g} in {} and near {:.5g} in {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws do not "
+          "{} lies near {:.5g} in {} and near {:.5g} in {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws do "
+          "not "
           "tell; compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
           name, f.low_at, chain_list(f.chains), f.high_at, chain_list(f.others), s.r_hat, name);
     case ChainState::divergences:
@@ -106,7 +107,8 @@ std::string sentence_of(const Convergence& convergence) {
           chain_list(f.chains), f.e_bfmi, name);
     case ChainState::rare_tails:
       return fmt::format(
-          "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
+          "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale "
+          "or "
           "bound it where values are impossible",
           name, numbers(s));
     case ChainState::start_remembered:

@@ -23,9 +23,8 @@ std::string odds(double log_odds) { return fmt::format("odds of at least {:.2g} 
 }  // namespace
 
 std::string goodness_sentence(const GoodnessOfFit& g) {
-  const std::string numbers =
-      fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", g.chi2, g.values, g.parameters,
-                  g.p_value, g.effective_chi2, g.effective_data, g.effective_p_value);
+  const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", g.chi2,
+                                          g.values, g.parameters, g.p_value, g.effective_chi2, g.effective_data, g.effective_p_value);
   if (!g.adequate) return "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
   const std::string fits = "the records do not contradict the fit: " + numbers;
   if (!g.errors_too_wide) return fits;
@@ -47,9 +46,9 @@ std::string check_sentence(const TrueModelCheck& check) {
 
 std::string nested_sentence(const NestedModel& n) {
   const std::string added = joined(n.added);
-  const std::string numbers =
-      fmt::format("log Bayes factor {:.3g}, between {:.3g} and {:.3g} with priors twice and half as wide; chi-squared {:.4g} with and {:.4g} without for {} values",
-                  n.log_bayes_factor, n.low, n.high, n.chi2, n.nested_chi2, n.values);
+  const std::string numbers = fmt::format(
+      "log Bayes factor {:.3g}, between {:.3g} and {:.3g} with priors twice and half as wide; chi-squared {:.4g} with and {:.4g} without for {} values",
+      n.log_bayes_factor, n.low, n.high, n.chi2, n.nested_chi2, n.values);
   switch (n.verdict) {
     case NestedVerdict::added_favoured:
       return fmt::format("the records favour {} over {} by {} ({})", added, n.name, odds(n.low), numbers);
@@ -76,8 +75,7 @@ std::string refinement_end(RefinementEnd end) {
 }
 
 std::string map_message(const MapSummary& summary, const PosteriorFit& fit) {
-  if (summary.status == CalibrationStatus::no_candidate)
-    return "the true model failed at the mode, which is the emulator's alone: " + summary.best.message;
+  if (summary.status == CalibrationStatus::no_candidate) return "the true model failed at the mode, which is the emulator's alone: " + summary.best.message;
   return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior, fit.message,
                      goodness_sentence(summary.fit));
 }
@@ -108,9 +106,7 @@ std::vector<std::string> map_warnings(const MapSummary& summary, const Posterior
 }
 
 MapWords map_words(const MapSummary& summary) {
-  return {.adequacy = goodness_sentence(summary.fit),
-          .check = check_sentence(summary.check),
-          .nested = summary.nested ? nested_sentence(*summary.nested) : ""};
+  return {.adequacy = goodness_sentence(summary.fit), .check = check_sentence(summary.check), .nested = summary.nested ? nested_sentence(*summary.nested) : ""};
 }
 
 }  // namespace calomel

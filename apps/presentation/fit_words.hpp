@@ -22,8 +22,8 @@ std::string refinement_end(RefinementEnd end);
 
 /// The message of a MAP: the log posterior at its mode and whether the fit is adequate, or why no run verifies the mode.
 std::string map_message(const MapSummary& summary, const PosteriorFit& fit);
-/// What may be wrong with the mode: no run verifies it, the emulator has not settled or does not hold, the fit is not adequate, nuisances or bounds are strained,
-/// the records drift. In this order.
+/// What may be wrong with the mode: no run verifies it, the emulator has not settled or does not hold, the fit is not adequate, nuisances or bounds are
+/// strained, the records drift. In this order.
 std::vector<std::string> map_warnings(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit);
 /// The sentences of map.json.
 MapWords map_words(const MapSummary& summary);
