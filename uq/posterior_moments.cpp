@@ -39,8 +39,9 @@ SamplerStart start_at_modes(const LogPosterior& posterior, const std::vector<Loc
 
 SamplerResult short_chains(const LogPosterior& posterior, const SamplerStart& start, std::uint64_t seed) {
   const PosteriorDensity density(posterior);
-  SamplerOptions options = default_sampler_options("dram");
-  options.warmup = 1000, options.draws = 1500;  // some 800 independent draws
+  SamplerOptions options;
+  options.warmup = 1000;
+  options.draws = 1500;  // some 800 independent draws
   return run_sampler(density, start, options, {.seed = seed, .journal = {}, .provenance = {}, .progress = {}});
 }
 

@@ -16,17 +16,8 @@ Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
   return {.stage = stage, .options = inputs.study().model_options(), .seed = inputs.command().seed, .inputs = inputs.study().model_inputs()};
 }
 
-/// Of the tables of the kinds those that this kind reads.
-Json sampler_options(const SamplerOptions& sampler) {
-  Json options = echo(sampler);
-  for (const auto& kind : samplers().names())
-    if (kind != sampler.kind && !(kind == "dram" && sampler.kind == "delayed_acceptance")) options.erase(kind);
-  if (sampler.kind == "smc") options["smc"].erase("evaluations");  // a budget changes no draw
-  return options;
-}
-
 Json posterior_options(const StudyCase& study) {
-  Json options{{"product", study.map.product}, {"sampler", sampler_options(study.sampler)}};
+  Json options{{"product", study.map.product}, {"sampler", identity_options(study.sampler)}};
   if (!study.is_log_density()) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
   if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);

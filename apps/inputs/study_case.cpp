@@ -41,12 +41,14 @@ ErrorOptions errors_of_external(const ExternalCase& external) {
 /// Before the model is asked for anything. Errors: InputError for a sampler that cannot sample this case.
 void expect_sampler_fits(const StudyCase& study) {
   const SamplerOptions& sampler = study.sampler;
-  if (sampler.kind == "delayed_acceptance" && study.external && (study.is_log_density() || !study.file.has("surrogate")))
+  const SamplerEntry& entry = sampler.entry();
+  if (!entry.first_stage.empty() && study.external && (study.is_log_density() || !study.file.has("surrogate")))
     throw InputError({.problem = "walks on an emulator first, and here chains walk on the model itself",
                       .key = "sampler.kind",
-                      .value = "\"delayed_acceptance\"",
-                      .suggestion = study.is_log_density() ? "take \"dram\"" : "take \"dram\", or add a [surrogate] table so that there is an emulator"});
-  if (sampler.kind == "ensemble") (void)walkers_of(sampler.ensemble, study.parameters().size());
+                      .value = '"' + sampler.kind + '"',
+                      .suggestion = fmt::format("take \"{}\"{}", entry.first_stage,
+                                                study.is_log_density() ? "" : ", or add a [surrogate] table so that there is an emulator")});
+  if (entry.check) entry.check(sampler, study.parameters().size());
 }
 
 }  // namespace
@@ -80,8 +82,8 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   if (study.external) study.errors = errors_of_external(*study.external);
   study.file.read("errors", study.errors);
   study.file.read("posterior", study.posterior);
-  if (const auto kind = study.file.text("sampler.kind"); kind && samplers().contains(*kind)) study.sampler = default_sampler_options(*kind);
-  if (study.external && study.sampler.kind == "dram") study.sampler.warmup = 4000, study.sampler.draws = 4000;
+  const auto sampler = study.file.text("sampler.kind");
+  study.sampler = default_sampler_options(sampler && samplers().contains(*sampler) ? *sampler : study.sampler.kind, study.external.has_value());
   study.file.read("sampler", study.sampler);
   study.file.locating([&] { expect_sampler_fits(study); });
   constexpr int quick_runs = 10000;  // of a model whose runs take milliseconds

@@ -35,8 +35,7 @@ Json sample_compared(const std::string& form, const PosteriorInputs& in, const P
   for (Eigen::Index i = 0; i < design.cols(); ++i) starts.push_back(posterior.q(box.theta(design.col(i)), 0));
   const auto modes = find_modes(posterior, starts);
   if (modes.empty()) throw NumericsError("no mode of the posterior was found under other errors (posterior.compare)");
-  SamplerOptions chains = options;
-  if (options.kind == "delayed_acceptance") chains = default_sampler_options("dram");
+  const SamplerOptions chains = one_density_options(options);
   const SamplerResult result = run_sampler(PosteriorDensity(posterior), start_at_mode(posterior, modes[0]), chains, run);
   return compared_json(form_sentence(form), assessed(result, chains.thin), regions(result.quantities, own));
 }

@@ -49,7 +49,7 @@ ExitStatus sample_stage(StageCall& call) {
   const TrueModelCheck& check = refined.check;
   if (!refined.refinements.empty()) notes.say(stage_line("sample", refinement_sentence(refined)));
 
-  const bool second_stage = study.sampler.kind == "delayed_acceptance";
+  const bool second_stage = !study.sampler.entry().first_stage.empty();
   const SampledEmulator sampled(*made.inputs, fit, second_stage ? 0 : study.posterior.hyperparameter_draws, command.seed, command.threads);
   const LogDensity& density = sampled.density();
   const SamplerRun run = saved_run(call, provenance, progress);

@@ -1,4 +1,4 @@
-/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/calibration.hpp): whether ranks of the truth among posterior draws are
+/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/sampler/calibration.hpp): whether ranks of the truth among posterior draws are
 /// uniform, and as the control the same without the Jacobian of ln s.
 ///   bench_calibration [replications, 1000] [seed, 1]
 #include <fmt/format.h>
@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "tests/unit/uq/calibration.hpp"
+#include "tests/unit/uq/sampler/calibration.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;

@@ -19,6 +19,7 @@
 #include "base/random.hpp"
 #include "tests/verification/reference_scores.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/ensemble.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -41,7 +42,7 @@ SamplerOptions options_of(const std::string& kind) {
   SamplerOptions o = default_sampler_options(kind);
   if (kind == "dram") o.warmup = 20000, o.draws = 5000, o.thin = 16;
   if (kind == "nuts") o.warmup = 1000, o.draws = 5000, o.thin = 1;
-  if (kind == "ensemble") o.warmup = 2000, o.draws = 600, o.thin = 10, o.ensemble.walkers = 32, o.dispersion = 1;  // as emcee below
+  if (kind == "ensemble") o.warmup = 2000, o.draws = 600, o.thin = 10, o.table<WalkerOptions>().walkers = 32, o.dispersion = 1;  // as emcee below
   if (kind == "delayed_acceptance") o.warmup = 500, o.draws = 5000;
   return o;
 }

@@ -8,6 +8,7 @@
 #include "base/random.hpp"
 #include "tests/verification/reference_scores.hpp"
 #include "uq/convergence/assess.hpp"
+#include "uq/sampler/delayed_acceptance.hpp"
 
 namespace calomel::testing {
 namespace {
@@ -136,7 +137,7 @@ SamplerOptions options_of(const std::string& kind, const std::string& posterior)
   if (kind == "ensemble")
     o.warmup = 1000, o.draws = posterior == "kid_scores" ? 400 : 1000, o.thin = 10, o.dispersion = reference_posterior(posterior).dispersion;
   if (kind == "smc") o.draws = dear ? 500 : 1000;
-  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = dear ? 1000 : 3000, o.delayed_acceptance.first_stage = dear ? 10 : 20;
+  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = dear ? 1000 : 3000, o.table<DelayedAcceptanceOptions>().first_stage = dear ? 10 : 20;
   return o;
 }
 

@@ -48,7 +48,7 @@ SamplerStart start_of(const ReferencePosterior& posterior) {
 }
 
 SamplerResult sample(const LogDensity& density, const LogDensity& stand_in, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
-  if (options.kind == "delayed_acceptance") return run_sampler(stand_in, density, start, options, run);
+  if (!options.entry().first_stage.empty()) return run_sampler(stand_in, density, start, options, run);
   return run_sampler(density, start, options, run);
 }
 

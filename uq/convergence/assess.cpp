@@ -185,13 +185,13 @@ std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary&
   // Effective sizes grow with the draws; R-hat - 1 of many chains that are short falls with them.
   const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail)), lacking = std::max(limits.ess / least, (s.r_hat - 1) / (limits.r_hat - 1));
   const double needed = 1.2 * lacking * double(draws.draws), step = needed < 1000 ? 100 : 1000, rounded = std::ceil(needed / step) * step;
-  if (facts.kind == "smc")
+  if (!facts.remedies.correlation_key.empty())
     return fmt::format(
         "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so "
         "that they move more, and set "
         "sampler.draws = {:.0f}",
         name, numbers(s), std::max(rounded, 2 * double(draws.draws)));
-  if (facts.kind == "delayed_acceptance" && facts.acceptance && *facts.acceptance < 0.2)
+  if (!facts.remedies.emulator_only.empty() && facts.acceptance && *facts.acceptance < 0.2)
     return fmt::format(
         "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical "
         "noise; give the emulator more runs "

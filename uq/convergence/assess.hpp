@@ -24,6 +24,16 @@ struct ParameterSummary {
   double mcse_mean = 0, mcse_sd = 0, mcse_q05 = 0, mcse_q50 = 0, mcse_q95 = 0;
 };
 
+/// Keys of a sampler that the user may change when its chains have not converged. Each is a whole key, as "sampler.NAME.target"; it is empty where the sampler
+/// has no such key.
+struct SamplerRemedies {
+  std::string accuracy_key;     ///< accuracy of the steps along a trajectory
+  double safer_accuracy = 0;    ///< a value of it with which fewer trajectories diverge
+  std::string length_key;       ///< greatest length of a trajectory
+  std::string correlation_key;  ///< correlation below which particles of a population count as independent of their ancestors
+  std::string emulator_only;    ///< for a sampler that corrects an emulator by the true model: the sampler of the emulator alone
+};
+
 /// What the run knows beside its draws; it sharpens the cause that is named.
 struct SamplingFacts {
   std::optional<double> acceptance;  ///< mean acceptance of the kept transitions, [0, 1]
@@ -32,7 +42,7 @@ struct SamplingFacts {
   std::size_t divergences = 0;       ///< of the kept transitions: trajectories given up
   std::size_t cut = 0;               ///< of the kept transitions: trajectories that the greatest number of doublings ended
   std::size_t transitions = 0;       ///< kept
-  std::string kind;                  ///< of the sampler, for next steps that are its own; may be empty
+  SamplerRemedies remedies;          ///< the sampler's own
 };
 
 struct Convergence {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uq/sampler/sampler_options.hpp"
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
@@ -109,6 +110,23 @@ class DelayedAcceptanceChain final : public MarkovChain {
 std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options,
                                                       const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup) {
   return std::make_unique<DelayedAcceptanceChain>(cheap, exact, options, dram, covariance, warmup);
+}
+
+SamplerEntry delayed_acceptance_sampler() {
+  return {.chain =
+              [](const ChainSetting& s) {
+                return delayed_acceptance_chain(s.density, *s.exact, s.options.table<DelayedAcceptanceOptions>(), s.options.table<DramOptions>(),
+                                                s.mode.covariance, s.options.warmup);
+              },
+          .evaluations =
+              [](const SamplerOptions& o, std::size_t) {
+                const double kept = double(o.draws) * o.thin;
+                return (double(o.table<DelayedAcceptanceOptions>().settle) + kept) / (double(o.warmup) + kept);
+              },
+          .lengths = {.warmup = 500, .draws = 300, .thin = 1},
+          .options = DelayedAcceptanceOptions{},
+          .first_stage = "dram",
+          .remedies = {.emulator_only = "dram"}};
 }
 
 }  // namespace calomel

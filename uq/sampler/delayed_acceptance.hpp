@@ -29,4 +29,7 @@ struct DelayedAcceptanceOptions {
 std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options,
                                                       const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup);
 
+/// The entry of the catalogue.
+SamplerEntry delayed_acceptance_sampler();
+
 }  // namespace calomel

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/linear_algebra.hpp"
+#include "uq/sampler/sampler_options.hpp"
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
@@ -211,6 +212,15 @@ double log_delayed_acceptance(std::span<const double> log_density, const Eigen::
 
 std::unique_ptr<MarkovChain> dram_chain(const LogDensity& density, const DramOptions& options, const Eigen::MatrixXd& covariance) {
   return std::make_unique<DramChain>(density, options, covariance);
+}
+
+SamplerEntry dram_sampler() {
+  constexpr double usual = 1.7;  // proposals of a transition
+  return {.chain = [](const ChainSetting& s) { return dram_chain(s.density, s.options.table<DramOptions>(), s.mode.covariance); },
+          .evaluations = [](const SamplerOptions&, std::size_t) { return usual; },
+          .lengths = {.warmup = 5000, .draws = 10000, .thin = 4},
+          .external_lengths = ChainLengths{.warmup = 4000, .draws = 4000, .thin = 4},
+          .options = DramOptions{}};
 }
 
 }  // namespace calomel

@@ -10,6 +10,8 @@
 
 namespace calomel {
 
+struct SamplerEntry;  // uq/sampler/sampler_options.hpp
+
 /// `[sampler.dram]`.
 struct DramOptions {
   int stages = 2;
@@ -37,6 +39,9 @@ struct DramOptions {
 /// which leaves p invariant; the stages' own densities q_i are symmetric and cancel.
 /// covariance: (d, d), positive definite. Errors: InputError when it is not.
 std::unique_ptr<MarkovChain> dram_chain(const LogDensity& density, const DramOptions& options, const Eigen::MatrixXd& covariance);
+
+/// The entry of the catalogue.
+SamplerEntry dram_sampler();
 
 /// ln a_i of the path x = y_0, y_1, ..., y_i. log_density: (i + 1); whitened: (d, i + 1), the points in coordinates in which the first stage's proposal has
 /// unit covariance. Minus infinity where it is 0.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "uq/sampler/sampler_options.hpp"
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
@@ -133,6 +134,17 @@ class EnsembleChain final : public MarkovChain {
 std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
                                             const Eigen::MatrixXd& covariance, double dispersion) {
   return std::make_unique<EnsembleChain>(density, options, mean, covariance, dispersion);
+}
+
+SamplerEntry ensemble_sampler() {
+  return {.chain =
+              [](const ChainSetting& s) {
+                return ensemble_chain(s.density, s.options.table<WalkerOptions>(), s.mode.mean, s.mode.covariance, s.options.dispersion);
+              },
+          .evaluations = [](const SamplerOptions& o, std::size_t d) { return double(walkers_of(o.table<WalkerOptions>(), d)); },
+          .lengths = {.warmup = 1000, .draws = 1500, .thin = 10},
+          .options = WalkerOptions{},
+          .check = [](const SamplerOptions& o, std::size_t d) { (void)walkers_of(o.table<WalkerOptions>(), d); }};
 }
 
 }  // namespace calomel

@@ -9,6 +9,8 @@
 
 namespace calomel {
 
+struct SamplerEntry;  // uq/sampler/sampler_options.hpp
+
 /// `[sampler.ensemble]`.
 struct WalkerOptions {
   int walkers = 0;
@@ -39,5 +41,8 @@ struct WalkerOptions {
 /// odd or too small; NumericsError where the density is NaN, or zero wherever a walker tries to start.
 std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
                                             const Eigen::MatrixXd& covariance, double dispersion);
+
+/// The entry of the catalogue.
+SamplerEntry ensemble_sampler();
 
 }  // namespace calomel

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/linear_algebra.hpp"
+#include "uq/sampler/sampler_options.hpp"
 #include "uq/sampler/start.hpp"
 
 namespace calomel {
@@ -52,11 +53,7 @@ class NutsChain final : public MarkovChain {
         learnt_from_(Eigen::VectorXd::Zero(d_)),
         mean_(Eigen::VectorXd::Zero(d_)),
         squares_(Eigen::MatrixXd::Zero(d_, d_)) {
-    if (!density.has_gradient())
-      throw InputError({.problem = "follows the gradient of the density, and this one has none",
-                        .key = "sampler.kind",
-                        .value = "\"nuts\"",
-                        .suggestion = "take \"dram\", \"ensemble\" or \"smc\", which need none"});
+    expect(density.has_gradient(), "this sampler is run on a density with a gradient");
     if (!dense_) factor_ = covariance.diagonal().cwiseSqrt().asDiagonal();
   }
 
@@ -278,6 +275,16 @@ std::vector<int> warmup_windows(int warmup) {
 
 std::unique_ptr<MarkovChain> nuts_chain(const LogDensity& density, const NutsOptions& options, const Eigen::MatrixXd& covariance, int warmup) {
   return std::make_unique<NutsChain>(density, options, covariance, warmup);
+}
+
+SamplerEntry nuts_sampler() {
+  constexpr double usual = 7;  // steps of a trajectory
+  return {.chain = [](const ChainSetting& s) { return nuts_chain(s.density, s.options.table<NutsOptions>(), s.mode.covariance, s.options.warmup); },
+          .evaluations = [](const SamplerOptions&, std::size_t) { return usual; },
+          .lengths = {.warmup = 1000, .draws = 2000, .thin = 1},
+          .options = NutsOptions{},
+          .needs_gradient = true,
+          .remedies = {.accuracy_key = "sampler.nuts.target", .safer_accuracy = 0.95, .length_key = "sampler.nuts.depth"}};
 }
 
 }  // namespace calomel

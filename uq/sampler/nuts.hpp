@@ -11,6 +11,8 @@
 
 namespace calomel {
 
+struct SamplerEntry;  // uq/sampler/sampler_options.hpp
+
 /// `[sampler.nuts]`.
 struct NutsOptions {
   double target = 0.8;
@@ -45,5 +47,8 @@ std::vector<int> warmup_windows(int warmup);
 /// that learn. Errors: InputError when the covariance is not, and naming samplers that need no gradient where the density has none; NumericsError where density
 /// or gradient are NaN, naming the place.
 std::unique_ptr<MarkovChain> nuts_chain(const LogDensity& density, const NutsOptions& options, const Eigen::MatrixXd& covariance, int warmup);
+
+/// The entry of the catalogue.
+SamplerEntry nuts_sampler();
 
 }  // namespace calomel

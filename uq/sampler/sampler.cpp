@@ -22,33 +22,46 @@ namespace calomel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-const std::string two_densities = "delayed_acceptance";
 
-/// What a chain has done so far.
+/// The record of a chain.
 struct ChainRecord {
-  std::size_t transitions = 0, evaluations = 0, cheap_evaluations = 0;
-  std::vector<double> coordinates;               ///< (draw, walker, d)
-  std::vector<double> log_density;               ///< (draw, walker)
-  std::vector<double> acceptance;                ///< (draw)
-  std::vector<double> energy, diverging, depth;  ///< (draw), empty without trajectories
-  double pending = 0;                            ///< acceptance summed over the transitions since the last kept draw
-  double pending_divergences = 0;                ///< divergent transitions since then
-  EnergyChanges energies;                        ///< of the kept transitions
-  std::uint64_t divergences = 0, cut = 0;        ///< kept transitions
-  double log_evidence = nan;                     ///< where the sampler makes one, at the end
-  std::string state;                             ///< of its stream and its chain, after `transitions`; empty before the start
+  std::size_t transitions = 0;
+  std::size_t evaluations = 0;
+  std::size_t cheap_evaluations = 0;
+  std::vector<double> coordinates;  ///< (draw, walker, d)
+  std::vector<double> log_density;  ///< (draw, walker)
+  std::vector<double> acceptance;   ///< (draw)
+  std::vector<double> energy;       ///< (draw), empty without trajectories; so are the next two
+  std::vector<double> diverging;
+  std::vector<double> depth;
+  double pending = 0;              ///< acceptance summed over the transitions since the last kept draw
+  double pending_divergences = 0;  ///< divergent transitions since the last kept draw
+  EnergyChanges energies;          ///< of the kept transitions
+  std::uint64_t divergences = 0;   ///< kept transitions that diverged
+  std::uint64_t cut = 0;           ///< kept transitions that the greatest number of doublings ended
+  double log_evidence = nan;       ///< the chain's estimate at its end, if the sampler makes one
+  std::string state;               ///< the stream and the chain after `transitions`; empty before the start
 
   [[nodiscard]] std::array<std::vector<double>*, 6> lists() { return {&coordinates, &log_density, &acceptance, &energy, &diverging, &depth}; }
 };
 
-/// A frame of the journal: the chain, what it did since its last frame, and where it stands. saved: lengths of the lists at the last frame.
+/// A frame of the journal: the chain's number, what it did since its last frame, and its state. saved: lengths of the lists at the last frame.
 std::string frame_of(std::size_t chain, ChainRecord& record, const std::array<std::size_t, 6>& saved) {
   ByteWriter out;
-  out.value(std::uint64_t(chain)), out.value(std::uint64_t(record.transitions)), out.value(std::uint64_t(record.evaluations)),
-      out.value(std::uint64_t(record.cheap_evaluations));
+  out.value(std::uint64_t(chain));
+  out.value(std::uint64_t(record.transitions));
+  out.value(std::uint64_t(record.evaluations));
+  out.value(std::uint64_t(record.cheap_evaluations));
   const auto lists = record.lists();
-  for (std::size_t k = 0; k < lists.size(); ++k) out.value(std::uint64_t(saved[k])), out.values(std::span<const double>(*lists[k]).subspan(saved[k]));
-  out.value(record.pending), out.value(record.pending_divergences), out.value(record.energies), out.value(record.divergences), out.value(record.cut);
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    out.value(std::uint64_t(saved[k]));
+    out.values(std::span<const double>(*lists[k]).subspan(saved[k]));
+  }
+  out.value(record.pending);
+  out.value(record.pending_divergences);
+  out.value(record.energies);
+  out.value(record.divergences);
+  out.value(record.cut);
   out.value(record.log_evidence);
   out.text(record.state);
   return out.bytes;
@@ -59,22 +72,30 @@ void take_frame(std::string_view payload, std::vector<ChainRecord>& records) {
   const auto chain = in.value<std::uint64_t>();
   expect(chain < records.size(), "a journal holds no more chains than are run");
   ChainRecord& r = records[chain];
-  r.transitions = in.value<std::uint64_t>(), r.evaluations = in.value<std::uint64_t>(), r.cheap_evaluations = in.value<std::uint64_t>();
+  r.transitions = in.value<std::uint64_t>();
+  r.evaluations = in.value<std::uint64_t>();
+  r.cheap_evaluations = in.value<std::uint64_t>();
   for (auto* list : r.lists()) {
     expect(in.value<std::uint64_t>() == list->size(), "the frames of a chain follow one another");
     const auto more = in.values<double>();
     list->insert(list->end(), more.begin(), more.end());
   }
-  in.into(r.pending), in.into(r.pending_divergences), in.into(r.energies), in.into(r.divergences), in.into(r.cut), in.into(r.log_evidence);
+  in.into(r.pending);
+  in.into(r.pending_divergences);
+  in.into(r.energies);
+  in.into(r.divergences);
+  in.into(r.cut);
+  in.into(r.log_evidence);
   r.state = in.text();
 }
 
-/// Counts a kept transition, and the draw when it is one.
+/// Counts a kept transition; with `draw`, stores the draw that it completes.
 void keep(ChainRecord& r, const MarkovChain::Transition& step, const MarkovChain& chain, bool draw, std::size_t thin) {
   r.pending += step.acceptance;
   if (step.trajectory) {
     r.energies.add(step.trajectory->energy);
-    r.divergences += step.trajectory->divergent, r.cut += step.trajectory->cut;
+    r.divergences += step.trajectory->divergent;
+    r.cut += step.trajectory->cut;
     r.pending_divergences += step.trajectory->divergent;
   }
   if (!draw) return;
@@ -84,13 +105,19 @@ void keep(ChainRecord& r, const MarkovChain::Transition& step, const MarkovChain
     r.log_density.push_back(chain.log_density(w));
   }
   r.acceptance.push_back(r.pending / double(thin));
-  if (step.trajectory) r.energy.push_back(step.trajectory->energy), r.diverging.push_back(r.pending_divergences), r.depth.push_back(step.trajectory->depth);
-  r.pending = 0, r.pending_divergences = 0;
+  if (step.trajectory) {
+    r.energy.push_back(step.trajectory->energy);
+    r.diverging.push_back(r.pending_divergences);
+    r.depth.push_back(step.trajectory->depth);
+  }
+  r.pending = 0;
+  r.pending_divergences = 0;
 }
 
-/// ln of the mean of exp(estimates), and its standard error by the delta method: that of the mean of Z over that mean.
-void tell_evidence(std::span<const double> estimates, SamplerSummary& summary) {
-  const double n = double(estimates.size()), value = log_mean(estimates);
+/// Sets the log evidence, ln of the mean of exp(estimates), and its standard error by the delta method: that of the mean of Z over that mean.
+void set_evidence(std::span<const double> estimates, SamplerSummary& summary) {
+  const double n = double(estimates.size());
+  const double value = log_mean(estimates);
   summary.log_evidence = value;
   if (estimates.size() < 2) return;
   double squares = 0;
@@ -98,25 +125,58 @@ void tell_evidence(std::span<const double> estimates, SamplerSummary& summary) {
   summary.log_evidence_error = std::sqrt(squares / (n - 1) / n);
 }
 
-/// The run; exact is null for a sampler of one density.
+/// The names of the samplers that `wanted` selects, as `"a", "b" or "c"`.
+template <class Wanted>
+std::string quoted_kinds(const Registry<SamplerEntry>& catalogue, Wanted&& wanted) {
+  std::vector<std::string> names;
+  for (const auto& row : catalogue.rows())
+    if (wanted(row.entry)) names.push_back('"' + row.name + '"');
+  std::string s;
+  for (std::size_t i = 0; i < names.size(); ++i) s += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return s;
+}
+
+/// Errors: InputError when the sampler needs a second density or a gradient that is not there.
+void expect_density_fits(const LogDensity& density, bool two_densities, const SamplerOptions& options) {
+  const SamplerEntry& entry = options.entry();
+  if (!entry.first_stage.empty() && !two_densities)
+    throw InputError({.problem = "needs a cheap density beside the one that is sampled, an emulator of the model, and there is none here",
+                      .key = "sampler.kind",
+                      .value = '"' + options.kind + '"',
+                      .suggestion = fmt::format("take \"{}\"", entry.first_stage)});
+  if (entry.needs_gradient && !density.has_gradient()) {
+    const auto others = quoted_kinds(*options.catalogue, [](const SamplerEntry& e) { return !e.needs_gradient && e.first_stage.empty(); });
+    throw InputError({.problem = "follows the gradient of the density, and this one has none",
+                      .key = "sampler.kind",
+                      .value = '"' + options.kind + '"',
+                      .suggestion = fmt::format("take {}, which need none", others)});
+  }
+}
+
+/// Runs the chains. exact: null for a sampler of one density.
 SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
   const auto began = Clock::now();
-  const LogDensity& told_density = exact ? *exact : density;
-  const std::size_t d = density.dimension(), chains = std::size_t(options.chains), kept = std::size_t(options.draws), thin = std::size_t(options.thin),
-                    warmup = std::size_t(options.warmup), transitions = warmup + kept * thin;
+  const LogDensity& sampled = exact ? *exact : density;
+  const std::size_t d = density.dimension();
+  const auto chains = std::size_t(options.chains);
+  const auto kept = std::size_t(options.draws);
+  const auto thin = std::size_t(options.thin);
+  const auto warmup = std::size_t(options.warmup);
+  const std::size_t transitions = warmup + kept * thin;
   const Eigen::Index n = Eigen::Index(d);
   expect(d > 0 && chains > 0 && thin > 0, "a sampler has coordinates, chains and draws");
-  expect(told_density.dimension() == d, "both densities have the same coordinates");
+  expect(sampled.dimension() == d, "both densities have the same coordinates");
   expect(start.points.size() > 0 ? start.points.rows() == n && start.points.cols() == Eigen::Index(chains) : start.mean.size() == n,
          "a start has the dimension of the density");
-  const auto& entry = samplers().get(options.kind, "sampler.kind").chain;
+  expect_density_fits(density, exact != nullptr, options);
+  const SamplerEntry& entry = options.entry();
   const Eigen::MatrixXd covariance = start.covariance.size() > 0 ? start.covariance : Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n));
   const auto mode_of = [&](std::size_t c) -> StartMode {
     if (start.points.size() > 0) return {.mean = start.points.col(Eigen::Index(c)), .covariance = covariance};
     return start.modes.size() > 1 ? start.modes[c % start.modes.size()] : StartMode{.mean = start.mean, .covariance = covariance};
   };
   const auto chain_about = [&](const StartMode& mode) {
-    return entry({.density = density, .exact = exact, .options = options, .mode = mode, .modes = start.modes.size() > 1 ? start.modes : std::vector{mode}});
+    return entry.chain({.density = density, .exact = exact, .options = options, .mode = mode, .modes = start.modes.size() > 1 ? start.modes : std::vector{mode}});
   };
   const StartMode first_mode = mode_of(0);
   const auto first_chain = chain_about(first_mode);
@@ -132,18 +192,18 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
   for (const auto& r : records) result.summary.resumed += r.transitions;
 
   std::atomic<std::size_t> done{result.summary.resumed};
-  std::mutex telling;
-  auto told = Clock::now();
-  const auto tell = [&](bool now) {
+  std::mutex reporting;
+  auto reported_at = Clock::now();
+  const auto report = [&](bool now) {
     if (!run.progress) return;
-    const std::lock_guard guard(telling);
-    if (!now && Clock::now() - told < std::chrono::milliseconds(100)) return;
-    told = Clock::now();
+    const std::lock_guard guard(reporting);
+    if (!now && Clock::now() - reported_at < std::chrono::milliseconds(100)) return;
+    reported_at = Clock::now();
     run.progress(done, chains * transitions);
   };
-  tell(true);
+  report(true);
 
-  std::atomic<bool> failed{false};  // one chain did: the others save what they have and end, so that it is told at once
+  std::atomic<bool> failed{false};  // one chain failed: the others save their state and end, so that the failure is reported at once
   const auto walk = [&](std::size_t c) {
     ChainRecord& r = records[c];
     if (r.transitions == transitions) return;
@@ -170,7 +230,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
     std::array<std::size_t, 6> saved{};
     const auto note_saved = [&] { std::ranges::transform(r.lists(), saved.begin(), [](const auto* list) { return list->size(); }); };
     note_saved();
-    auto saved_at = Clock::now(), looked = saved_at;
+    auto saved_at = Clock::now();
+    auto looked_at = saved_at;
     const auto save = [&] {
       if (!journal) return;
       ByteWriter state;
@@ -178,7 +239,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       chain->save(state);
       r.state = std::move(state.bytes);
       journal->append(frame_of(c, r, saved));
-      note_saved(), saved_at = Clock::now();
+      note_saved();
+      saved_at = Clock::now();
     };
     for (; r.transitions < transitions;) {
       const bool stopped = run.stop && run.stop->load();
@@ -190,12 +252,17 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       if (r.transitions == warmup) chain->freeze();
       const auto step = chain->step(random, r.transitions < warmup);
       if (jumps) r.evaluations += std::size_t(jumps->move(*chain, density, random));
-      ++r.transitions, r.evaluations += std::size_t(step.evaluations), r.cheap_evaluations += std::size_t(step.cheap_evaluations);
+      ++r.transitions;
+      r.evaluations += std::size_t(step.evaluations);
+      r.cheap_evaluations += std::size_t(step.cheap_evaluations);
       done.fetch_add(1, std::memory_order_relaxed);
       if (r.transitions > warmup) keep(r, step, *chain, (r.transitions - warmup) % thin == 0, thin);
       if (r.transitions == transitions) r.log_evidence = chain->log_evidence().value_or(nan);
       const auto now = Clock::now();
-      if (now - looked > std::chrono::milliseconds(100)) looked = now, tell(false);
+      if (now - looked_at > std::chrono::milliseconds(100)) {
+        looked_at = now;
+        report(false);
+      }
       if (journal && now - saved_at > std::chrono::duration<double>(run.save_every)) save();
     }
     save();
@@ -208,16 +275,17 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       throw;
     }
   });
-  tell(true);
+  report(true);
 
-  const std::size_t told_chains = chains * walkers;
-  result.coordinates = {.names = told_density.coordinates(), .chains = told_chains, .draws = kept, .walkers = walkers};
-  result.quantities = {.chains = told_chains, .draws = kept, .walkers = walkers};
-  result.quantities.names = told_density.quantities();
-  const std::size_t reported = result.quantities.names.size();
-  result.quantities.values.resize(told_chains * kept * reported);
+  const std::size_t all_chains = chains * walkers;
+  result.coordinates = {.names = sampled.coordinates(), .chains = all_chains, .draws = kept, .walkers = walkers};
+  result.quantities = {.chains = all_chains, .draws = kept, .walkers = walkers};
+  result.quantities.names = sampled.quantities();
+  const std::size_t quantities = result.quantities.names.size();
+  result.quantities.values.resize(all_chains * kept * quantities);
   auto& s = result.summary;
   s.kind = options.kind;
+  s.remedies = entry.remedies;
   std::vector<double> evidences;
   for (std::size_t c = 0; c < chains; ++c) {
     const ChainRecord& r = records[c];
@@ -225,7 +293,7 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
       const auto place = [&](std::size_t i) { return std::span(r.coordinates).subspan((i * walkers + w) * d, d); };
       for (std::size_t i = 0; i < kept; ++i) {
         const auto x = place(i);
-        told_density.constrain(x, std::span(result.quantities.values).subspan(((c * walkers + w) * kept + i) * reported, reported));
+        sampled.constrain(x, std::span(result.quantities.values).subspan(((c * walkers + w) * kept + i) * quantities, quantities));
         result.coordinates.values.insert(result.coordinates.values.end(), x.begin(), x.end());
         result.log_density.push_back(r.log_density[i * walkers + w]);
       }
@@ -234,39 +302,35 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
         to->insert(to->end(), from->begin(), from->end());
     }
     s.acceptance.push_back(std::accumulate(r.acceptance.begin(), r.acceptance.end(), 0.0) / double(kept));
-    s.evaluations += r.evaluations, s.cheap_evaluations += r.cheap_evaluations, s.transitions += r.transitions;
-    if (!r.energy.empty()) s.e_bfmi.push_back(r.energies.e_bfmi()), s.divergences += r.divergences, s.cut += r.cut;
+    s.evaluations += r.evaluations;
+    s.cheap_evaluations += r.cheap_evaluations;
+    s.transitions += r.transitions;
+    if (!r.energy.empty()) {
+      s.e_bfmi.push_back(r.energies.e_bfmi());
+      s.divergences += r.divergences;
+      s.cut += r.cut;
+    }
     if (!std::isnan(r.log_evidence)) evidences.push_back(r.log_evidence);
   }
-  if (evidences.size() == chains) tell_evidence(evidences, s);
+  if (evidences.size() == chains) set_evidence(evidences, s);
   s.wall_s = std::chrono::duration<double>(Clock::now() - began).count();
   return result;
 }
 
 }  // namespace
 
-SamplerOptions default_sampler_options(const std::string& kind) {
-  const SamplerEntry& entry = samplers().get(kind, "sampler.kind");
-  SamplerOptions options;
-  options.kind = kind, options.warmup = entry.warmup, options.draws = entry.draws, options.thin = entry.thin;
-  return options;
-}
-
-double usual_evaluations(const SamplerOptions& options, std::size_t dimension) {
-  return double(options.chains) * (double(options.warmup) + double(options.draws) * options.thin) *
-         samplers().get(options.kind, "sampler.kind").evaluations(options, dimension);
-}
-
 SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
   return run_chains(density, nullptr, start, options, run);
 }
 
 SamplerResult run_sampler(const LogDensity& cheap, const LogDensity& exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
-  if (options.kind != two_densities)
+  if (options.entry().first_stage.empty()) {
+    const auto others = quoted_kinds(*options.catalogue, [](const SamplerEntry& e) { return !e.first_stage.empty(); });
     throw InputError({.problem = "samples one density, and two were given",
                       .key = "sampler.kind",
                       .value = '"' + options.kind + '"',
-                      .suggestion = fmt::format("take \"{}\"", two_densities)});
+                      .suggestion = "take " + others});
+  }
   return run_chains(cheap, &exact, start, options, run);
 }
 
@@ -279,7 +343,7 @@ SamplingFacts sampling_facts(const SamplerResult& result, int thin) {
           .divergences = s.divergences,
           .cut = s.cut,
           .transitions = kept,
-          .kind = s.kind};
+          .remedies = s.remedies};
 }
 
 void remove_journal(const std::filesystem::path& journal) {

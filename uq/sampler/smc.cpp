@@ -8,6 +8,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "base/log_sum.hpp"
+#include "uq/sampler/sampler_options.hpp"
 #include "uq/sampler/start.hpp"
 #include "uq/sampler/student.hpp"
 
@@ -259,6 +260,23 @@ class SmcChain final : public MarkovChain {
 std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles) {
   return std::make_unique<SmcChain>(density, options, modes, dispersion, particles);
+}
+
+SamplerEntry smc_sampler() {
+  constexpr double usual = 40;  // moves of a particle, over some twenty temperatures
+  return {.chain =
+              [](const ChainSetting& s) {
+                return smc_chain(s.density, s.options.table<SmcOptions>(), s.modes, s.options.dispersion,
+                                 std::size_t(s.options.draws) * std::size_t(s.options.thin));
+              },
+          .evaluations =
+              [](const SamplerOptions& o, std::size_t) {
+                return usual * double(o.draws) * o.thin / (double(o.warmup) + double(o.draws) * o.thin);
+              },
+          .lengths = {.warmup = 1000, .draws = 2000, .thin = 1},
+          .options = SmcOptions{},
+          .limits = {"evaluations"},
+          .remedies = {.correlation_key = "sampler.smc.correlation"}};
 }
 
 }  // namespace calomel

@@ -9,6 +9,8 @@
 
 namespace calomel {
 
+struct SamplerEntry;  // uq/sampler/sampler_options.hpp
+
 /// `[sampler.smc]`.
 struct SmcOptions {
   double keep = 0.9;
@@ -49,5 +51,8 @@ struct SmcOptions {
 /// zero at all particles of q, and where `evaluations` are spent before the particles have arrived.
 std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles);
+
+/// The entry of the catalogue.
+SamplerEntry smc_sampler();
 
 }  // namespace calomel

@@ -8,7 +8,7 @@
 #include "base/netcdf_file.hpp"
 #include "tests/command_output.hpp"
 #include "tests/scratch.hpp"
-#include "tests/unit/uq/densities.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
 #include "uq/sampler/sampler.hpp"
 
 using namespace calomel;

@@ -4,10 +4,11 @@
 
 #include <cmath>
 
-#include "tests/unit/uq/densities.hpp"
-#include "tests/unit/uq/resumed.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
+#include "tests/unit/uq/sampler/resumed.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/sampler.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -54,7 +55,7 @@ SamplerStart about(std::size_t d, double place) { return {.mean = Eigen::VectorX
 TEST(Nuts, DrawsFollowABentDensity) {
   const auto density = banana();
   auto options = nuts(1000, 3000);
-  options.nuts.target = 0.98;  // below, trajectories diverge in its tails
+  options.table<NutsOptions>().target = 0.98;  // below, trajectories diverge in its tails
   const auto r = run_sampler(density, about(2, 1), options, {.seed = 5});
   const auto c = assess(r.quantities, sampling_facts(r, 1));
   EXPECT_TRUE(c.converged) << c.message;
@@ -71,7 +72,7 @@ TEST(Nuts, DrawsFollowManyScalesAndAWallWithEitherMetric) {
   const auto density = walled();
   for (const char* metric : {"dense", "diagonal"}) {
     auto options = nuts(1000, 2000);
-    options.nuts.metric = metric;
+    options.table<NutsOptions>().metric = metric;
     const auto r = run_sampler(density, about(11, 1), options, {.seed = 6});
     const auto c = assess(r.quantities, sampling_facts(r, 1));
     EXPECT_TRUE(c.converged) << c.message;
@@ -123,7 +124,7 @@ TEST(Nuts, AFunnelIsNotCalledConverged) {
 TEST(Nuts, DoublingsEndAtTheDepthThatIsAllowed) {
   const auto density = normals(1, 100);
   auto options = nuts(0, 50);  // steps of 0.5 where 300 would do
-  options.nuts.depth = 3;
+  options.table<NutsOptions>().depth = 3;
   const auto r = run_sampler(density, about(1, 0), options, {.seed = 10});
   EXPECT_EQ(r.summary.cut, r.summary.transitions);
   for (const double depth : r.depth) EXPECT_EQ(depth, 3);

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
-#include "tests/unit/uq/densities.hpp"
-#include "tests/unit/uq/resumed.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
+#include "tests/unit/uq/sampler/resumed.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/sampler.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -23,7 +24,7 @@ TEST(Ensemble, EachMoveAloneSamplesADensityWithAWall) {
   const Written density(1, [](std::span<const double> x) { return x[0] < 0 ? never : -x[0]; });
   for (const double share : {0.0, 0.5, 1.0}) {
     auto options = ensemble(500, 2000, 5);
-    options.ensemble.stretch = share;
+    options.table<WalkerOptions>().stretch = share;
     const auto r = run_sampler(density, at(1, 1), options, {.seed = 1});
     const auto x = r.quantities.of(0);
     const ChainDraws draws{x, r.quantities.chains, r.quantities.walkers};
@@ -43,7 +44,7 @@ TEST(Ensemble, EachMoveAloneSamplesSeveralDimensions) {
   const Gaussian density(Eigen::VectorXd::Zero(5), c);
   for (const double share : {0.0, 1.0}) {
     auto options = ensemble(1000, 500, 20);
-    options.ensemble.stretch = share;
+    options.table<WalkerOptions>().stretch = share;
     const auto r = run_sampler(density, {.mean = Eigen::VectorXd::Zero(5), .covariance = c, .points = {}}, options, {.seed = 2});
     const auto a = assess(r.quantities, sampling_facts(r, options.thin));
     EXPECT_TRUE(a.converged) << a.message;
@@ -103,7 +104,7 @@ TEST(Ensemble, GoesBetweenModes) {
     return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
   });
   auto options = ensemble(2000, 2000, 10);
-  options.ensemble.walkers = 20;
+  options.table<WalkerOptions>().walkers = 20;
   const auto r = run_sampler(two, {.mean = Eigen::VectorXd::Zero(1), .covariance = Eigen::MatrixXd::Constant(1, 1, 25), .points = {}}, options, {.seed = 5});
   const auto x = r.quantities.of(0);
   const ChainDraws draws{x, r.quantities.chains, r.quantities.walkers};
@@ -120,7 +121,7 @@ TEST(Ensemble, TooFewOrOddWalkersAreTheUsersMistake) {
   const auto density = banana();
   for (const int walkers : {2, 7}) {
     auto options = ensemble(10, 10, 1);
-    options.ensemble.walkers = walkers;
+    options.table<WalkerOptions>().walkers = walkers;
     try {
       (void)run_sampler(density, at(2, 1), options, {});
       FAIL();

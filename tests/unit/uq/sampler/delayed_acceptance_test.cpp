@@ -4,9 +4,10 @@
 
 #include <cmath>
 
-#include "tests/unit/uq/densities.hpp"
-#include "tests/unit/uq/resumed.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
+#include "tests/unit/uq/sampler/resumed.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/sampler.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -59,7 +60,7 @@ TEST(TwoStages, BearsAnExactDensityThatIsZeroWhereTheCheapOneIsNot) {
   const Written cheap(1, [](std::span<const double> x) { return -0.125 * x[0] * x[0]; });
   const Written exact(1, [](std::span<const double> x) { return x[0] < 0 ? never : -x[0]; });
   auto options = delayed(500, 10000);
-  options.delayed_acceptance.first_stage = 5;
+  options.table<DelayedAcceptanceOptions>().first_stage = 5;
   const auto r = run_sampler(cheap, exact, at(1, 0), options, {.seed = 4});
   const auto x = r.quantities.of(0);
   for (const double p : {0.05, 0.5, 0.95}) {

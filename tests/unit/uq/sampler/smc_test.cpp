@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/unit/uq/conjugate.hpp"
-#include "tests/unit/uq/densities.hpp"
-#include "tests/unit/uq/resumed.hpp"
+#include "tests/unit/uq/sampler/conjugate.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
+#include "tests/unit/uq/sampler/resumed.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/sampler.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -105,7 +106,7 @@ TEST(Smc, TellsTheWeightsOfModesThatLieApart) {
 TEST(Smc, WhatRelativesHaveInCommonCountsAgainstTheEffectiveSampleSize) {
   const Gaussian density(Eigen::VectorXd::Zero(5), Eigen::MatrixXd::Identity(5, 5));
   auto options = smc(200, 400);
-  options.smc = {.keep = 0.5, .correlation = 0.99, .sweeps = 1};
+  options.table<SmcOptions>() = {.keep = 0.5, .correlation = 0.99, .sweeps = 1};
   const auto r = run_sampler(density, at(5, 1), options, {.seed = 6});
   const auto first = r.coordinates.of(0);
   double spread = 0, told = 0, shuffled = 0;
@@ -147,7 +148,7 @@ TEST(Smc, ItsBudgetEndsItAndMoreGoesOn) {
   SamplerOptions options = smc(2, 500);
   SamplerRun run{.seed = 4, .journal = scratch("smc_budget") / "chains.journal", .provenance = provenance_of(options), .save_every = 0};
   const auto whole = run_sampler(density, at(2, 0), options, {.seed = 4});
-  options.smc.evaluations = int(whole.summary.evaluations / 4);
+  options.table<SmcOptions>().evaluations = int(whole.summary.evaluations / 4);
   try {
     (void)run_sampler(density, at(2, 0), options, run);
     FAIL() << "it went on beyond its budget";
@@ -155,7 +156,7 @@ TEST(Smc, ItsBudgetEndsItAndMoreGoesOn) {
     EXPECT_THAT(e.what(), HasSubstr("sampler.smc.evaluations"));
     EXPECT_THAT(e.what(), HasSubstr("500 particles"));
   }
-  options.smc.evaluations = 1'000'000;
+  options.table<SmcOptions>().evaluations = 1'000'000;
   const auto resumed = run_sampler(density, at(2, 0), options, run);
   EXPECT_GT(resumed.summary.resumed, 0u);
   EXPECT_EQ(resumed.coordinates.values, whole.coordinates.values);

@@ -1,4 +1,4 @@
-#include "tests/unit/uq/calibration.hpp"
+#include "tests/unit/uq/sampler/calibration.hpp"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/unit/uq/densities.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/unit/uq/conjugate.hpp"
+#include "tests/unit/uq/sampler/conjugate.hpp"
 #include "uq/sampler/sampler.hpp"
 
 namespace calomel::testing {

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Writes convergence_reference.json: stored chains with R-hat, effective sample sizes and Monte Carlo errors by the formulas of Vehtari et al. 2021,
+"""Writes reference.json: stored chains with R-hat, effective sample sizes and Monte Carlo errors by the formulas of Vehtari et al. 2021,
 written a second time, straight from the paper and without a Fourier transform, so that the C++ functions are held against numbers that they did not make.
 
-    python3 tests/unit/uq/convergence_reference.py > tests/unit/uq/convergence_reference.json
+    python3 tests/unit/uq/convergence/reference.py > tests/unit/uq/convergence/reference.json
 """
 import json
 import math

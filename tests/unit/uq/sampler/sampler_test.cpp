@@ -8,9 +8,10 @@
 #include <thread>
 
 #include "tests/scratch.hpp"
-#include "tests/unit/uq/densities.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/convergence/diagnostics.hpp"
+#include "uq/sampler/dram.hpp"
 
 using namespace calomel;
 using namespace calomel::testing;
@@ -27,6 +28,10 @@ Gaussian correlated() {
 }
 SamplerStart about_zero(std::size_t d) { return {.mean = Eigen::VectorXd::Zero(Eigen::Index(d))}; }
 const SamplerOptions small{.warmup = 500, .draws = 300, .thin = 2};
+SamplerOptions with(SamplerOptions options, const DramOptions& dram) {
+  options.table<DramOptions>() = dram;
+  return options;
+}
 
 Provenance provenance(std::uint64_t seed = 1) { return {.stage = "sample", .options = {{"sampler", {{"draws", 300}}}}, .seed = seed}; }
 
@@ -83,7 +88,7 @@ TEST(Sampler, EveryNumberOfStagesSamplesTheSame) {
   const Written density(1, [](std::span<const double> x) { return x[0] < 0 ? -std::numeric_limits<double>::infinity() : -x[0]; });  // exponential
   for (int stages = 1; stages <= 4; ++stages) {
     const auto r =
-        run_sampler(density, {.mean = Eigen::VectorXd::Ones(1)}, {.warmup = 2000, .draws = 20000, .dram = {.stages = stages, .shrink = 0.4}}, {.seed = 5});
+        run_sampler(density, {.mean = Eigen::VectorXd::Ones(1)}, with({.warmup = 2000, .draws = 20000}, {.stages = stages, .shrink = 0.4}), {.seed = 5});
     for (const double p : {0.05, 0.25, 0.5, 0.75, 0.95})
       EXPECT_LT(std::abs(deviation(r.quantities, 0, -std::log(1 - p), p)), 4) << stages << " stages at " << p;
     EXPECT_GT(std::abs(deviation(r.quantities, 0, -std::log(0.45), 0.5)), 4);
@@ -156,7 +161,7 @@ TEST(Sampler, StoppedAndResumedEndsWithTheSameDraws) {
 
 TEST(Sampler, JournalCutAtAnyByteEndsWithTheSameDraws) {
   const auto density = correlated();
-  const SamplerOptions tiny{.chains = 2, .warmup = 40, .draws = 30, .thin = 2, .dram = {.adapt_every = 10}};
+  const SamplerOptions tiny = with({.chains = 2, .warmup = 40, .draws = 30, .thin = 2}, {.adapt_every = 10});
   const auto whole = run_sampler(density, about_zero(3), tiny, {.seed = 3});
   const auto journal = scratch("cut") / "posterior.journal";
   (void)run_sampler(density, about_zero(3), tiny, {.seed = 3, .journal = journal, .provenance = provenance(), .save_every = 0});  // a frame a transition
@@ -189,7 +194,7 @@ TEST(Sampler, JournalOfOtherSettingsIsRefusedAndKept) {
 TEST(Sampler, StartsAreWiderThanTheDensityAndInItsSupport) {
   const auto density = correlated();
   SamplerStart start{.mean = Eigen::VectorXd::Zero(3), .covariance = 1e-4 * Eigen::MatrixXd::Identity(3, 3)};
-  SamplerOptions options{.chains = 400, .warmup = 0, .draws = 1, .thin = 1, .dram = {.shrink = 1e-6}};
+  const SamplerOptions options = with({.chains = 400, .warmup = 0, .draws = 1, .thin = 1}, {.shrink = 1e-6});
   start.mean << 5, 5, 5;
   const auto r = run_sampler(density, start, options, {});
   double square = 0;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "densities.hpp"
+#include "tests/unit/uq/sampler/densities.hpp"
 #include "forward/campaign/design.hpp"
 #include "uq/convergence/assess.hpp"
 
