@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 8> known_groups{"posterior", "unconstrained_posterior", "sample_stats", "log_likelihood", "posterior_predictive",
                                                        "prior",     "prior_predictive",        "observed_data"};
 
-/// Dimensions of a group's variables beside its own coordinates.
+/// The first dimensions of a group's variables.
 std::vector<std::string> own_dimensions(const PosteriorGroup& group) {
   return group.chains > 0 ? std::vector<std::string>{"chain", "draw"} : std::vector<std::string>();
 }
@@ -71,7 +71,7 @@ PosteriorGroup read_group(const NetcdfReader& file, const std::string& name) {
       group.coordinates.push_back(std::move(c));
     } else {
       const std::size_t own = dims.size() >= 2 && dims[0] == "chain" && dims[1] == "draw" ? 2 : 0;
-      if (own == 0 && name != "observed_data") continue;  // not of this schema
+      if (own == 0 && name != "observed_data") continue;  // the variable does not belong to this schema
       group.variables.push_back(
           {.name = variable, .unit = file.attribute("units", full), .dims = {dims.begin() + std::ptrdiff_t(own), dims.end()}, .values = file.doubles(full)});
     }
@@ -97,7 +97,10 @@ Draws draws_of(const PosteriorGroup& group) {
   Draws draws{.chains = group.chains, .draws = group.draws};
   std::vector<const std::vector<double>*> columns;
   for (const auto& v : group.variables)
-    if (v.dims.empty() && v.values.size() == group.chains * group.draws) draws.names.push_back(v.name), columns.push_back(&v.values);
+    if (v.dims.empty() && v.values.size() == group.chains * group.draws) {
+      draws.names.push_back(v.name);
+      columns.push_back(&v.values);
+    }
   for (std::size_t i = 0; i < group.chains * group.draws; ++i)
     for (const auto* c : columns) draws.values.push_back((*c)[i]);
   return draws;
@@ -113,11 +116,14 @@ std::vector<PosteriorGroup> posterior_groups(const std::vector<Parameter>& param
   const auto add = [&](const char* name, const std::vector<double>& values, Kind kind) {
     stats.variables.push_back({.name = name, .unit = "", .dims = {}, .values = values, .kind = kind});
   };
-  add("lp", result.log_density, Kind::real), add("acceptance_rate", result.acceptance, Kind::real);
+  add("lp", result.log_density, Kind::real);
+  add("acceptance_rate", result.acceptance, Kind::real);
   if (!result.energy.empty()) {
-    std::vector<double> diverging = result.diverging;  // with thinning a draw has several transitions
+    std::vector<double> diverging = result.diverging;  // counts, because with thinning a draw has several transitions
     for (auto& d : diverging) d = d > 0;
-    add("energy", result.energy, Kind::real), add("diverging", diverging, Kind::truth), add("tree_depth", result.depth, Kind::whole);
+    add("energy", result.energy, Kind::real);
+    add("diverging", diverging, Kind::truth);
+    add("tree_depth", result.depth, Kind::whole);
   }
   return {std::move(posterior), group_of("unconstrained_posterior", result.coordinates), std::move(stats)};
 }
@@ -142,10 +148,10 @@ std::vector<PosteriorGroup> read_posterior(const std::filesystem::path& path, co
   return groups;
 }
 
-Json posterior_json(const Convergence& convergence, const std::string& kind, const SamplerResult& result, const Provenance& provenance) {
-  Json json = convergence_json(convergence);
+Json posterior_json(const Convergence& convergence, const std::string& message, const SamplerResult& result, const Provenance& provenance) {
+  Json json = convergence_json(convergence, message);
   const auto& s = result.summary;
-  json["sampler"] = {{"kind", kind},
+  json["sampler"] = {{"kind", s.kind},
                      {"chains", result.quantities.chains},
                      {"draws", result.quantities.draws},
                      {"acceptance", s.acceptance},

@@ -1,7 +1,6 @@
 #pragma once
-/// Teaching the emulator anew where runs of the true model do not lie where it says.
+/// Refinement of the emulator where runs of the true model do not agree with it.
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "inverse/posterior/posterior_fit.hpp"
@@ -9,25 +8,36 @@
 
 namespace calomel {
 
-/// A check that did not hold, and what was done.
+/// One refinement after a check that did not hold.
 struct Refinement {
   TrueModelCheck check;
-  int runs = 0;          ///< that the emulator was given: those of the check, at the posterior's draws, and of the rounds that followed
-  bool drew_in = false;  ///< its box, about the mode
+  int runs = 0;             ///< number of runs that the emulator was given: those of the check, those at the posterior's draws, and those of the rounds after
+  bool shrank_box = false;  ///< whether its box was shrunk about the mode
 };
 
+/// Why no further refinement was made.
+enum class RefinementEnd {
+  holds,         ///< the check held
+  unchecked,     ///< no run of the check came through
+  none_allowed,  ///< the case allows none
+  limit          ///< as many as the case allows were made
+};
+
+/// The last fit, with what led to it.
 struct RefinedFit {
-  PosteriorFit fit;      ///< the last one; its rounds are all of them
-  TrueModelCheck check;  ///< of that fit
+  PosteriorFit fit;      ///< the last fit; its rounds are those of all fits
+  TrueModelCheck check;  ///< the check of that fit
   std::vector<Refinement> refinements;
-  std::string ended;  ///< why no more were made, as the end of a sentence
+  RefinementEnd ended = RefinementEnd::holds;  ///< why no more were made
 };
 
-/// Holds the true model against the emulator, at draws of short chains from all modes in the box; where it does not lie there, adds the runs of the check and
-/// `emulator.round_coarse` and `round_fine` runs at draws from the posterior (where the emulator's variance is greatest among them), draws the box in about the
-/// mode where it is far wider than the posterior, since a polynomial of order two follows less the wider it is, and fits anew, `most` times at most. Each fit
-/// has streams of its own (in.seed + 100 000 times its number), so that no check repeats points that the emulator was taught by. Runs come from `in.run` alone:
-/// with a store behind it a call that was cut off ends with the same fit. told: after each check, may be empty. Errors: those of fit_posterior.
-[[nodiscard]] RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int most, const std::function<void(const TrueModelCheck&)>& told = {});
+/// Compares the true model with the emulator at draws of short chains from all modes in the box. Where they do not agree, it refines the emulator and fits
+/// anew, at most `most` times. A refinement adds the runs of the check, and `emulator.round_coarse` and `round_fine` runs at those draws from the posterior
+/// where the emulator's variance is greatest. It shrinks the box about the mode where the box is far wider than the posterior, since a polynomial of order two
+/// follows the model worse in a wider box. Each fit has its own random streams (in.seed + 100 000 times its number), so that no check repeats points that the
+/// emulator was trained on. Runs come from `in.run` alone, so that an interrupted call with a store behind it ends with the same fit. checked: called after
+/// each check; may be empty. Errors: those of fit_posterior.
+[[nodiscard]] RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int most,
+                                          const std::function<void(const TrueModelCheck&)>& checked = {});
 
 }  // namespace calomel

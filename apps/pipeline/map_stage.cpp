@@ -4,6 +4,7 @@
 #include "apps/inputs/provenances.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/presentation/calibration_lines.hpp"
+#include "apps/presentation/fit_words.hpp"
 #include "base/artefact.hpp"
 #include "uq/slips.hpp"
 
@@ -34,9 +35,12 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
           &stop_requested());
     };
   auto summary = run_map(*made.inputs, made.fit, options.product, left_out, nested ? &nested->model : nullptr);
+  summary.message = map_message(summary, made.fit);
   const auto told = slips(*made.inputs, made.fit);
   summary.warnings.insert(summary.warnings.begin(), told.begin(), told.end());
-  write_map(summary, *made.inputs, made.fit, provenance, command.out);
+  const auto doubts = map_warnings(summary, *made.inputs, made.fit);
+  summary.warnings.insert(summary.warnings.end(), doubts.begin(), doubts.end());
+  write_map(summary, *made.inputs, made.fit, map_words(summary), provenance, command.out);
   inputs.notes().say(map_lines(summary));
   return summary;
 }

@@ -1,5 +1,7 @@
 #include "apps/pipeline/sample_artefacts.hpp"
 
+#include "apps/presentation/convergence_words.hpp"
+#include "apps/presentation/fit_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "base/json.hpp"
 
@@ -42,10 +44,10 @@ Json refinement_json(const RefinedFit& fit, int most) {
   for (const auto& r : fit.refinements)
     checks.push_back({{"p_value", number(r.check.p_value)},
                       {"score", number(r.check.score)},
-                      {"sentence", r.check.sentence},
+                      {"sentence", check_sentence(r.check)},
                       {"runs", r.runs},
-                      {"box_drawn_in", r.drew_in}});
-  return {{"made", fit.refinements.size()}, {"most", most}, {"ended", fit.ended}, {"sentence", refinement_sentence(fit)}, {"checks", checks}};
+                      {"box_drawn_in", r.shrank_box}});
+  return {{"made", fit.refinements.size()}, {"most", most}, {"ended", refinement_end(fit.ended)}, {"sentence", refinement_sentence(fit)}, {"checks", checks}};
 }
 
 Json regions_json(const Regions& regions) {
@@ -59,7 +61,7 @@ Json regions_json(const Regions& regions) {
 
 Json compared_json(const std::string& what, const Convergence& convergence, const Regions& regions) {
   Json json{{"what", what}};
-  json.update(convergence_json(convergence));
+  json.update(convergence_json(convergence, convergence_sentence(convergence)));
   json["regions"] = regions_json(regions);
   return json;
 }

@@ -8,6 +8,8 @@
 #include "apps/pipeline/predictive_groups.hpp"
 #include "apps/pipeline/sample_artefacts.hpp"
 #include "apps/pipeline/sample_parts.hpp"
+#include "apps/presentation/convergence_words.hpp"
+#include "apps/presentation/fit_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/progress.hpp"
 #include "apps/presentation/run_lines.hpp"
@@ -105,9 +107,9 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
                         {"covariance_shares", shares_json(errors)},
                         {"pulls", pulls_json(left)}}},
                       {"adequate", goodness.adequate},
-                      {"adequacy", goodness.sentence}},
+                      {"adequacy", goodness_sentence(goodness)}},
              .warnings = slips(problem, options, errors, prediction, left)};
-  if (!goodness.adequate) out.warnings.push_back(goodness.sentence);
+  if (!goodness.adequate) out.warnings.push_back(goodness_sentence(goodness));
   return out;
 }
 
@@ -156,7 +158,7 @@ ExitStatus sample_model_stage(StageCall& call) {
                    .grid = &posterior.errors()->grid()},
                                      inputs.problem(), result, command.seed))
       groups.push_back(std::move(g));
-  Json json = posterior_json(convergence, s.kind, result, provenance);
+  Json json = posterior_json(convergence, convergence_sentence(convergence), result, provenance);
   json["status"] = convergence.converged ? "done" : "not_to_be_trusted";
   std::vector<std::string> warnings;
   if (!posterior.is_log_density()) {
@@ -174,7 +176,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   if (posterior.failed() > 0) notes.warn({fmt::format("the model gave no answer {} times; its density counts as zero there", posterior.failed())});
   notes.warn(alarms);
   notes.warn(warnings);
-  notes.say(stage_line("sample", convergence.message));
+  notes.say(stage_line("sample", convergence_sentence(convergence)));
   return convergence.converged ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }
 

@@ -12,6 +12,8 @@
 #include "apps/pipeline/sample_parts.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/convergence_words.hpp"
+#include "apps/presentation/fit_words.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
@@ -43,8 +45,8 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& parameters = made.inputs->parameters;
   notes.say(stage_line("sample", emulator_sentence(made.fit.message)));
   // The check comes before the chains: what they walk on is the last emulator.
-  const RefinedFit refined =
-      check_and_refine(*made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", c.sentence)); });
+  const RefinedFit refined = check_and_refine(*made.inputs, made.fit, study.posterior.refinements,
+                                              [&](const TrueModelCheck& c) { notes.say(stage_line("sample", check_sentence(c))); });
   const PosteriorFit& fit = refined.fit;
   const TrueModelCheck& check = refined.check;
   if (!refined.refinements.empty()) notes.say(stage_line("sample", refinement_sentence(refined)));
@@ -63,12 +65,12 @@ ExitStatus sample_stage(StageCall& call) {
   const GoodnessOfFit goodness = goodness_of_fit(residual_of(fit));
   auto warnings = slips(*made.inputs, fit);
   warnings.insert(warnings.end(), made.inputs->warnings.begin(), made.inputs->warnings.end());
-  if (!goodness.adequate) warnings.push_back(goodness.sentence);
+  if (!goodness.adequate) warnings.push_back(goodness_sentence(goodness));
 
   auto groups = posterior_groups(parameters, result);
   for (auto& g : predictive_groups(predicting(fit, parameters), inputs.problem(), result, command.seed)) groups.push_back(std::move(g));
   const bool trusted = convergence.converged && fit.settled && check.holds;
-  Json json = posterior_json(convergence, study.sampler.kind, result, provenance);
+  Json json = posterior_json(convergence, convergence_sentence(convergence), result, provenance);
   json["status"] = trusted ? "done" : "not_to_be_trusted";
   json["product"] = study.map.product == "physical" ? "physical" : "tuned";
   json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning says what would move the answer: finer meshes, for one
@@ -77,17 +79,16 @@ ExitStatus sample_stage(StageCall& call) {
   json["message"] = verdict_sentence(convergence, fit, check);
   json["mode"] = fit_json(fit, parameters);
   json["modes"] = modes_json(density, modes);
-  json["true_model_check"] = check_json(check, parameters);
+  json["true_model_check"] = check_json(check, parameters, check_sentence(check));
   json["refinement"] = refinement_json(refined, study.posterior.refinements);
-  json["hyperparameters"] = sampled.hyperparameters(
-      result, second_stage ? "delayed acceptance walks on the posterior with their estimate" : "their estimate alone (posterior.hyperparameter_draws)");
+  json["hyperparameters"] = sampled.hyperparameters(result, estimate_only_reason(study.sampler));
   std::vector<std::string> own;
   for (const auto& p : study.parameters()) own.push_back(p.name);
   json["regions"] = regions_json(regions(result.quantities, own));
   for (const auto& form : study.posterior.compare)
     json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler,
                                              {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
-  json["adequate"] = goodness.adequate, json["adequacy"] = goodness.sentence;
+  json["adequate"] = goodness.adequate, json["adequacy"] = goodness_sentence(goodness);
   json["absorption"] = alarms, json["warnings"] = warnings;
   json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().size()}, {"element_sizes", element_sizes(study)}};
   write_sample(call, groups, json, provenance);
@@ -95,7 +96,7 @@ ExitStatus sample_stage(StageCall& call) {
   if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));
   notes.warn(alarms);
   notes.warn(warnings);
-  notes.say(stage_line("sample", convergence.message));
+  notes.say(stage_line("sample", convergence_sentence(convergence)));
   if (exact.failed() > 0)
     notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
   if (!fit.settled) notes.warn(emulator_sentence(fit.message));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/presentation/fit_words.hpp"
 #include "apps/presentation/run_lines.hpp"
 
 namespace calomel {
@@ -25,9 +26,9 @@ std::vector<std::string> spe_lines(const SpeSummary& summary) { return of_method
 std::vector<std::string> map_lines(const MapSummary& summary) {
   std::vector<std::string> sentences;
   if (summary.status != CalibrationStatus::no_candidate) sentences.push_back(summary.identification.sentence);
-  sentences.push_back(summary.check.sentence);
+  sentences.push_back(check_sentence(summary.check));
   if (summary.score_tests) sentences.push_back(summary.score_tests->sentence);
-  if (summary.nested) sentences.push_back(summary.nested->sentence);
+  if (summary.nested) sentences.push_back(nested_sentence(*summary.nested));
   return of_method("map", sentences);
 }
 

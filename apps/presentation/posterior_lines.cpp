@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/presentation/convergence_words.hpp"
+#include "apps/presentation/fit_words.hpp"
+
 namespace calomel {
 
 std::string round_line(const PosteriorRound& r, const std::vector<Parameter>& parameters) {
@@ -57,18 +60,25 @@ std::string widening_sentence(const NoiseWidening& widening, const std::vector<s
       names[most]);
 }
 
+std::string estimate_only_reason(const SamplerOptions& sampler) {
+  if (sampler.entry().first_stage.empty()) return "their estimate alone (posterior.hyperparameter_draws)";
+  std::string name = sampler.kind;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name + " walks on the posterior with their estimate";
+}
+
 std::string refinement_sentence(const RefinedFit& fit) {
   int runs = 0;
   for (const auto& r : fit.refinements) runs += r.runs;
-  if (fit.refinements.empty()) return fmt::format("the emulator was not refined: {}", fit.ended);
+  if (fit.refinements.empty()) return fmt::format("the emulator was not refined: {}", refinement_end(fit.ended));
   return fmt::format("the emulator was refined {} by {} further runs: {}",
-                     fit.refinements.size() == 1 ? "once" : fmt::format("{} times", fit.refinements.size()), runs, fit.ended);
+                     fit.refinements.size() == 1 ? "once" : fmt::format("{} times", fit.refinements.size()), runs, refinement_end(fit.ended));
 }
 
 std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check) {
-  if (!convergence.converged) return convergence.message;
+  if (!convergence.converged) return convergence_sentence(convergence);
   if (!fit.settled) return emulator_sentence(fit.message);
-  return check.holds ? convergence.message : check.sentence;
+  return check.holds ? convergence_sentence(convergence) : check_sentence(check);
 }
 
 }  // namespace calomel

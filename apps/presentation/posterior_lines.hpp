@@ -9,6 +9,7 @@
 #include "uq/drawn_noise_density.hpp"
 #include "uq/refinement.hpp"
 #include "uq/sampler/modes.hpp"
+#include "uq/sampler/sampler_options.hpp"
 
 namespace calomel {
 
@@ -29,6 +30,8 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
 
 /// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
+/// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case asks for no draws of them.
+std::string estimate_only_reason(const SamplerOptions& sampler);
 /// How often the emulator was refined, and why it ended.
 std::string refinement_sentence(const RefinedFit& fit);
 

@@ -1,7 +1,5 @@
 #include "inverse/map/map.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -52,9 +50,8 @@ void run_candidates(MapSummary& out, const PosteriorInputs& in, const PosteriorF
   out.model_runs = points.size(), out.model_s = clock.seconds();
   out.theta.assign(points[0].theta.begin(), points[0].theta.begin() + std::ptrdiff_t(n));
   if (out.candidates.empty() || out.candidates[0].theta != out.theta) {  // the answer is the mode all the same; nothing has verified it
-    out.best = out.failed[0], out.status = CalibrationStatus::no_candidate;
-    out.message = "the true model failed at the mode, which is the emulator's alone: " + out.best.message;
-    out.warnings.push_back(out.message);
+    out.best = out.failed[0];
+    out.status = CalibrationStatus::no_candidate;
     return;
   }
   out.best = out.candidates[0], out.calibrated = histories[0];
@@ -97,29 +94,6 @@ Identification identification_of(const PosteriorInputs& in, const PosteriorFit& 
   return identify(parameters, {theta.begin(), theta.begin() + n}, data, covariance, prior_sd);
 }
 
-void warn(MapSummary& out, const PosteriorInputs& in, const PosteriorFit& fit) {
-  const auto& noise = fit.errors->noise();
-  if (!fit.settled) out.warnings.push_back("the emulator " + fit.message);
-  if (!out.check.holds) out.warnings.push_back(out.check.sentence);
-  if (!out.fit.adequate) out.warnings.push_back(out.fit.sentence);
-  for (const auto& x : out.nuisances)
-    if (std::abs(x.pull) > 1)
-      out.warnings.push_back(
-          fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
-                      x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
-  for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
-    const Parameter& p = in.problem.shape.parameters[k];
-    const double sd = std::sqrt(out.covariance(Eigen::Index(k), Eigen::Index(k))), room = std::min(out.theta[k] - p.min, p.max - out.theta[k]);
-    if (room < 1e-3 * (p.max - p.min))
-      out.warnings.push_back(fmt::format("{} = {:.6g} sits on a bound: the data would have it outside, or do not determine it", p.name, out.theta[k]));
-    else if (room < 2 * sd)
-      out.warnings.push_back(
-          fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));
-  }
-  if (noise.split_half > 2)
-    out.warnings.push_back(fmt::format("early and late pulses differ {:.2g} times more than independent pulses would: the records drift", noise.split_half));
-}
-
 }  // namespace
 
 MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std::string& product,
@@ -155,9 +129,6 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   }
   out.adequate = out.fit.adequate && !(out.score_tests && out.score_tests->stands_out);
   if (nested && fit.nested) out.nested = compare_nested(fit, *nested);
-  warn(out, in, fit);
-  if (out.status != CalibrationStatus::no_candidate)
-    out.message = fmt::format("log posterior {:.6g} on the emulator, which {}; {}", density.log_posterior(), fit.message, out.fit.sentence);
   return out;
 }
 

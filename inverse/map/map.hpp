@@ -77,14 +77,22 @@ struct MapSummary : Calibration {
 };
 
 /// `left_out`: what mechanisms would do to the model's values at a point; empty: no score tests. `nested`: what is known of the nested model of `fit`, or null.
-/// The fit and the inputs outlive nothing: all that is kept is copied.
+/// The fit and the inputs outlive nothing: all that is kept is copied. The message and the warnings about the mode are left to apps/presentation; `warnings`
+/// are those of the problem and of the inputs.
 [[nodiscard]] MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std::string& product,
                                  const std::function<std::vector<MechanismDirections>(std::span<const double>)>& left_out, const NestedModel* nested);
 
+/// The sentences of map.json for people.
+struct MapWords {
+  std::string adequacy;  ///< whether the records contradict the fit
+  std::string check;     ///< how far runs of the true model lie from the emulator
+  std::string nested;    ///< which of the nested models is favoured; empty without one
+};
+
 /// The contents of map.json.
-Json map_json(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance);
+Json map_json(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance);
 /// Writes map.nc, then map.json; see write_calibration.
-void write_map(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance,
+void write_map(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance,
                const std::filesystem::path& out_dir);
 
 }  // namespace calomel

@@ -37,7 +37,7 @@ Json combinations_json(std::span<const Combination> combinations) {
 
 }  // namespace
 
-Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance) {
+Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance) {
   const auto& shape = in.problem.shape;
   Json own;
   if (s.product == "physical")
@@ -65,7 +65,8 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   own["effective_data"] = number(s.fit.effective_data), own["effective_chi2"] = number(s.fit.effective_chi2);
   own["p_value"] = number(s.fit.p_value), own["effective_p_value"] = number(s.fit.effective_p_value);
   own["chi2_critical"] = number(s.fit.chi2_critical);
-  own["adequate"] = s.adequate, own["adequacy"] = s.fit.sentence;
+  own["adequate"] = s.adequate;
+  own["adequacy"] = words.adequacy;
   if (s.score_tests) own["score_tests"] = score_tests_json(*s.score_tests);
   own["identified"] = s.identification.sentence;
   own["directions"] = directions_json(s.identification, shape);
@@ -75,13 +76,14 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   for (const auto& n : noise.series) noise_time.push_back(n.time);
   own["replicates"] = {{"energy_sd", number(noise.energy_sd)}, {"split_half", number(noise.split_half)}, {"noise_time_s", numbers(noise_time)}};
   own["emulator"] = fit_json(fit, in.parameters);
-  own["true_model_check"] = check_json(s.check, in.parameters);
-  if (s.nested) own["nested_model"] = nested_json(*s.nested, in.parameters);
+  own["true_model_check"] = check_json(s.check, in.parameters, words.check);
+  if (s.nested) own["nested_model"] = nested_json(*s.nested, in.parameters, words.nested);
   return calibration_json(s, in.problem, own, provenance);
 }
 
-void write_map(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const Provenance& provenance, const std::filesystem::path& out_dir) {
-  write_calibration("map", s, in.problem, map_json(s, in, fit, provenance), provenance, out_dir);
+void write_map(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance,
+               const std::filesystem::path& out_dir) {
+  write_calibration("map", s, in.problem, map_json(s, in, fit, words, provenance), provenance, out_dir);
 }
 
 }  // namespace calomel

@@ -1,7 +1,5 @@
 #include "inverse/posterior/goodness_of_fit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
@@ -36,6 +34,7 @@ GoodnessOfFit goodness_of_fit(const FitResidual& left) {
   const Eigen::VectorXd variance = left.covariance.diagonal(), unit = variance.cwiseSqrt().cwiseInverse();
   const double p = double(left.residual.size()), parameters = double(left.parameters), of_scale = left.freedom;
   out.values = std::size_t(left.residual.size());
+  out.parameters = left.parameters;
   out.chi2 = left.chi2;
   out.effective_data = p * p / (unit.asDiagonal() * left.covariance * unit.asDiagonal()).squaredNorm();
   out.effective_chi2 = out.effective_data * (left.residual.array().square() / variance.array()).mean();
@@ -43,16 +42,8 @@ GoodnessOfFit goodness_of_fit(const FitResidual& left) {
   out.p_value = tail_probability(out.chi2, freedom, of_scale);
   out.effective_p_value = tail_probability(out.effective_chi2, effective, of_scale);
   out.adequate = out.p_value >= least_p_value && out.effective_p_value >= least_p_value;
-  const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})",
-                                          out.chi2, out.values, parameters, out.p_value, out.effective_chi2, out.effective_data, out.effective_p_value);
-  out.sentence = out.adequate ? "the records do not contradict the fit: " + numbers
-                              : "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
   if (freedom > 0) out.chi2_critical = critical(freedom, of_scale);
-  if (out.adequate && freedom > 0 && out.chi2 < told_apart * freedom)
-    out.sentence += fmt::format(
-        "; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not seen what "
-        "adds less than {:.3g} to it",
-        std::sqrt(freedom / out.chi2), out.chi2_critical, out.chi2_critical - out.chi2);
+  out.errors_too_wide = out.adequate && freedom > 0 && out.chi2 < told_apart * freedom;
   return out;
 }
 

@@ -62,7 +62,7 @@ Json shares_json(const ErrorModel& errors) {
   return all;
 }
 
-Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters) {
+Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters, const std::string& sentence) {
   Json runs = Json::array();
   for (const auto& r : check.runs)
     runs.push_back({{"theta", named(parameters, r.theta)}, {"level", r.level}, {"done", r.done}, {"distance", number(r.distance)}, {"score", number(r.score)}});
@@ -71,7 +71,7 @@ Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& param
           {"score_sd", number(check.score_sd)},
           {"p_value", number(check.p_value)},
           {"log_likelihood_shift", number(check.log_likelihood_shift)},
-          {"sentence", check.sentence},
+          {"sentence", sentence},
           {"runs", runs}};
 }
 

@@ -12,6 +12,7 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
 Json pulls_json(const FitResidual& left);
 /// {term: share of the covariance's trace}.
 Json shares_json(const ErrorModel& errors);
-Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters);
+/// {holds, score, score_sd, p_value, log_likelihood_shift, sentence, runs: [{theta, level, done, distance, score}]}. sentence: for people.
+Json check_json(const TrueModelCheck& check, const std::vector<Parameter>& parameters, const std::string& sentence);
 
 }  // namespace calomel

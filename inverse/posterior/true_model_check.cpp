@@ -1,7 +1,5 @@
 #include "inverse/posterior/true_model_check.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
@@ -54,22 +52,14 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
     }
     out.runs.push_back(std::move(r));
   }
-  if (done == 0) {
-    out.sentence = records.empty() ? "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked"
-                                   : "no run of the true model came through at the posterior's draws: the emulator was not checked";
-    return out;
-  }
+  out.done = done;
+  if (done == 0) return out;
   // The noise that is promised is an estimate itself, so the mean square has Fisher's F distribution.
   const boost::math::fisher_f expected(independent * done, independent * emulator.freedom());
   out.score = sum / done, out.score_sd = std::sqrt(2 / (independent * done) + 2 / (independent * emulator.freedom()));
   out.p_value = boost::math::cdf(boost::math::complement(expected, out.score));
   if (shifts > 0) out.log_likelihood_shift = std::sqrt(shift / shifts);
   out.holds = out.p_value > least_p_value;
-  out.sentence = fmt::format(
-      "{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± {:.2g}, p "
-      "{:.2g})",
-      done, std::sqrt(out.score), out.score, out.score_sd, out.p_value);
-  if (!out.holds) out.sentence += ": its deviations are too small there; give it more runs (emulator.rounds, emulator.round_fine)";
   return out;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 /// Whether the true model lies where the emulator says, in the emulator's own deviations.
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "inverse/posterior/posterior_fit.hpp"
@@ -21,12 +20,12 @@ struct CheckedRun {
 
 struct TrueModelCheck {
   std::vector<CheckedRun> runs;
+  int done = 0;         ///< number of runs that came through
   double score = 0;     ///< mean over the runs done
   double score_sd = 0;  ///< of that mean where the emulator's promise holds, by its effective number of values and that of the squares it learnt the noise from
   double p_value = 1;   ///< share of such means that would be as great where the promise holds: Fisher's F of those two numbers
   double log_likelihood_shift = 0;  ///< root mean square over fine runs of (log likelihood by the run - log likelihood by the emulator)
   bool holds = false;               ///< p_value above 0.001
-  std::string sentence;
 };
 
 /// Runs the true model at the mode and at `draws` from the posterior, u (box.size(), n): `fine` on the finest mesh, `coarse` on the next. Draws are taken in

@@ -152,13 +152,13 @@ TEST_P(EverySampler, FollowsTheReference) {
   const auto density = p.make(file["data"], Jacobian::kept), stand_in = p.stand_in(file["data"]);
   const auto r = sample(*density, *stand_in, start_of(p), options, {.seed = 1, .threads = 4});
   const auto verdict = assess(r.quantities, sampling_facts(r, options.thin));
-  EXPECT_TRUE(verdict.converged) << verdict.message;
+  EXPECT_TRUE(verdict.converged) << verdict.parameter;
   const Scores s = scores(r.quantities, file["reference"]);
   EXPECT_EQ(s.checked, 5 * file["reference"].size());
   EXPECT_LT(std::abs(s.worst), 4) << s.where;
   RecordProperty("worst_z", std::to_string(s.worst));
   std::printf("  %zu quantiles, worst z %.2f (%s); %zu evaluations in %.1f s; %s\n", s.checked, s.worst, s.where.c_str(), r.summary.evaluations,
-              r.summary.wall_s, verdict.message.c_str());
+              r.summary.wall_s, verdict.parameter.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheRegistry, EverySampler, Combine(ValuesIn(samplers().names()), ValuesIn(posterior_names())),

@@ -1,7 +1,5 @@
 #include "uq/convergence/assess.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -20,13 +18,21 @@ double sd(std::span<const double> x) {
   return std::sqrt(s / double(x.size() - 1));
 }
 
-/// Correlation over all draws, each chain about its own mean: of the shape, not of where chains stand.
+/// Correlation over all draws, each chain about its own mean, so that it describes the shape and not where chains stand.
 double correlation_within(ChainDraws a, ChainDraws b) {
-  double aa = 0, bb = 0, ab = 0;
+  double aa = 0;
+  double bb = 0;
+  double ab = 0;
   for (std::size_t c = 0; c < a.chains; ++c) {
-    const auto x = a.values.subspan(c * a.draws(), a.draws()), y = b.values.subspan(c * b.draws(), b.draws());
-    const double mx = mean_of(x), my = mean_of(y);
-    for (std::size_t i = 0; i < x.size(); ++i) aa += (x[i] - mx) * (x[i] - mx), bb += (y[i] - my) * (y[i] - my), ab += (x[i] - mx) * (y[i] - my);
+    const auto x = a.values.subspan(c * a.draws(), a.draws());
+    const auto y = b.values.subspan(c * b.draws(), b.draws());
+    const double mx = mean_of(x);
+    const double my = mean_of(y);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      aa += (x[i] - mx) * (x[i] - mx);
+      bb += (y[i] - my) * (y[i] - my);
+      ab += (x[i] - mx) * (y[i] - my);
+    }
   }
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
@@ -34,15 +40,25 @@ double correlation_within(ChainDraws a, ChainDraws b) {
 ParameterSummary summary_of(const std::string& name, ChainDraws x) {
   const bool finite = std::all_of(x.values.begin(), x.values.end(), [](double v) { return std::isfinite(v); });
   ParameterSummary s{.name = name, .mean = nan, .sd = nan, .q05 = nan, .q50 = nan, .q95 = nan};
-  if (finite && x.values.size() > 1)
-    s.mean = mean_of(x.values), s.sd = sd(x.values), s.q05 = quantile(x.values, 0.05), s.q50 = quantile(x.values, 0.5), s.q95 = quantile(x.values, 0.95);
-  s.r_hat = split_r_hat(x), s.ess_bulk = ess_bulk(x), s.ess_tail = ess_tail(x);
-  s.mcse_mean = mcse_mean(x), s.mcse_sd = mcse_sd(x);
-  s.mcse_q05 = mcse_quantile(x, 0.05), s.mcse_q50 = mcse_quantile(x, 0.5), s.mcse_q95 = mcse_quantile(x, 0.95);
+  if (finite && x.values.size() > 1) {
+    s.mean = mean_of(x.values);
+    s.sd = sd(x.values);
+    s.q05 = quantile(x.values, 0.05);
+    s.q50 = quantile(x.values, 0.5);
+    s.q95 = quantile(x.values, 0.95);
+  }
+  s.r_hat = split_r_hat(x);
+  s.ess_bulk = ess_bulk(x);
+  s.ess_tail = ess_tail(x);
+  s.mcse_mean = mcse_mean(x);
+  s.mcse_sd = mcse_sd(x);
+  s.mcse_q05 = mcse_quantile(x, 0.05);
+  s.mcse_q50 = mcse_quantile(x, 0.5);
+  s.mcse_q95 = mcse_quantile(x, 0.95);
   return s;
 }
 
-/// By how much a parameter misses the limits; 1 or less is within, infinite where there is no answer.
+/// The factor by which a parameter misses the limits: 1 or less is within them; infinite where a diagnostic is undefined.
 double lack(const ParameterSummary& s, const ConvergenceLimits& limits) {
   const auto ratio = [](double x) { return std::isnan(x) ? INFINITY : x; };
   return std::max({ratio((s.r_hat - 1) / (limits.r_hat - 1)), ratio(limits.ess / s.ess_bulk), ratio(limits.ess / s.ess_tail)});
@@ -52,20 +68,7 @@ bool within(const ParameterSummary& s, const ConvergenceLimits& limits) {
   return s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess;
 }
 
-std::string numbers(const ParameterSummary& s) {
-  return fmt::format("R-hat {:.4f}, effective sample sizes {:.0f} in the bulk and {:.0f} in the tails", s.r_hat, s.ess_bulk, s.ess_tail);
-}
-
-/// "1, 3 and 4", counted from 1; of many the first few and how many more: walkers of an ensemble count in hundreds.
-std::string chain_numbers(const std::vector<std::size_t>& chains) {
-  constexpr std::size_t told = 8, first = 3;
-  std::string s;
-  if (chains.size() > told) return fmt::format("{}, {}, {} and {} more", chains[0] + 1, chains[1] + 1, chains[2] + 1, chains.size() - first);
-  for (std::size_t i = 0; i < chains.size(); ++i) s += (i == 0 ? "" : i + 1 == chains.size() ? " and " : ", ") + std::to_string(chains[i] + 1);
-  return s;
-}
-
-/// Chains in which all draws are one. Many others hide them from R-hat.
+/// The chains whose draws are all equal. Where there are many other chains, R-hat does not show them.
 std::vector<std::size_t> still_chains(ChainDraws x) {
   std::vector<std::size_t> still;
   for (std::size_t c = 0; c < x.chains; ++c)
@@ -76,8 +79,10 @@ std::vector<std::size_t> still_chains(ChainDraws x) {
 
 /// Two groups of chains with a gap between them that no chain crosses.
 struct Groups {
-  std::vector<std::size_t> low, high;
-  double low_at = 0, high_at = 0;  ///< mean of the chains' means
+  std::vector<std::size_t> low;
+  std::vector<std::size_t> high;
+  double low_at = 0;   ///< mean of the lower chains' means
+  double high_at = 0;  ///< mean of the higher chains' means
 };
 std::optional<Groups> separate_groups(ChainDraws x) {
   struct Chain {
@@ -105,21 +110,29 @@ std::optional<Groups> separate_groups(ChainDraws x) {
   return std::nullopt;
 }
 
-/// Whether at least three chains in four go one way throughout: the means of their thirds rise or fall, by more than three deviations in all.
+/// Whether at least three chains in four move one way throughout: the means of their thirds rise or fall, by more than three standard deviations in all.
 bool drifts(ChainDraws x) {
   std::size_t drifting = 0;
   for (std::size_t c = 0; c < x.chains; ++c) {
     const auto v = x.values.subspan(c * x.draws(), x.draws());
     const std::size_t third = v.size() / 3;
     if (third < 2) return false;
-    const auto first = v.first(third), last = v.last(third);
-    const double a = mean_of(first), b = mean_of(v.subspan(third, third)), e = mean_of(last);
+    const auto first = v.first(third);
+    const auto last = v.last(third);
+    const double a = mean_of(first);
+    const double b = mean_of(v.subspan(third, third));
+    const double e = mean_of(last);
     drifting += (b - a) * (e - b) > 0 && std::abs(e - a) > 3 * std::min(sd(first), sd(last));
   }
   return 4 * drifting >= 3 * x.chains;
 }
 
-constexpr double telling_share = 0.001;  ///< of trajectories that diverge, from which on they are the likely cause
+constexpr double many_divergences = 0.001;  ///< share of diverging trajectories above which they are the likely cause
+constexpr double many_cut = 0.1;            ///< likewise of trajectories that were ended early
+constexpr double mostly_refused = 0.2;      ///< acceptance of the true model below which the emulator disagrees with it
+constexpr double hardly_moving = 0.05;      ///< acceptance below which the proposal does not fit the density
+constexpr double narrow = 0.95;             ///< correlation of a narrow ridge
+constexpr double nearly_mixed = 1.05;       ///< R-hat below which longer chains are enough
 
 /// Chains whose energies change too slowly.
 std::vector<std::size_t> slow_energies(const SamplingFacts& facts, const ConvergenceLimits& limits) {
@@ -129,109 +142,92 @@ std::vector<std::size_t> slow_energies(const SamplingFacts& facts, const Converg
   return chains;
 }
 
-std::string slow_energy_sentence(const std::vector<std::size_t>& low, const SamplingFacts& facts, const std::string& name) {
-  return fmt::format(
-      "the energy changes too slowly in {} {} (E-BFMI {:.2f}), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and {} is "
-      "the parameter known "
-      "worst; infer it on a logarithmic scale or give it a prior that bounds it",
-      low.size() > 1 ? "chains" : "chain", chain_numbers(low), facts.e_bfmi[low[0]], name);
+/// The finding about slow energies. low: the chains concerned.
+ConvergenceFinding slow_energy_finding(ConvergenceFinding f, const std::vector<std::size_t>& low, const SamplingFacts& facts) {
+  f.state = ChainState::slow_energies;
+  f.chains = low;
+  f.e_bfmi = facts.e_bfmi[low[0]];
+  return f;
 }
 
-std::string cause(const Draws& draws, std::size_t worst, const ParameterSummary& s, const SamplingFacts& facts, const ConvergenceLimits& limits) {
-  const auto values = draws.of(worst);
-  const ChainDraws x{values, draws.chains, draws.walkers};
-  const std::string& name = s.name;
-  if (draws.draws < 4) return fmt::format("{} cannot be judged by {} draws a chain; set sampler.draws to some thousands", name, draws.draws);
-  if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
-    return fmt::format(
-        "{} has draws that are not finite, so the density or its transformation is wrong there; look at them in posterior.nc and narrow the bounds of {}", name,
-        name);
-  if (std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
-    return fmt::format(
-        "{} has not moved: all draws are {:g}, because every proposal was refused; start from the covariance of calibrate --method map, or raise "
-        "sampler.warmup",
-        name, values[0]);
-  if (const auto still = still_chains(x); !still.empty())
-    return fmt::format(
-        "{} has not moved in {} {} (R-hat {:.3f}), while other chains did; those started where proposals are refused, so lower sampler.dispersion or raise "
-        "sampler.warmup",
-        name, still.size() > 1 ? "chains" : "chain", chain_numbers(still), s.r_hat);
-  if (s.r_hat >= limits.r_hat && drifts(x))
-    return fmt::format(
-        "{} still drifts in one direction in most chains ({}), so the warm-up ended before they had arrived; double sampler.warmup, or start from the mode and "
-        "covariance of calibrate --method map",
-        name, numbers(s));
-  if (s.r_hat >= limits.r_hat)
-    if (const auto g = separate_groups(x))
-      return fmt::format(
-          "{} lies near {:.5g} in {} {} and near {:.5g} in {} {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws "
-          "do not tell; "
-          "compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
-          name, g->low_at, g->low.size() > 1 ? "chains" : "chain", chain_numbers(g->low), g->high_at, g->high.size() > 1 ? "chains" : "chain",
-          chain_numbers(g->high), s.r_hat, name);
-  const double kept = double(std::max<std::size_t>(1, facts.transitions));
-  if (double(facts.divergences) > telling_share * kept)
-    return fmt::format(
-        "{} is not known ({}) and {} of {} trajectories diverged: the density bends more sharply somewhere than their steps can follow, as in a funnel, or "
-        "ends at an edge; "
-        "raise sampler.nuts.target to 0.95, or infer {} on a logarithmic scale",
-        name, numbers(s), facts.divergences, facts.transitions, name);
-  if (double(facts.cut) > 0.1 * kept)
-    return fmt::format(
-        "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by sampler.nuts.depth before they turn: scales differ more than the metric tells; "
-        "double "
-        "sampler.warmup, so that it is learnt, or raise sampler.nuts.depth",
-        name, numbers(s), 100 * double(facts.cut) / kept);
-  // Effective sizes grow with the draws; R-hat - 1 of many chains that are short falls with them.
-  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail)), lacking = std::max(limits.ess / least, (s.r_hat - 1) / (limits.r_hat - 1));
-  const double needed = 1.2 * lacking * double(draws.draws), step = needed < 1000 ? 100 : 1000, rounded = std::ceil(needed / step) * step;
-  if (!facts.remedies.correlation_key.empty())
-    return fmt::format(
-        "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve sampler.smc.correlation, so "
-        "that they move more, and set "
-        "sampler.draws = {:.0f}",
-        name, numbers(s), std::max(rounded, 2 * double(draws.draws)));
-  if (!facts.remedies.emulator_only.empty() && facts.acceptance && *facts.acceptance < 0.2)
-    return fmt::format(
-        "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical "
-        "noise; give the emulator more runs "
-        "(emulator.rounds), or take sampler.kind = \"dram\", whose check by the true model tells by how much they differ",
-        name, numbers(s), 100 * (1 - *facts.acceptance));
-  if (facts.acceptance && *facts.acceptance < 0.05)
-    return fmt::format(
-        "{} mixes slowly ({}) because only {:.1f} % of the transitions move: the frozen proposal does not fit the density; raise sampler.warmup, or start from "
-        "the covariance of calibrate --method map",
-        name, numbers(s), 100 * *facts.acceptance);
+/// The parameter whose draws correlate most strongly with those of `worst`, and that correlation; `worst` itself and 0 where it is alone.
+std::pair<std::size_t, double> partner_of(const Draws& draws, std::size_t worst, ChainDraws x) {
   std::size_t partner = worst;
   double strongest = 0;
-  for (std::size_t k = 0; k < draws.names.size(); ++k)
-    if (k != worst) {
-      const auto other = draws.of(k);
-      if (const double r = correlation_within(x, {other, draws.chains}); std::abs(r) > std::abs(strongest)) strongest = r, partner = k;
+  for (std::size_t k = 0; k < draws.names.size(); ++k) {
+    if (k == worst) continue;
+    const auto other = draws.of(k);
+    if (const double r = correlation_within(x, {other, draws.chains}); std::abs(r) > std::abs(strongest)) {
+      strongest = r;
+      partner = k;
     }
-  if (std::abs(strongest) > 0.95)
-    return fmt::format(
-        "{} mixes slowly ({}) along the narrow ridge that it forms with {} (correlation {:.3f}); give one of the two a prior from elsewhere, or let the "
-        "proposal learn the ridge: start from the covariance of calibrate --method map and double sampler.warmup",
-        name, numbers(s), draws.names[partner], strongest);
-  if (const auto low = slow_energies(facts, limits); !low.empty()) return slow_energy_sentence(low, facts, name);
-  if (s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess)
-    return fmt::format(
-        "{} visits its tails too seldom ({}): long tails or a funnel towards one end; look at its pairs in the report, and infer it on a logarithmic scale or "
-        "bound it where values are impossible",
-        name, numbers(s));
-  if (s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess)
-    return fmt::format(
-        "{} differs a little between {} ({}), each of which has draws enough: they have not forgotten where they began; double sampler.warmup and set "
-        "sampler.draws = {:.0f}",
-        name, draws.walkers > 1 ? "walkers" : "chains", numbers(s), rounded);
-  if (s.r_hat < 1.05)
-    return fmt::format("{} has too few independent draws ({}); at this rate {:.0f} draws a chain are enough: set sampler.draws = {:.0f}{}", name, numbers(s),
-                       needed, rounded, facts.thin > 1 ? fmt::format(" (sampler.thin = {})", facts.thin) : "");
-  return fmt::format(
-      "{} differs between chains that overlap ({}): they mix too slowly for their length, one draw in {:.0f} being independent; double sampler.warmup, so that "
-      "the proposal fits, and set sampler.draws = {:.0f}",
-      name, numbers(s), double(draws.chains * draws.draws) / least, rounded);
+  }
+  return {partner, strongest};
+}
+
+/// The finding that holds whatever the cause is.
+ConvergenceFinding common_finding(const Draws& draws, const SamplingFacts& facts) {
+  return {.draws = draws.draws, .walkers = draws.walkers > 1, .thin = facts.thin, .transitions = facts.transitions, .remedies = facts.remedies};
+}
+
+/// The likely cause that the parameter `worst` with the summary `s` is not known.
+ConvergenceFinding cause(const Draws& draws, std::size_t worst, const ParameterSummary& s, const SamplingFacts& facts, const ConvergenceLimits& limits) {
+  const auto values = draws.of(worst);
+  const ChainDraws x{values, draws.chains, draws.walkers};
+  ConvergenceFinding f = common_finding(draws, facts);
+  const auto found = [&](ChainState state) {
+    f.state = state;
+    return f;
+  };
+  if (draws.draws < 4) return found(ChainState::short_chains);
+  if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return found(ChainState::not_finite);
+  if (std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; })) {
+    f.value = values[0];
+    return found(ChainState::constant);
+  }
+  if (auto still = still_chains(x); !still.empty()) {
+    f.chains = std::move(still);
+    return found(ChainState::still_chains);
+  }
+  if (s.r_hat >= limits.r_hat && drifts(x)) return found(ChainState::drift);
+  if (s.r_hat >= limits.r_hat)
+    if (auto g = separate_groups(x)) {
+      f.chains = std::move(g->low);
+      f.others = std::move(g->high);
+      f.low_at = g->low_at;
+      f.high_at = g->high_at;
+      return found(ChainState::separate_modes);
+    }
+  const double kept = double(std::max<std::size_t>(1, facts.transitions));
+  if (double(facts.divergences) > many_divergences * kept) return found(ChainState::divergences);
+  if (double(facts.cut) > many_cut * kept) {
+    f.share = double(facts.cut) / kept;
+    return found(ChainState::cut_trajectories);
+  }
+  // Effective sizes grow with the draws; R-hat - 1 of many chains that are short falls with them.
+  const double least = std::max(1.0, std::min(s.ess_bulk, s.ess_tail));
+  const double lacking = std::max(limits.ess / least, (s.r_hat - 1) / (limits.r_hat - 1));
+  f.needed_draws = 1.2 * lacking * double(draws.draws);
+  const double step = f.needed_draws < 1000 ? 100 : 1000;
+  f.suggested_draws = std::ceil(f.needed_draws / step) * step;
+  if (!facts.remedies.correlation_key.empty()) {
+    f.suggested_draws = std::max(f.suggested_draws, 2 * double(draws.draws));
+    return found(ChainState::common_ancestors);
+  }
+  if (facts.acceptance) f.share = *facts.acceptance;
+  if (!facts.remedies.emulator_only.empty() && facts.acceptance && *facts.acceptance < mostly_refused) return found(ChainState::emulator_disagrees);
+  if (facts.acceptance && *facts.acceptance < hardly_moving) return found(ChainState::refused_proposals);
+  if (const auto [partner, strongest] = partner_of(draws, worst, x); std::abs(strongest) > narrow) {
+    f.partner = draws.names[partner];
+    f.correlation = strongest;
+    return found(ChainState::ridge);
+  }
+  if (const auto low = slow_energies(facts, limits); !low.empty()) return slow_energy_finding(f, low, facts);
+  if (s.r_hat < limits.r_hat && s.ess_bulk >= limits.ess) return found(ChainState::rare_tails);
+  if (s.ess_bulk >= limits.ess && s.ess_tail >= limits.ess) return found(ChainState::start_remembered);
+  if (s.r_hat < nearly_mixed) return found(ChainState::few_draws);
+  f.draws_per_independent = double(draws.chains * draws.draws) / least;
+  return found(ChainState::slow_mixing);
 }
 
 }  // namespace
@@ -240,7 +236,7 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   expect(!draws.names.empty() && draws.chains > 0 && draws.values.size() == draws.chains * draws.draws * draws.names.size(),
          "draws have the size of their names");
   Convergence c;
-  std::optional<std::size_t> still;  // a parameter with a chain that has not moved
+  std::optional<std::size_t> still;  // the first parameter with a chain that has not moved
   for (std::size_t k = 0; k < draws.names.size(); ++k) {
     const auto values = draws.of(k);
     c.parameters.push_back(summary_of(draws.names[k], {values, draws.chains, draws.walkers}));
@@ -249,25 +245,26 @@ Convergence assess(const Draws& draws, const SamplingFacts& facts, const Converg
   const auto worst =
       std::max_element(c.parameters.begin(), c.parameters.end(), [&](const auto& a, const auto& b) { return lack(a, limits) < lack(b, limits); });
   c.parameter = worst->name;
-  c.e_bfmi = facts.e_bfmi, c.divergences = facts.divergences;
+  c.e_bfmi = facts.e_bfmi;
+  c.divergences = facts.divergences;
   const bool known = std::all_of(c.parameters.begin(), c.parameters.end(), [&](const auto& s) { return within(s, limits); });
   const auto slow = slow_energies(facts, limits);
   c.converged = known && slow.empty() && !still;
-  if (!known)
-    c.message = cause(draws, std::size_t(worst - c.parameters.begin()), *worst, facts, limits);
-  else if (still)
-    c.parameter = c.parameters[*still].name, c.message = cause(draws, *still, c.parameters[*still], facts, limits);
-  else if (!slow.empty())
-    c.message = slow_energy_sentence(slow, facts, worst->name);
-  else
-    c.message = fmt::format("converged: {} is the least well known, with {}", worst->name, numbers(*worst));
-  if (c.converged && facts.divergences > 0)
-    c.message += fmt::format("; {} of {} trajectories diverged: draws may be missing where the density bends sharply, raise sampler.nuts.target to 0.95 to see",
-                             facts.divergences, facts.transitions);
+  c.finding = common_finding(draws, facts);
+  if (!known) {
+    c.finding = cause(draws, std::size_t(worst - c.parameters.begin()), *worst, facts, limits);
+  } else if (still) {
+    c.parameter = c.parameters[*still].name;
+    c.finding = cause(draws, *still, c.parameters[*still], facts, limits);
+  } else if (!slow.empty()) {
+    c.finding = slow_energy_finding(c.finding, slow, facts);
+  } else {
+    c.finding.state = ChainState::converged;
+  }
   return c;
 }
 
-Json convergence_json(const Convergence& convergence) {
+Json convergence_json(const Convergence& convergence, const std::string& message) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json parameters = Json::array();
   for (const auto& s : convergence.parameters)
@@ -285,9 +282,10 @@ Json convergence_json(const Convergence& convergence) {
                           {"mcse_q05", number(s.mcse_q05)},
                           {"mcse_q50", number(s.mcse_q50)},
                           {"mcse_q95", number(s.mcse_q95)}});
-  Json json{{"parameters", parameters}, {"converged", convergence.converged}, {"message", convergence.message}};
+  Json json{{"parameters", parameters}, {"converged", convergence.converged}, {"message", message}};
   if (convergence.e_bfmi.empty()) return json;
-  json["divergences"] = convergence.divergences, json["e_bfmi"] = Json::array();
+  json["divergences"] = convergence.divergences;
+  json["e_bfmi"] = Json::array();
   for (const double e : convergence.e_bfmi) json["e_bfmi"].push_back(number(e));
   return json;
 }

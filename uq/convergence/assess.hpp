@@ -1,5 +1,5 @@
 #pragma once
-/// Whether a posterior's draws are to be trusted, and if not, what is wrong in one sentence.
+/// Whether a posterior's draws have converged, and if not, the likely cause as data. The sentence for people is apps/presentation/convergence_words.hpp.
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,18 +9,19 @@
 
 namespace calomel {
 
-/// Converged is: R-hat < r_hat and bulk and tail effective sample size >= ess for every parameter (Vehtari et al. 2021, section 4: 1.01, and 100 a chain of
-/// four chains), and E-BFMI >= e_bfmi in every chain that has one (Betancourt 2016; Stan's limit).
+/// Draws have converged when R-hat < r_hat and the bulk and tail effective sample sizes are >= ess for every parameter (Vehtari et al. 2021, section 4: 1.01,
+/// and 100 a chain of four chains), and when E-BFMI >= e_bfmi in every chain that has one (Betancourt 2016; Stan's limit).
 struct ConvergenceLimits {
   double r_hat = 1.01;
   double ess = 400;
   double e_bfmi = 0.3;
 };
 
+/// The summary of one parameter.
 struct ParameterSummary {
   std::string name;
   double mean = 0, sd = 0, q05 = 0, q50 = 0, q95 = 0;  ///< over all draws [unit of the parameter]
-  double r_hat = 0, ess_bulk = 0, ess_tail = 0;        ///< NaN where the draws give no answer
+  double r_hat = 0, ess_bulk = 0, ess_tail = 0;        ///< NaN where they are undefined for these draws
   double mcse_mean = 0, mcse_sd = 0, mcse_q05 = 0, mcse_q50 = 0, mcse_q95 = 0;
 };
 
@@ -34,34 +35,77 @@ struct SamplerRemedies {
   std::string emulator_only;    ///< for a sampler that corrects an emulator by the true model: the sampler of the emulator alone
 };
 
-/// What the run knows beside its draws; it sharpens the cause that is named.
+/// Facts about a run that its draws do not show; they sharpen the cause that is found.
 struct SamplingFacts {
   std::optional<double> acceptance;  ///< mean acceptance of the kept transitions, [0, 1]
-  int thin = 1;                      ///< transitions a kept draw
+  int thin = 1;                      ///< transitions for each kept draw
   std::vector<double> e_bfmi;        ///< (chain), see EnergyChanges; empty where the sampler has no momenta
-  std::size_t divergences = 0;       ///< of the kept transitions: trajectories given up
-  std::size_t cut = 0;               ///< of the kept transitions: trajectories that the greatest number of doublings ended
-  std::size_t transitions = 0;       ///< kept
+  std::size_t divergences = 0;       ///< kept transitions whose trajectory diverged
+  std::size_t cut = 0;               ///< kept transitions whose trajectory the greatest number of doublings ended
+  std::size_t transitions = 0;       ///< kept transitions
   SamplerRemedies remedies;          ///< the sampler's own
 };
 
+/// The state of the chains: converged, or the likely cause that they have not, in the order in which causes are tried.
+enum class ChainState {
+  not_assessed,
+  converged,
+  short_chains,        ///< fewer than four draws in a chain
+  not_finite,          ///< some draws are not finite
+  constant,            ///< all draws are equal
+  still_chains,        ///< some chains did not move
+  drift,               ///< most chains still move one way
+  separate_modes,      ///< chains stay on either side of a gap
+  divergences,         ///< many trajectories diverged
+  cut_trajectories,    ///< many trajectories were ended before they turned
+  common_ancestors,    ///< particles of a population share ancestors
+  emulator_disagrees,  ///< the true model refuses most proposals of the emulator
+  refused_proposals,   ///< hardly any transition moves
+  ridge,               ///< a narrow ridge between two parameters
+  slow_energies,       ///< energies change too slowly between transitions
+  rare_tails,          ///< the bulk mixes, the tails are visited seldom
+  start_remembered,    ///< each chain has enough draws, and they differ by their starts
+  few_draws,           ///< too few independent draws
+  slow_mixing          ///< chains overlap and mix slowly
+};
+
+/// The state with its numbers. Which of them are set is stated with each.
+struct ConvergenceFinding {
+  ChainState state = ChainState::not_assessed;
+  std::size_t draws = 0;             ///< draws of a chain; always set
+  bool walkers = false;              ///< whether chains are walkers that move together; always set
+  std::vector<std::size_t> chains;   ///< still_chains, slow_energies: the chains concerned; separate_modes: those of the lower group. Counted from 0
+  std::vector<std::size_t> others;   ///< separate_modes: the chains of the higher group
+  double low_at = 0;                 ///< separate_modes: mean of the lower group
+  double high_at = 0;                ///< separate_modes: mean of the higher group
+  double value = 0;                  ///< constant: the value of all draws
+  double share = 0;                  ///< cut_trajectories: share of the trajectories; emulator_disagrees, refused_proposals: mean acceptance
+  std::string partner;               ///< ridge: the other parameter
+  double correlation = 0;            ///< ridge: correlation of the two
+  double e_bfmi = 0;                 ///< slow_energies: E-BFMI of the first chain concerned
+  double needed_draws = 0;           ///< few_draws: draws of a chain that suffice at this rate
+  double suggested_draws = 0;        ///< common_ancestors, start_remembered, few_draws, slow_mixing: a rounded number of draws of a chain
+  double draws_per_independent = 0;  ///< slow_mixing: draws for each independent one
+  int thin = 1;                      ///< few_draws: transitions for each kept draw
+  std::size_t transitions = 0;       ///< kept transitions of all chains, as in the facts; always set
+  SamplerRemedies remedies;          ///< as in the facts; always set
+};
+
+/// The assessment of a run's draws.
 struct Convergence {
   bool converged = false;
-  std::string message = "not assessed";      ///< one sentence
-  std::string parameter;                     ///< the worst one
+  ConvergenceFinding finding;
+  std::string parameter;                     ///< the parameter that is known worst
   std::vector<ParameterSummary> parameters;  ///< in the order of the draws
   std::vector<double> e_bfmi;                ///< as in the facts
   std::size_t divergences = 0;               ///< as in the facts
 };
 
-/// Summaries of all parameters and the verdict. Not converged: the message names the worst parameter, the likely cause, in this order of suspicion:
-/// draws that are not finite or do not move; chains that still drift; chains in different modes; trajectories that diverge, or that end too early; hardly any
-/// proposal accepted; a narrow ridge between two parameters; energies that change too slowly; rare visits to the tails; too few draws; and what to do about it.
-/// Divergences of a converged run are told behind the sentence.
+/// Summarises all parameters and decides whether the draws have converged; if not, finds the likely cause for the worst parameter.
 Convergence assess(const Draws& draws, const SamplingFacts& facts = {}, const ConvergenceLimits& limits = {});
 
 /// {parameters: [{name, mean, sd, q05, q50, q95, r_hat, ess_bulk, ess_tail, mcse_mean, mcse_sd, mcse_q05, mcse_q50, mcse_q95}], converged, message}, and
-/// {e_bfmi: [chain], divergences} where the sampler has momenta; null for what is NaN or infinite.
-Json convergence_json(const Convergence& convergence);
+/// {e_bfmi: [chain], divergences} where the sampler has momenta; null for what is NaN or infinite. message: a sentence about the state, for people.
+Json convergence_json(const Convergence& convergence, const std::string& message);
 
 }  // namespace calomel

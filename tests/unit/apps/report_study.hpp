@@ -247,7 +247,8 @@ inline Draws ridge_draws(bool apart = false) {
 /// posterior.nc and posterior.json of these draws.
 inline void write_sample(const std::filesystem::path& dir, const Draws& draws) {
   write_posterior(dir / "posterior.nc", {group_of("posterior", draws)}, provenance("sample"));
-  Json summary = convergence_json(assess(draws));
+  const Convergence convergence = assess(draws);
+  Json summary = convergence_json(convergence, convergence.converged ? "converged" : "density differs in chain 4");
   summary["provenance"] = provenance("sample").json();
   write_json(dir / "posterior.json", summary);
 }

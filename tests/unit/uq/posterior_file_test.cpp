@@ -178,12 +178,14 @@ TEST(PosteriorFile, WhatDoesNotFitIsADefect) {
 
 TEST(PosteriorFile, SummaryHasTheKeysThatOthersRead) {
   const auto r = some_draws();
-  const Json j = posterior_json(assess(r.quantities), "dram", r, {.stage = "sample"});
+  const Json j = posterior_json(assess(r.quantities), "few draws", r, {.stage = "sample"});
   ASSERT_EQ(j["parameters"].size(), 2u);
   EXPECT_EQ(j["parameters"][0]["name"], "density");
   for (const char* key : {"name", "mean", "sd", "q05", "q50", "q95", "r_hat", "ess_bulk", "ess_tail", "mcse_mean"})
     EXPECT_TRUE(j["parameters"][0].contains(key)) << key;
   EXPECT_FALSE(j["converged"].get<bool>());  // 20 draws
+  EXPECT_EQ(j["message"], "few draws");
+  EXPECT_EQ(j["sampler"]["kind"], "dram");
   EXPECT_EQ(j["sampler"]["acceptance"].size(), 4u);
   EXPECT_EQ(j["provenance"]["stage"], "sample");
 }

@@ -8,6 +8,7 @@
 #include "tests/unit/uq/experiment.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
+#include "uq/sampler/delayed_acceptance.hpp"
 #include "uq/sampler/sampler.hpp"
 
 namespace calomel {
@@ -80,9 +81,9 @@ TEST(TrueModelDensity, DelayedAcceptanceGivesTheAnswerOfTheRuns) {
   const double sd = assess(run_sampler(cheap, f.start(), {.warmup = 2000, .draws = 1000}, {.seed = 1}).quantities).parameters[1].sd;
   const auto by_runs = [&](double off) {
     f.in.run = runs_off_by(off);
-    const auto r =
-        run_sampler(cheap, exact, f.start(), {.kind = "delayed_acceptance", .warmup = 300, .draws = 500, .thin = 1, .delayed_acceptance = {.first_stage = 20}},
-                    {.seed = 2, .threads = 2});
+    SamplerOptions options{.kind = "delayed_acceptance", .warmup = 300, .draws = 500, .thin = 1};
+    options.table<DelayedAcceptanceOptions>().first_stage = 20;
+    const auto r = run_sampler(cheap, exact, f.start(), options, {.seed = 2, .threads = 2});
     EXPECT_LE(r.summary.evaluations, 4u * (1 + 20 + 500));
     EXPECT_GT(r.summary.acceptance[0], 0.4);
     return assess(r.quantities).parameters[1];

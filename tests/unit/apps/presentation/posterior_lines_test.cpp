@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "apps/presentation/convergence_words.hpp"
+#include "apps/presentation/fit_words.hpp"
+
 using namespace calomel;
 using testing::ElementsAre;
 
@@ -34,19 +37,18 @@ TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
 }
 
 TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
-  Convergence convergence;
-  convergence.message = "the chains have not mixed";
+  Convergence convergence{.finding = {.state = ChainState::short_chains, .draws = 3}, .parameter = "tau"};
   PosteriorFit fit;
   fit.message = "has not settled after 12 rounds";
   TrueModelCheck check;
-  check.sentence = "the true model lies farther off than the emulator says";
-  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the chains have not mixed");
-  convergence.converged = true, convergence.message = "converged";
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), convergence_sentence(convergence));
+  convergence.converged = true;
+  convergence.finding.state = ChainState::converged;
   EXPECT_EQ(verdict_sentence(convergence, fit, check), "the emulator has not settled after 12 rounds");
   fit.settled = true;
-  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the true model lies farther off than the emulator says");
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), check_sentence(check));
   check.holds = true;
-  EXPECT_EQ(verdict_sentence(convergence, fit, check), "converged");
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), convergence_sentence(convergence));
 }
 
 TEST(PosteriorLines, TheWideningNamesItsRangeAndWhatItIsGreatestIn) {
@@ -56,10 +58,16 @@ TEST(PosteriorLines, TheWideningNamesItsRangeAndWhatItIsGreatestIn) {
 }
 
 TEST(PosteriorLines, RefinementsAreCountedWithTheirRunsAndWhyTheyEnded) {
-  RefinedFit fit{.fit = {}, .check = {}, .refinements = {}, .ended = "it holds"};
-  EXPECT_EQ(refinement_sentence(fit), "the emulator was not refined: it holds");
+  RefinedFit fit{.fit = {}, .check = {}, .refinements = {}, .ended = RefinementEnd::holds};
+  const std::string why = refinement_end(RefinementEnd::holds);
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was not refined: " + why);
   fit.refinements.push_back({.check = {}, .runs = 20});
-  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined once by 20 further runs: it holds");
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined once by 20 further runs: " + why);
   fit.refinements.push_back({.check = {}, .runs = 7});
-  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined 2 times by 27 further runs: it holds");
+  EXPECT_EQ(refinement_sentence(fit), "the emulator was refined 2 times by 27 further runs: " + why);
+}
+
+TEST(PosteriorLines, HyperparametersAreHeldAtTheirEstimateForAReason) {
+  EXPECT_EQ(estimate_only_reason(default_sampler_options("dram")), "their estimate alone (posterior.hyperparameter_draws)");
+  EXPECT_EQ(estimate_only_reason(default_sampler_options("delayed_acceptance")), "delayed acceptance walks on the posterior with their estimate");
 }

@@ -47,7 +47,7 @@ TEST(Ensemble, EachMoveAloneSamplesSeveralDimensions) {
     options.table<WalkerOptions>().stretch = share;
     const auto r = run_sampler(density, {.mean = Eigen::VectorXd::Zero(5), .covariance = c, .points = {}}, options, {.seed = 2});
     const auto a = assess(r.quantities, sampling_facts(r, options.thin));
-    EXPECT_TRUE(a.converged) << a.message;
+    EXPECT_TRUE(a.converged) << int(a.finding.state);
     for (std::size_t k = 0; k < 5; ++k) {
       const double sd = k == 4 ? 1e-3 : 1;
       EXPECT_LT(std::abs(a.parameters[k].mean), 4 * a.parameters[k].mcse_mean);
@@ -67,7 +67,7 @@ TEST(Ensemble, WalkersAreToldAsChainsThatMoveTogether) {
   EXPECT_EQ(r.acceptance.size(), 4 * 8 * 500u);
   for (std::size_t i = 0; i < r.log_density.size(); ++i) ASSERT_EQ(r.log_density[i], density.log_density(std::span(r.coordinates.values).subspan(2 * i, 2)));
   const auto c = assess(r.quantities, sampling_facts(r, 20));
-  EXPECT_TRUE(c.converged) << c.message;
+  EXPECT_TRUE(c.converged) << int(c.finding.state);
   EXPECT_LT(std::abs(c.parameters[1].mean - 2), 4 * c.parameters[1].mcse_mean);
   EXPECT_GT(std::abs(c.parameters[1].mean - 2.5), 4 * c.parameters[1].mcse_mean);  // control
   const auto one = run_sampler(density, at(2, 1), ensemble(1000, 500, 20), {.seed = 3, .threads = 1});

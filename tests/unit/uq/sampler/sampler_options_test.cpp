@@ -193,8 +193,7 @@ TEST(AnEntryOfTheCatalogue, CopiesItsOptionsAndKeepsTheirType) {
 // The identity of a sampled result, by which finished stages of earlier versions are found again.
 TEST(SamplerOptions, TheIdentityHasTheTablesThatTheKindReadsAndNoLimits) {
   const std::map<std::string, std::string> expected{
-      {"dram",
-       R"({"kind":"dram","chains":4,"warmup":5000,"draws":10000,"thin":4,"dispersion":2.0,"dram":{"stages":2,"shrink":0.2,"adapt_every":100}})"},
+      {"dram", R"({"kind":"dram","chains":4,"warmup":5000,"draws":10000,"thin":4,"dispersion":2.0,"dram":{"stages":2,"shrink":0.2,"adapt_every":100}})"},
       {"nuts", R"({"kind":"nuts","chains":4,"warmup":1000,"draws":2000,"thin":1,"dispersion":2.0,"nuts":{"target":0.8,"depth":10,"metric":"dense"}})"},
       {"ensemble",
        R"({"kind":"ensemble","chains":4,"warmup":1000,"draws":1500,"thin":10,"dispersion":2.0,"ensemble":{"walkers":0,"stretch":0.5,"scale":2.0}})"},

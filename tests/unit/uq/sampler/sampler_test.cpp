@@ -50,7 +50,7 @@ TEST(Sampler, DrawsFollowAGaussian) {
   const auto r = run_sampler(density, about_zero(3), {.warmup = 4000, .draws = 10000}, {.seed = 3});
   ASSERT_EQ(r.coordinates.values.size(), 4 * 10000 * 3u);
   const auto verdict = assess(r.quantities, {.acceptance = r.summary.acceptance[0]});
-  EXPECT_TRUE(verdict.converged) << verdict.message;
+  EXPECT_TRUE(verdict.converged) << int(verdict.finding.state);
   const double mean[] = {1, -2, 30}, sd[] = {1, 1, 10};
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_LT(std::abs(deviation(r.quantities, k, mean[k], 0.5)), 4);

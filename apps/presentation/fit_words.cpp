@@ -1,0 +1,112 @@
+#include "apps/presentation/fit_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/presentation/posterior_lines.hpp"
+
+namespace calomel {
+
+namespace {
+
+/// "a, b and c".
+std::string joined(const std::vector<std::string>& names) {
+  std::string s;
+  for (std::size_t i = 0; i < names.size(); ++i) s += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return s;
+}
+
+std::string odds(double log_odds) { return fmt::format("odds of at least {:.2g} to 1", std::exp(std::min(log_odds, 700.0))); }
+
+}  // namespace
+
+std::string goodness_sentence(const GoodnessOfFit& g) {
+  const std::string numbers = fmt::format("chi-squared {:.4g} for {} values less {} parameters (p {:.2g}), {:.3g} for {:.3g} effective data (p {:.2g})", g.chi2,
+                                          g.values, g.parameters, g.p_value, g.effective_chi2, g.effective_data, g.effective_p_value);
+  if (!g.adequate) return "the fit is not adequate: the model leaves out more than noise and known errors explain: " + numbers;
+  const std::string fits = "the records do not contradict the fit: " + numbers;
+  if (!g.errors_too_wide) return fits;
+  return fits + fmt::format(
+                    "; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not "
+                    "seen what adds less than {:.3g} to it",
+                    std::sqrt((double(g.values) - double(g.parameters)) / g.chi2), g.chi2_critical, g.chi2_critical - g.chi2);
+}
+
+std::string check_sentence(const TrueModelCheck& check) {
+  if (check.runs.empty()) return "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked";
+  if (check.done == 0) return "no run of the true model came through at the posterior's draws: the emulator was not checked";
+  return fmt::format(
+             "{} runs of the true model at the mode and at draws lie {:.2g} times as far from the emulator as it promises (mean square {:.2g}, expected 1 ± "
+             "{:.2g}, p {:.2g})",
+             check.done, std::sqrt(check.score), check.score, check.score_sd, check.p_value) +
+         (check.holds ? "" : ": its deviations are too small there; give it more runs (emulator.rounds, emulator.round_fine)");
+}
+
+std::string nested_sentence(const NestedModel& n) {
+  const std::string added = joined(n.added);
+  const std::string numbers = fmt::format(
+      "log Bayes factor {:.3g}, between {:.3g} and {:.3g} with priors twice and half as wide; chi-squared {:.4g} with and {:.4g} without for {} values",
+      n.log_bayes_factor, n.low, n.high, n.chi2, n.nested_chi2, n.values);
+  switch (n.verdict) {
+    case NestedVerdict::added_favoured:
+      return fmt::format("the records favour {} over {} by {} ({})", added, n.name, odds(n.low), numbers);
+    case NestedVerdict::added_not_favoured:
+      return fmt::format("the records speak against {}: {} is favoured by {} ({})", added, n.name, odds(-n.high), numbers);
+    case NestedVerdict::undecided:
+      return fmt::format("the records do not decide between {} and a model with {} as well ({})", n.name, added, numbers);
+  }
+  return "";
+}
+
+std::string refinement_end(RefinementEnd end) {
+  switch (end) {
+    case RefinementEnd::holds:
+      return "the true model lies where the emulator says";
+    case RefinementEnd::unchecked:
+      return "no run of the true model came through to check it by";
+    case RefinementEnd::none_allowed:
+      return "none was asked for (posterior.refinements)";
+    case RefinementEnd::limit:
+      return "there are no more to be made (posterior.refinements)";
+  }
+  return "";
+}
+
+std::string map_message(const MapSummary& summary, const PosteriorFit& fit) {
+  if (summary.status == CalibrationStatus::no_candidate) return "the true model failed at the mode, which is the emulator's alone: " + summary.best.message;
+  return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior, fit.message,
+                     goodness_sentence(summary.fit));
+}
+
+std::vector<std::string> map_warnings(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit) {
+  std::vector<std::string> out;
+  if (summary.status == CalibrationStatus::no_candidate) out.push_back(map_message(summary, fit));
+  if (!fit.settled) out.push_back(emulator_sentence(fit.message));
+  if (!summary.check.holds) out.push_back(check_sentence(summary.check));
+  if (!summary.fit.adequate) out.push_back(goodness_sentence(summary.fit));
+  for (const auto& x : summary.nuisances)
+    if (std::abs(x.pull) > 1)
+      out.push_back(fmt::format("the records pull {} to {:.3g}, {:.2g} standard deviations from what was known of it: something is missing that it takes up",
+                                x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.pull)));
+  for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
+    const Parameter& p = in.problem.shape.parameters[k];
+    const double sd = std::sqrt(summary.covariance(Eigen::Index(k), Eigen::Index(k)));
+    const double room = std::min(summary.theta[k] - p.min, p.max - summary.theta[k]);
+    if (room < 1e-3 * (p.max - p.min))
+      out.push_back(fmt::format("{} = {:.6g} sits on a bound: the data would have it outside, or do not determine it", p.name, summary.theta[k]));
+    else if (room < 2 * sd)
+      out.push_back(
+          fmt::format("a bound of {} lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond", p.name));
+  }
+  if (const double drift = fit.errors->noise().split_half; drift > 2)
+    out.push_back(fmt::format("early and late pulses differ {:.2g} times more than independent pulses would: the records drift", drift));
+  return out;
+}
+
+MapWords map_words(const MapSummary& summary) {
+  return {.adequacy = goodness_sentence(summary.fit), .check = check_sentence(summary.check), .nested = summary.nested ? nested_sentence(*summary.nested) : ""};
+}
+
+}  // namespace calomel

@@ -1,0 +1,171 @@
+#include "apps/presentation/fit_words.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/unit/inverse/map/fitted.hpp"
+
+namespace calomel {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr double step = 1e-6;
+constexpr std::size_t times = 120;
+
+/// y = a + b t on the unit interval, normal priors.
+AnalyticModel line() {
+  return {
+      {normal_parameter("a", 0, 2), normal_parameter("b", 1, 3)}, {[](auto theta, double t) { return theta[0] + theta[1] * t / (step * times); }}, times, step};
+}
+
+RecordingOptions noise_of(double sd) {
+  RecordingOptions o;
+  o.noise = sd;
+  return o;
+}
+
+GoodnessOfFit goodness() {
+  return {.values = 50,
+          .parameters = 2,
+          .chi2 = 43.21,
+          .effective_data = 48.4,
+          .effective_chi2 = 41.9,
+          .p_value = 0.68,
+          .effective_p_value = 0.63,
+          .chi2_critical = 73.68,
+          .adequate = true};
+}
+
+}  // namespace
+
+TEST(FitWords, AFitIsAdequateOrNotOrItsErrorsAreTooWide) {
+  GoodnessOfFit g = goodness();
+  EXPECT_EQ(goodness_sentence(g),
+            "the records do not contradict the fit: chi-squared 43.21 for 50 values less 2 parameters (p 0.68), 41.9 for 48.4 effective data (p 0.63)");
+  g.errors_too_wide = true;
+  g.chi2 = 12;
+  EXPECT_EQ(goodness_sentence(g),
+            "the records do not contradict the fit: chi-squared 12 for 50 values less 2 parameters (p 0.68), 41.9 for 48.4 effective data (p 0.63); the errors "
+            "taken for granted are 2 times as wide as the residuals, and chi-squared would have spoken only above 73.68: it has not seen what adds less than "
+            "61.7 to it");
+  g.adequate = false;
+  EXPECT_EQ(goodness_sentence(g),
+            "the fit is not adequate: the model leaves out more than noise and known errors explain: chi-squared 12 for 50 values less 2 parameters (p 0.68), "
+            "41.9 for 48.4 effective data (p 0.63)");
+}
+
+TEST(FitWords, ACheckHoldsOrNotOrWasNotMade) {
+  TrueModelCheck check;
+  EXPECT_EQ(check_sentence(check), "no run of the true model was asked for (emulator.check_coarse, check_fine): the emulator was not checked");
+  check.runs.resize(4);
+  EXPECT_EQ(check_sentence(check), "no run of the true model came through at the posterior's draws: the emulator was not checked");
+  check.done = 4;
+  check.score = 4;
+  check.score_sd = 0.12;
+  check.p_value = 2e-5;
+  const std::string numbers =
+      "4 runs of the true model at the mode and at draws lie 2 times as far from the emulator as it promises (mean square 4, expected 1 ± 0.12, p 2e-05)";
+  EXPECT_EQ(check_sentence(check), numbers + ": its deviations are too small there; give it more runs (emulator.rounds, emulator.round_fine)");
+  check.holds = true;
+  EXPECT_EQ(check_sentence(check), numbers);
+}
+
+TEST(FitWords, ANestedModelIsFavouredOrNotOrTheRecordsDoNotDecide) {
+  NestedModel n{.name = "small.out",
+                .added = {"c", "d"},
+                .log_bayes_factor = 5.5,
+                .low = 4.8,
+                .high = 6.2,
+                .values = 120,
+                .chi2 = 118.2,
+                .nested_chi2 = 140.7,
+                .verdict = NestedVerdict::added_favoured};
+  EXPECT_EQ(nested_sentence(n),
+            "the records favour c and d over small.out by odds of at least 1.2e+02 to 1 (log Bayes factor 5.5, between 4.8 and 6.2 with priors twice and half "
+            "as wide; chi-squared 118.2 with and 140.7 without for 120 values)");
+  n.verdict = NestedVerdict::added_not_favoured;
+  n.log_bayes_factor = -5.5;
+  n.low = -6.2;
+  n.high = -4.8;
+  EXPECT_EQ(nested_sentence(n),
+            "the records speak against c and d: small.out is favoured by odds of at least 1.2e+02 to 1 (log Bayes factor -5.5, between -6.2 and -4.8 with "
+            "priors twice and half as wide; chi-squared 118.2 with and 140.7 without for 120 values)");
+  n.verdict = NestedVerdict::undecided;
+  EXPECT_EQ(nested_sentence(n),
+            "the records do not decide between small.out and a model with c and d as well (log Bayes factor -5.5, between -6.2 and -4.8 with priors twice and "
+            "half as wide; chi-squared 118.2 with and 140.7 without for 120 values)");
+}
+
+TEST(FitWords, RefinementsEndForOneOfFourReasons) {
+  EXPECT_EQ(refinement_end(RefinementEnd::holds), "the true model lies where the emulator says");
+  EXPECT_EQ(refinement_end(RefinementEnd::unchecked), "no run of the true model came through to check it by");
+  EXPECT_EQ(refinement_end(RefinementEnd::none_allowed), "none was asked for (posterior.refinements)");
+  EXPECT_EQ(refinement_end(RefinementEnd::limit), "there are no more to be made (posterior.refinements)");
+}
+
+TEST(FitWords, AModeWithoutDoubtsHasAMessageAndNoWarning) {
+  const auto model = line();
+  Fitted f(model, pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4), noise_of(0.05));
+  MapSummary s = f.map({0, 0}, {2, 4});
+  EXPECT_THAT(map_warnings(s, f.in, f.fit), IsEmpty());
+  s.log_likelihood = 12.5;
+  s.log_prior = -2;
+  EXPECT_EQ(map_message(s, f.fit), "log posterior 10.5 on the emulator, which " + f.fit.message + "; " + goodness_sentence(s.fit));
+  const MapWords words = map_words(s);
+  EXPECT_EQ(words.adequacy, goodness_sentence(s.fit));
+  EXPECT_EQ(words.check, check_sentence(s.check));
+  EXPECT_EQ(words.nested, "");
+}
+
+TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
+  const auto model = line();
+  auto recordings = pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4);
+  for (std::size_t t = 0; t < times; ++t) recordings.values[t] += 0.3 * std::sin(0.2 * double(t));
+  Fitted f(model, recordings, noise_of(0.05));
+  f.in.emulator.rounds = 0;
+  MapSummary s = f.map({0, 0}, {2, 4});
+  EXPECT_THAT(map_warnings(s, f.in, f.fit), Contains(goodness_sentence(s.fit)));
+  f.fit.settled = false;
+  f.fit.message = "has not settled after 0 rounds";
+  s.check.holds = false;
+  s.nuisances = {{.name = "viscosity", .value = 12.345, .pull = -0.9}, {.name = "beyond", .value = 1.5, .pull = -2.5}};
+  f.problem.shape.parameters[0].max = s.theta[0] = 3.25;
+  f.problem.shape.parameters[1].min = s.theta[1] - 1;
+  f.problem.shape.parameters[1].max = s.theta[1] + 1.5 * std::sqrt(s.covariance(1, 1));
+  EXPECT_THAT(
+      map_warnings(s, f.in, f.fit),
+      ElementsAre("the emulator has not settled after 0 rounds", check_sentence(s.check), goodness_sentence(s.fit),
+                  "the records pull the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from what was known "
+                  "of it: something is missing that it takes up",
+                  "a = 3.25 sits on a bound: the data would have it outside, or do not determine it",
+                  "a bound of b lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond"));
+}
+
+TEST(FitWords, AModeThatNoRunVerifiesSaysWhy) {
+  const auto model = line();
+  Fitted f(model, pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4), noise_of(0.05));
+  (void)f.map({0, 0}, {2, 4});
+  f.in.run = [](const Eigen::MatrixXd&, const std::vector<int>& level) { return std::vector<RunRecord>(level.size(), {.message = "the step collapsed"}); };
+  const MapSummary failed = run_map(f.in, f.fit, "tuned", {}, nullptr);
+  EXPECT_EQ(map_message(failed, f.fit), "the true model failed at the mode, which is the emulator's alone: the step collapsed");
+  EXPECT_THAT(map_warnings(failed, f.in, f.fit), Contains(map_message(failed, f.fit)));
+}
+
+TEST(FitWords, RecordsThatDriftAreAWarning) {
+  const auto model = line();
+  auto recordings = pulses_of(model, {0.7, -1.2}, {.pulses = 8, .noise = 0.05}, 4);
+  for (std::size_t p = 0; p < 8; ++p)
+    for (std::size_t t = 0; t < times; ++t) recordings.values[recordings.at(0, 0, p, t)] += p < 4 ? 0.2 : -0.2;
+  Fitted f(model, recordings, RecordingOptions{});
+  const MapSummary s = f.map({0, 0}, {2, 4});
+  ASSERT_GT(f.fit.errors->noise().split_half, 2);
+  const auto warnings = map_warnings(s, f.in, f.fit);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings.back(), ::testing::MatchesRegex("early and late pulses differ [0-9.e+]+ times more than independent pulses would: the records drift"));
+}
+
+}  // namespace calomel
