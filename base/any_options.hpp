@@ -15,8 +15,7 @@ class AnyOptions {
  public:
   AnyOptions() : AnyOptions(NoKeys{}) {}
   template <class O>
-    requires(!std::same_as<std::remove_cvref_t<O>, AnyOptions>)
-  AnyOptions(O options) : held_(std::make_unique<Held<O>>(std::move(options))) {}
+  requires(!std::same_as<std::remove_cvref_t<O>, AnyOptions>) AnyOptions(O options) : held_(std::make_unique<Held<O>>(std::move(options))) {}
   AnyOptions(const AnyOptions& other) : held_(other.held_->copy()) {}
   AnyOptions& operator=(const AnyOptions& other) {
     held_ = other.held_->copy();

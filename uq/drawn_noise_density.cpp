@@ -10,7 +10,7 @@ namespace calomel {
 namespace {
 
 const LogPosterior& first_of(std::span<const DrawnNoise> draws) {
-  expect(!draws.empty(), "there is a draw of the hyperparameters");
+  expect(!draws.empty(), "there is at least one draw of the hyperparameters");
   return draws[0].posterior;
 }
 
@@ -20,7 +20,7 @@ Eigen::VectorXd vector_of(std::span<const double> x) { return Eigen::Map<const E
 
 DrawnNoiseDensity::DrawnNoiseDensity(std::span<const DrawnNoise> draws) : draws_(draws), first_(first_of(draws)) {}
 
-// The prior and the Jacobian are the same in all, so that the mean of the likelihoods times them is the mean of the densities.
+// Prior and Jacobian are the same for all draws, so that the mean of the densities is the mean of the likelihoods times them.
 double DrawnNoiseDensity::log_density(std::span<const double> x) const {
   const Eigen::VectorXd q = vector_of(x);
   std::vector<double> logs;
@@ -55,28 +55,32 @@ std::vector<double> DrawnNoiseDensity::weights(const Eigen::VectorXd& q) const {
 
 NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
                              std::size_t most) {
-  const std::size_t all = coordinates.chains * coordinates.draws, d = coordinates.names.size(), n = quantities.names.size(),
-                    step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
+  const std::size_t all = coordinates.chains * coordinates.draws;
+  const std::size_t d = coordinates.names.size();
+  const std::size_t n = quantities.names.size();
+  const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
   NoiseWidening out;
-  std::vector<double> logs;                     // estimate over mean, by draw
-  std::vector<std::vector<double>> draw_share;  // of each draw of the hyperparameters
+  std::vector<double> logs;                     // log density under the estimate less that of the mean, by draw
+  std::vector<std::vector<double>> draw_share;  // share of each draw of the hyperparameters, by draw
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < all; i += step) {
     const std::span<const double> x = std::span(coordinates.values).subspan(i * d, d);
     draw_share.push_back(density.weights(vector_of(x)));
-    logs.push_back(estimate.log_density(vector_of(x)) - density.log_density(x)), taken.push_back(i);
+    logs.push_back(estimate.log_density(vector_of(x)) - density.log_density(x));
+    taken.push_back(i);
   }
-  // p_b / p is the share of b times the number of draws: over the draws its weights are that share over its sum.
+  // p_b / p is the share of b times the number of hyperparameter draws. Over the draws, the weights of b are that share divided by its sum.
   out.weights.assign(draw_share[0].size(), 0.0);
   for (const auto& w : draw_share)
     for (std::size_t b = 0; b < w.size(); ++b) out.weights[b] += w[b] / double(taken.size());
   for (const double w : out.weights) out.effective_draws += w * w;
   out.effective_draws = 1 / out.effective_draws;
-  const std::vector<double> by_estimate = shares(logs), evenly(taken.size(), 1 / double(taken.size()));
+  const std::vector<double> by_estimate = shares(logs);
+  const std::vector<double> evenly(taken.size(), 1 / double(taken.size()));
   std::vector<double> alike(taken.size(), 0.0);
   double squares = 0;
-  const auto counted =
-      double(std::count_if(out.weights.begin(), out.weights.end(), [](double w) { return w > 0; }));  // one that no draw of the chains bears out has no width
+  // A draw of the hyperparameters with weight 0 at all draws of the chains has no standard deviation and is not counted.
+  const auto counted = double(std::count_if(out.weights.begin(), out.weights.end(), [](double w) { return w > 0; }));
   for (std::size_t i = 0; i < taken.size(); ++i) {
     for (std::size_t b = 0; b < out.weights.size(); ++b)
       if (out.weights[b] > 0) alike[i] += draw_share[i][b] / (out.weights[b] * double(taken.size()) * counted);
@@ -85,15 +89,17 @@ NoiseWidening noise_widening(const DrawnNoiseDensity& density, const LogPosterio
   out.plug_in_draws = 1 / squares;
   for (std::size_t k = 0; k < n; ++k) {
     const auto moments = [&](const std::vector<double>& weights) {
-      double mean = 0, variance = 0;
+      double mean = 0;
+      double variance = 0;
       for (std::size_t i = 0; i < taken.size(); ++i) mean += weights[i] * quantities.values[taken[i] * n + k];
       for (std::size_t i = 0; i < taken.size(); ++i) variance += weights[i] * std::pow(quantities.values[taken[i] * n + k] - mean, 2);
       return std::pair(mean, std::sqrt(variance));
     };
     const auto [mean, sd] = moments(evenly);
     const auto [plug_in_mean, plug_in_sd] = moments(by_estimate);
-    out.sd_ratio.push_back(sd / plug_in_sd), out.sd_ratio_alike.push_back(moments(alike).second / plug_in_sd),
-        out.shift.push_back((mean - plug_in_mean) / plug_in_sd);
+    out.sd_ratio.push_back(sd / plug_in_sd);
+    out.sd_ratio_alike.push_back(moments(alike).second / plug_in_sd);
+    out.shift.push_back((mean - plug_in_mean) / plug_in_sd);
   }
   return out;
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "uq/convergence/assess.hpp"
 #include "forward/campaign/design.hpp"
+#include "uq/convergence/assess.hpp"
 #include "uq/posterior_density.hpp"
 
 namespace calomel {
@@ -11,8 +11,8 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t design_points = 128;
-constexpr double inner = 0.9;    ///< half width of the design, in the box's
-constexpr double far_above = 1;  ///< in the log density: another mode, or a search that ended early
+constexpr double inner = 0.9;    ///< half width of the design over that of the box
+constexpr double far_above = 1;  ///< difference of the log density that means another mode, or a search that ended early
 
 }  // namespace
 
@@ -26,7 +26,8 @@ SamplerStart start_at_mode(const LogPosterior& posterior, const LocalMode& mode)
 std::vector<LaplaceMode> modes_in_box(const LogPosterior& posterior, const std::vector<LocalMode>& modes, std::uint64_t seed, int threads) {
   const EmulatorBox& box = posterior.box();
   const Eigen::MatrixXd unit = space_filling_points(std::size_t(box.size()), design_points, seed);
-  Eigen::MatrixXd design(posterior.dimension(), unit.cols()), starts(posterior.dimension(), Eigen::Index(modes.size()));
+  Eigen::MatrixXd design(posterior.dimension(), unit.cols());
+  Eigen::MatrixXd starts(posterior.dimension(), Eigen::Index(modes.size()));
   for (Eigen::Index i = 0; i < unit.cols(); ++i) design.col(i) = posterior.q(box.theta(inner * (2 * unit.col(i).array() - 1).matrix()), 0);
   for (std::size_t i = 0; i < modes.size(); ++i) starts.col(Eigen::Index(i)) = posterior.q(modes[i].at.theta, modes[i].at.beyond);
   return density_modes(PosteriorDensity(posterior), design, starts, threads);
@@ -49,7 +50,10 @@ Moments sampled_moments(const LogPosterior& posterior, const LocalMode& mode, st
   const auto summaries = assess(short_chains(posterior, start_at_mode(posterior, mode), seed).quantities).parameters;
   const auto n = Eigen::Index(posterior.free().size());
   Moments m{Eigen::VectorXd(n), Eigen::VectorXd(n)};
-  for (Eigen::Index i = 0; i < n; ++i) m.mean[i] = summaries[std::size_t(i)].mean, m.sd[i] = summaries[std::size_t(i)].sd;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    m.mean[i] = summaries[std::size_t(i)].mean;
+    m.sd[i] = summaries[std::size_t(i)].sd;
+  }
   return m;
 }
 

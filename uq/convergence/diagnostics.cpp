@@ -17,15 +17,17 @@ namespace calomel {
 
 namespace {
 
-/// Halves of chains: (2 chains, draws / 2); the middle draw of an odd number is left out.
+/// Halves of chains, (2 chains, draws / 2). The middle draw of an odd number is left out.
 struct Halves {
   std::vector<double> values;
-  std::size_t chains = 0, draws = 0;
+  std::size_t chains = 0;
+  std::size_t draws = 0;
   [[nodiscard]] std::span<const double> chain(std::size_t c) const { return {values.data() + c * draws, draws}; }
 };
 
 Halves halves(std::span<const double> x, std::size_t chains) {
-  const std::size_t n = x.size() / chains, half = n / 2;
+  const std::size_t n = x.size() / chains;
+  const std::size_t half = n / 2;
   Halves h{.chains = 2 * chains, .draws = half};
   for (std::size_t c = 0; c < chains; ++c)
     for (const std::size_t first : {c * n, c * n + n - half})
@@ -33,8 +35,8 @@ Halves halves(std::span<const double> x, std::size_t chains) {
   return h;
 }
 
-/// Whether these draws have an answer at all.
-bool answerable(ChainDraws x) {
+/// Whether diagnostics are defined for these draws.
+bool defined_for(ChainDraws x) {
   expect(x.chains > 0 && x.values.size() % x.chains == 0, "chains are of equal length");
   if (x.draws() < 4) return false;
   bool varies = false;
@@ -52,7 +54,7 @@ double variance(std::span<const double> x) {
   return s / double(x.size() - 1);
 }
 
-/// Normal scores of the ranks, ties sharing their mean rank.
+/// The normal scores of the ranks. Ties share their mean rank.
 std::vector<double> normal_scores(std::span<const double> x) {
   std::vector<std::size_t> order(x.size());
   std::iota(order.begin(), order.end(), 0);
@@ -69,13 +71,19 @@ std::vector<double> normal_scores(std::span<const double> x) {
 }
 
 double r_hat_of(const Halves& h) {
-  std::vector<double> means, variances;
-  for (std::size_t c = 0; c < h.chains; ++c) means.push_back(mean_of(h.chain(c))), variances.push_back(variance(h.chain(c)));
-  const double n = double(h.draws), between = variance(means), within = mean_of(variances);  // between: B / N
+  std::vector<double> means;
+  std::vector<double> variances;
+  for (std::size_t c = 0; c < h.chains; ++c) {
+    means.push_back(mean_of(h.chain(c)));
+    variances.push_back(variance(h.chain(c)));
+  }
+  const double n = double(h.draws);
+  const double between = variance(means);  // B / N
+  const double within = mean_of(variances);
   return std::sqrt(between / within + (n - 1) / n);
 }
 
-/// Biased autocovariances of one chain at lags 0 to n - 1, through the Fourier transform of the chain with as many zeros behind it.
+/// The biased autocovariances of one chain at lags 0 to n - 1, by the Fourier transform of the chain padded with as many zeros.
 std::vector<double> autocovariance(std::span<const double> x) {
   std::size_t size = 1;
   while (size < 2 * x.size()) size *= 2;
@@ -83,8 +91,12 @@ std::vector<double> autocovariance(std::span<const double> x) {
   const double m = mean_of(x);
   for (std::size_t i = 0; i < x.size(); ++i) f[i] = x[i] - m;
   gsl_fft_real_radix2_transform(f.data(), 1, size);
-  f[0] *= f[0], f[size / 2] *= f[size / 2];
-  for (std::size_t k = 1; k < size / 2; ++k) f[k] = f[k] * f[k] + f[size - k] * f[size - k], f[size - k] = 0;
+  f[0] *= f[0];
+  f[size / 2] *= f[size / 2];
+  for (std::size_t k = 1; k < size / 2; ++k) {
+    f[k] = f[k] * f[k] + f[size - k] * f[size - k];
+    f[size - k] = 0;
+  }
   gsl_fft_halfcomplex_radix2_inverse(f.data(), 1, size);
   f.resize(x.size());
   for (double& v : f) v /= double(x.size());
@@ -94,7 +106,8 @@ std::vector<double> autocovariance(std::span<const double> x) {
 double ess_of(const Halves& h) {
   const std::size_t n = h.draws;
   if (n < 3) return nan;
-  std::vector<double> covariance(n, 0.0), means;  // mean over chains of the autocovariance at each lag
+  std::vector<double> covariance(n, 0.0);  // mean over chains of the autocovariance at each lag
+  std::vector<double> means;
   for (std::size_t c = 0; c < h.chains; ++c) {
     const auto a = autocovariance(h.chain(c));
     for (std::size_t t = 0; t < n; ++t) covariance[t] += a[t] / double(h.chains);
@@ -105,15 +118,21 @@ double ess_of(const Halves& h) {
   if (!(all > 0)) return nan;
   const auto rho = [&](std::size_t t) { return t == 0 ? 1.0 : 1 - (within - covariance[t]) / all; };
 
-  // Sums of neighbours rho(2k) + rho(2k + 1) are positive for a reversible chain: the sum ends where noise makes them negative.
+  // Sums of neighbours rho(2k) + rho(2k + 1) are positive for a reversible chain. The sum ends where noise makes them negative.
   std::vector<double> r(n, 0.0);
   std::size_t t = 0;
-  double even = 1, odd = rho(1);
-  r[0] = even, r[1] = odd;
+  double even = 1;
+  double odd = rho(1);
+  r[0] = even;
+  r[1] = odd;
   while (t + 5 < n && even + odd > 0) {
     t += 2;
-    even = rho(t), odd = rho(t + 1);
-    if (even + odd >= 0) r[t] = even, r[t + 1] = odd;
+    even = rho(t);
+    odd = rho(t + 1);
+    if (even + odd >= 0) {
+      r[t] = even;
+      r[t + 1] = odd;
+    }
   }
   const std::size_t last = t;
   if (even > 0) r[last] = even;
@@ -125,8 +144,8 @@ double ess_of(const Halves& h) {
   return total / std::max(tau, 1 / std::log10(total));
 }
 
-/// Means over the walkers that move together: (ensemble, draw).
-std::vector<double> ensemble_means(ChainDraws x) {
+/// Means over the walkers that move together: (group of walkers, draw).
+std::vector<double> group_means(ChainDraws x) {
   const std::size_t n = x.draws();
   std::vector<double> means(x.chains / x.walkers * n, 0.0);
   for (std::size_t c = 0; c < x.chains; ++c)
@@ -134,15 +153,15 @@ std::vector<double> ensemble_means(ChainDraws x) {
   return means;
 }
 
-/// Of values, (chain, draw), laid out as x is.
+/// The effective sample size of values, (chain, draw), with the layout of x.
 double ess_of(std::span<const double> values, ChainDraws x) {
   const double own = ess_of(halves(values, x.chains));
   if (x.walkers == 1) return own;
-  expect(x.chains % x.walkers == 0, "ensembles have equally many walkers");
-  const auto means = ensemble_means({values, x.chains, x.walkers});
-  const double spread = variance(means);
-  if (!(spread > 0)) return own;
-  const double together = ess_of(halves(means, x.chains / x.walkers)) * variance(values) / spread;
+  expect(x.chains % x.walkers == 0, "groups have equally many walkers");
+  const auto means = group_means({values, x.chains, x.walkers});
+  const double of_means = variance(means);
+  if (!(of_means > 0)) return own;
+  const double together = ess_of(halves(means, x.chains / x.walkers)) * variance(values) / of_means;
   return std::isnan(together) ? own : std::min(own, together);
 }
 
@@ -151,37 +170,38 @@ double ess_of(std::span<const double> values, ChainDraws x) {
 double mean_of(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
 
 double split_r_hat(ChainDraws x) {
-  if (!answerable(x)) return nan;
+  if (!defined_for(x)) return nan;
   const double middle = quantile(x.values, 0.5);
   std::vector<double> folded(x.values.begin(), x.values.end());
   for (double& v : folded) v = std::abs(v - middle);
   const double bulk = r_hat_of(halves(normal_scores(x.values), x.chains));
-  if (!answerable({folded, x.chains})) return bulk;  // two values, equally far from the middle
+  if (!defined_for({folded, x.chains})) return bulk;  // there are two values, equally far from the middle
   return std::max(bulk, r_hat_of(halves(normal_scores(folded), x.chains)));
 }
 
-double ess_mean(ChainDraws x) { return answerable(x) ? ess_of(x.values, x) : nan; }
+double ess_mean(ChainDraws x) { return defined_for(x) ? ess_of(x.values, x) : nan; }
 
-double ess_bulk(ChainDraws x) { return answerable(x) ? ess_of(normal_scores(x.values), x) : nan; }
+double ess_bulk(ChainDraws x) { return defined_for(x) ? ess_of(normal_scores(x.values), x) : nan; }
 
 double ess_indicator(ChainDraws x, double bound) {
-  if (!answerable(x)) return nan;
+  if (!defined_for(x)) return nan;
   std::vector<double> below(x.values.size());
   for (std::size_t i = 0; i < below.size(); ++i) below[i] = x.values[i] <= bound ? 1 : 0;
   return ess_mean({below, x.chains, x.walkers});
 }
 
-double ess_quantile(ChainDraws x, double p) { return answerable(x) ? ess_indicator(x, quantile(x.values, p)) : nan; }
+double ess_quantile(ChainDraws x, double p) { return defined_for(x) ? ess_indicator(x, quantile(x.values, p)) : nan; }
 
 double ess_tail(ChainDraws x) {
-  const double low = ess_quantile(x, 0.05), high = ess_quantile(x, 0.95);
+  const double low = ess_quantile(x, 0.05);
+  const double high = ess_quantile(x, 0.95);
   return std::isnan(low) || std::isnan(high) ? nan : std::min(low, high);
 }
 
-double mcse_mean(ChainDraws x) { return answerable(x) ? std::sqrt(variance(x.values) / ess_mean(x)) : nan; }
+double mcse_mean(ChainDraws x) { return defined_for(x) ? std::sqrt(variance(x.values) / ess_mean(x)) : nan; }
 
 double mcse_sd(ChainDraws x) {
-  if (!answerable(x)) return nan;
+  if (!defined_for(x)) return nan;
   const double m = mean_of(x.values);
   std::vector<double> square(x.values.begin(), x.values.end());
   for (double& v : square) v = (v - m) * (v - m);
@@ -208,7 +228,8 @@ double mcse_quantile(ChainDraws x, double p) {
 
 void EnergyChanges::add(double energy) {
   if (n_ > 0) changes_ += (energy - last_) * (energy - last_);
-  n_ += 1, last_ = energy;
+  n_ += 1;
+  last_ = energy;
   const double before = energy - mean_;
   mean_ += before / n_;
   squares_ += before * (energy - mean_);
@@ -217,7 +238,7 @@ void EnergyChanges::add(double energy) {
 double EnergyChanges::e_bfmi() const { return n_ >= 4 && squares_ > 0 ? changes_ / squares_ : nan; }
 
 double quantile(std::span<const double> values, double p) {
-  expect(!values.empty(), "a quantile is of at least one value");
+  expect(!values.empty(), "a quantile needs at least one value");
   std::vector<double> sorted(values.begin(), values.end());
   const double place = p * double(sorted.size() - 1);
   const auto low = std::size_t(place);

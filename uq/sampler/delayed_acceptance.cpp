@@ -38,15 +38,16 @@ class DelayedAcceptanceChain final : public MarkovChain {
       take(first_stage_->position(0), first_stage_->log_density(0), never);
       return result;
     }
-    if (!asks_exact_) {
+    if (!uses_exact_) {
       first_stage_->freeze();
       log_exact_ = exact_at(x_, result);
-      asks_exact_ = true;
+      uses_exact_ = true;
     }
     first_stage_->begin({x_.data(), std::size_t(d_)}, log_cheap_);
     propose(random, false, result);
     const auto y = first_stage_->position(0);
-    const double log_cheap = first_stage_->log_density(0), u = random.uniform();
+    const double log_cheap = first_stage_->log_density(0);
+    const double u = random.uniform();
     if (std::equal(y.begin(), y.end(), x_.data())) return result;
     const double log_exact = exact_at(Eigen::Map<const Eigen::VectorXd>(y.data(), d_), result);
     result.acceptance = log_exact == never ? 0 : log_exact_ == never ? 1 : std::exp(std::min(0.0, (log_exact - log_cheap) - (log_exact_ - log_cheap_)));
@@ -60,26 +61,35 @@ class DelayedAcceptanceChain final : public MarkovChain {
 
   void freeze() override { frozen_ = true; }
   [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override { return {x_.data(), std::size_t(d_)}; }
-  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return asks_exact_ ? log_exact_ : log_cheap_; }
+  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return uses_exact_ ? log_exact_ : log_cheap_; }
 
   void save(ByteWriter& out) const override {
     first_stage_->save(out);
     save_matrix(out, x_);
-    out.value(log_cheap_), out.value(log_exact_), out.value(learned_), out.value(asks_exact_), out.value(frozen_);
+    out.value(log_cheap_);
+    out.value(log_exact_);
+    out.value(learned_);
+    out.value(uses_exact_);
+    out.value(frozen_);
   }
   void restore(ByteReader& in) override {
     first_stage_->restore(in);
     restore_matrix(in, x_);
-    in.into(log_cheap_), in.into(log_exact_), in.into(learned_), in.into(asks_exact_), in.into(frozen_);
+    in.into(log_cheap_);
+    in.into(log_exact_);
+    in.into(learned_);
+    in.into(uses_exact_);
+    in.into(frozen_);
   }
 
  private:
-  /// The first stage's transitions; their mean acceptance.
+  /// Makes the first stage's transitions. Returns their mean acceptance.
   double propose(RandomStream& random, bool learns, Transition& result) {
     double acceptance = 0;
     for (int i = 0; i < options_.first_stage; ++i) {
       const auto step = first_stage_->step(random, learns);
-      acceptance += step.acceptance / options_.first_stage, result.cheap_evaluations += step.evaluations;
+      acceptance += step.acceptance / options_.first_stage;
+      result.cheap_evaluations += step.evaluations;
     }
     return acceptance;
   }
@@ -91,18 +101,21 @@ class DelayedAcceptanceChain final : public MarkovChain {
 
   void take(std::span<const double> x, double log_cheap, double log_exact) {
     std::copy(x.begin(), x.end(), x_.data());
-    log_cheap_ = log_cheap, log_exact_ = log_exact;
+    log_cheap_ = log_cheap;
+    log_exact_ = log_exact;
   }
 
   const LogDensity& exact_;
   DelayedAcceptanceOptions options_;
-  int alone_;  ///< transitions on the cheap density alone
+  int alone_;  ///< number of transitions on the cheap density alone
   Eigen::Index d_;
   std::unique_ptr<MarkovChain> first_stage_;
   Eigen::VectorXd x_;
-  double log_cheap_ = 0, log_exact_ = never;
+  double log_cheap_ = 0;
+  double log_exact_ = never;
   int learned_ = 0;
-  bool asks_exact_ = false, frozen_ = false;
+  bool uses_exact_ = false;
+  bool frozen_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// Sampling a density that is dear by means of a cheap one: Christen and Fox 2005, J. Comput. Graph. Stat. 14, 795.
+/// Sampling of an expensive density by means of a cheap one: Christen and Fox 2005, J. Comput. Graph. Stat. 14, 795.
 #include <Eigen/Core>
 #include <memory>
 
@@ -21,11 +21,12 @@ struct DelayedAcceptanceOptions {
   }
 };
 
-/// A transition lets DRAM go `first_stage` transitions from x on the cheap density p*, frozen, to y, and accepts y with
+/// Makes a chain of two stages. A transition runs frozen DRAM for `first_stage` transitions on the cheap density p*, from x to y, and accepts y with
 ///   a = min(1, p(y) p*(x) / (p(x) p*(y))),
-/// one evaluation of p, none where y = x. DRAM is reversible for p*, so that the chain is for p, whatever p* is; how well p* stands in for p decides the
-/// acceptance alone. In the warm-up DRAM learns on p* alone and p is not asked, but for the last `settle` transitions, which carry the chain from p* to p. It
-/// begins where p* is positive. warmup: transitions that learn. Errors: those of dram_chain(); NumericsError where either density is NaN, naming the place.
+/// with one evaluation of p, or none where y = x. DRAM is reversible for p*, hence the chain is reversible for p, whatever p* is; the quality of p* decides the
+/// acceptance alone. In the warm-up DRAM learns on p* and p is not evaluated, except in the last `settle` transitions, which carry the chain from p* to p. The
+/// chain begins where p* is positive. warmup: transitions that learn. Errors: those of dram_chain(); NumericsError where either density is NaN, naming the
+/// place.
 std::unique_ptr<MarkovChain> delayed_acceptance_chain(const LogDensity& cheap, const LogDensity& exact, const DelayedAcceptanceOptions& options,
                                                       const DramOptions& dram, const Eigen::MatrixXd& covariance, int warmup);
 

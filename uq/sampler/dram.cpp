@@ -18,12 +18,12 @@ double log_complement(double a) {
   return a > -0.6931471805599453 ? std::log(-std::expm1(a)) : std::log1p(-std::exp(a));
 }
 
-/// ln a_i of the path of points order[0], ..., order[i].
+/// ln a_i of the path through the points order[0], ..., order[i].
 double log_acceptance_of(std::span<const std::size_t> order, std::span<const double> log_density, const Eigen::MatrixXd& whitened, double shrink) {
   const std::size_t i = order.size() - 1;
   if (log_density[order[i]] == never) return never;
   std::vector<std::size_t> back(order.rbegin(), order.rend());
-  // One side of the ratio: ln p of the first point, the proposals that led away from it and were refused.
+  // One side of the ratio: ln p of the first point, and the proposals from it that were refused.
   const auto side = [&](std::span<const std::size_t> path) {
     double sum = log_density[path[0]];
     for (std::size_t j = 1; j < i; ++j) {
@@ -38,7 +38,7 @@ double log_acceptance_of(std::span<const std::size_t> order, std::span<const dou
   return std::min(0.0, numerator - side(order));
 }
 
-/// Mean and sums of squares of draws one after another (Welford 1962).
+/// Running mean and sums of squares of draws (Welford 1962).
 struct Moments {
   double n = 0;
   Eigen::VectorXd mean;
@@ -50,7 +50,7 @@ struct Moments {
     mean += before / n;
     squares.noalias() += before * (x - mean).transpose();
   }
-  /// Both together.
+  /// The moments of both sets of draws together.
   [[nodiscard]] Moments with(const Moments& other) const {
     Moments m(mean.size());
     m.n = n + other.n;
@@ -67,7 +67,8 @@ struct Moments {
   }
   void restore(ByteReader& in) {
     n = in.value<double>();
-    const auto m = in.values<double>(), s = in.values<double>();
+    const auto m = in.values<double>();
+    const auto s = in.values<double>();
     expect(m.size() == std::size_t(mean.size()) && s.size() == std::size_t(squares.size()), "a saved chain has the dimension of its density");
     std::copy(m.begin(), m.end(), mean.data());
     std::copy(s.begin(), s.end(), squares.data());
@@ -103,7 +104,8 @@ class DramChain final : public MarkovChain {
     std::vector<double> values{log_density_};
     std::vector<std::size_t> order{0};
     Transition result;
-    double first = 0, refused = 1;
+    double first = 0;    // acceptance probability of the first stage
+    double refused = 1;  // probability that all stages so far were refused
     for (std::size_t i = 1; i <= stages; ++i) {
       const double length = std::pow(options_.shrink, double(i - 1));
       for (Eigen::Index k = 0; k < d_; ++k) whitened(k, Eigen::Index(i)) = length * random.normal();
@@ -139,9 +141,14 @@ class DramChain final : public MarkovChain {
   void save(ByteWriter& out) const override {
     out.values(position(0));
     save_matrix(out, centre_);
-    out.value(log_density_), out.value(log_scale_), out.value(learned_), out.value(doubling_), out.value(frozen_);
+    out.value(log_density_);
+    out.value(log_scale_);
+    out.value(learned_);
+    out.value(doubling_);
+    out.value(frozen_);
     for (const auto* m : {&shape_, &former_, &factor_}) out.values(std::span<const double>(m->data(), std::size_t(m->size())));
-    older_.save(out), newer_.save(out);
+    older_.save(out);
+    newer_.save(out);
   }
   void restore(ByteReader& in) override {
     const auto take = [&](double* to, Eigen::Index n) {
@@ -151,13 +158,18 @@ class DramChain final : public MarkovChain {
     };
     take(x_.data(), d_);
     restore_matrix(in, centre_);
-    in.into(log_density_), in.into(log_scale_), in.into(learned_), in.into(doubling_), in.into(frozen_);
+    in.into(log_density_);
+    in.into(log_scale_);
+    in.into(learned_);
+    in.into(doubling_);
+    in.into(frozen_);
     for (auto* m : {&shape_, &former_, &factor_}) take(m->data(), d_ * d_);
-    older_.restore(in), newer_.restore(in);
+    older_.restore(in);
+    newer_.restore(in);
   }
 
  private:
-  /// The factor of s (2.38^2 / d) S; false, and the factor as it was, when S is not positive definite.
+  /// Computes the factor of s (2.38^2 / d) S. Returns false and leaves the factor unchanged when S is not positive definite.
   bool factorise() {
     const Cholesky cholesky(shape_);
     if (!cholesky.positive_definite()) return false;
@@ -191,14 +203,16 @@ class DramChain final : public MarkovChain {
   Eigen::Index d_;
   Eigen::VectorXd x_;
   double log_density_ = 0;
-  Eigen::VectorXd centre_;          ///< from which draws are counted
-  Eigen::MatrixXd shape_, former_;  ///< S, and the estimate at the last doubling
-  Eigen::MatrixXd factor_;          ///< lower triangular, of C
-  double log_scale_ = 0;            ///< ln s
-  double learned_ = 0;              ///< transitions
-  double doubling_ = 100;           ///< transitions of the present stretch
+  Eigen::VectorXd centre_;  ///< the point about which the draws' moments are taken
+  Eigen::MatrixXd shape_;   ///< S
+  Eigen::MatrixXd former_;  ///< S at the last doubling
+  Eigen::MatrixXd factor_;  ///< lower triangular factor of C
+  double log_scale_ = 0;    ///< ln s
+  double learned_ = 0;      ///< transitions of the warm-up so far
+  double doubling_ = 100;   ///< transitions after which the older draws are forgotten next
   bool frozen_ = false;
-  Moments older_, newer_;
+  Moments older_;
+  Moments newer_;
 };
 
 }  // namespace

@@ -24,8 +24,8 @@ std::size_t walkers_of(const WalkerOptions& options, std::size_t d) {
 
 namespace {
 
-constexpr double whole_difference = 0.1;  ///< share of the differences that are taken as they are (ter Braak 2006, section 2)
-constexpr double spread = 0.1;            ///< of g, relative
+constexpr double whole_difference = 0.1;  ///< share of the differences with g = 1 (ter Braak 2006, section 2)
+constexpr double relative_sd = 0.1;       ///< relative standard deviation of g
 
 class EnsembleChain final : public MarkovChain {
  public:
@@ -49,7 +49,7 @@ class EnsembleChain final : public MarkovChain {
   Transition step(RandomStream& random, bool learns) override {
     expect(!(frozen_ && learns), "a frozen chain learns no more");
     evaluations_ = 0;
-    if (!spread_) spread_out(random);
+    if (!placed_) place_walkers(random);
     double acceptance = 0;
     const std::size_t half = walkers_ / 2;
     for (std::size_t k = 0; k < walkers_; ++k) {
@@ -66,52 +66,61 @@ class EnsembleChain final : public MarkovChain {
 
   [[nodiscard]] bool jumps() const override { return true; }
   void jump(std::size_t walker, std::span<const double> x, double log_density, const Eigen::VectorXd& /*centre*/) override {
-    x_.col(Eigen::Index(walker)) = Eigen::Map<const Eigen::VectorXd>(x.data(), d_), log_density_[walker] = log_density;
+    x_.col(Eigen::Index(walker)) = Eigen::Map<const Eigen::VectorXd>(x.data(), d_);
+    log_density_[walker] = log_density;
   }
 
   void save(ByteWriter& out) const override {
     save_matrix(out, x_);
     out.values(log_density_);
-    out.value(spread_), out.value(frozen_);
+    out.value(placed_);
+    out.value(frozen_);
   }
   void restore(ByteReader& in) override {
     restore_matrix(in, x_);
     log_density_ = in.values<double>();
-    in.into(spread_), in.into(frozen_);
+    in.into(placed_);
+    in.into(frozen_);
   }
 
  private:
-  /// The first walker stays where the chain began.
-  void spread_out(RandomStream& random) {
+  /// Draws the starts of all walkers but the first, which begins where the chain does.
+  void place_walkers(RandomStream& random) {
     const auto value = [&](const Eigen::VectorXd& x) {
       ++evaluations_;
       return checked_log_density(density_, x);
     };
     for (std::size_t k = 1; k < walkers_; ++k) {
       const auto b = drawn_beginning(value, mean_, factor_, dispersion_, random, fmt::format("walker {}", k + 1));
-      x_.col(Eigen::Index(k)) = b.x, log_density_[k] = b.log_density;
+      x_.col(Eigen::Index(k)) = b.x;
+      log_density_[k] = b.log_density;
     }
-    spread_ = true;
+    placed_ = true;
   }
 
-  /// Moves walker k to y with min(1, f p(y) / p(x)); that probability.
+  /// Moves walker k to y with the probability min(1, f p(y) / p(x)), which it returns.
   double accept(std::size_t k, const Eigen::VectorXd& y, double log_factor, RandomStream& random) {
     const double value = checked_log_density(density_, y);
     ++evaluations_;
     const double a = std::exp(std::min(0.0, log_factor + value - log_density_[k]));
-    if (random.uniform() < a) x_.col(Eigen::Index(k)) = y, log_density_[k] = value;
+    if (random.uniform() < a) {
+      x_.col(Eigen::Index(k)) = y;
+      log_density_[k] = value;
+    }
     return a;
   }
 
   double stretch(std::size_t k, std::size_t j, RandomStream& random) {
-    const double a = options_.scale, z = std::pow(1 + (a - 1) * random.uniform(), 2) / a;  // the inverse of its distribution
+    const double a = options_.scale;
+    const double z = std::pow(1 + (a - 1) * random.uniform(), 2) / a;  // by the inverse of its distribution function
     const Eigen::VectorXd y = x_.col(Eigen::Index(j)) + z * (x_.col(Eigen::Index(k)) - x_.col(Eigen::Index(j)));
     return accept(k, y, double(d_ - 1) * std::log(z), random);
   }
 
   double differ(std::size_t k, std::size_t others, std::size_t half, RandomStream& random) {
-    const std::size_t i = random.below(half), j = (i + 1 + random.below(half - 1)) % half;
-    const double g = random.uniform() < whole_difference ? 1 : 2.38 / std::sqrt(2 * double(d_)) * (1 + spread * random.normal());
+    const std::size_t i = random.below(half);
+    const std::size_t j = (i + 1 + random.below(half - 1)) % half;
+    const double g = random.uniform() < whole_difference ? 1 : 2.38 / std::sqrt(2 * double(d_)) * (1 + relative_sd * random.normal());
     const Eigen::VectorXd y = x_.col(Eigen::Index(k)) + g * (x_.col(Eigen::Index(others + i)) - x_.col(Eigen::Index(others + j)));
     return accept(k, y, 0, random);
   }
@@ -125,8 +134,9 @@ class EnsembleChain final : public MarkovChain {
   double dispersion_;
   Eigen::MatrixXd x_;  ///< (d, walkers)
   std::vector<double> log_density_;
-  bool spread_ = false, frozen_ = false;
-  int evaluations_ = 0;  ///< of one transition
+  bool placed_ = false;
+  bool frozen_ = false;
+  int evaluations_ = 0;  ///< evaluations of one transition
 };
 
 }  // namespace

@@ -29,16 +29,16 @@ struct WalkerOptions {
   }
 };
 
-/// Walkers of an ensemble on d coordinates. Errors: InputError when their number is odd or too small.
+/// The number of walkers of an ensemble on d coordinates. Errors: InputError when it is odd or too small.
 [[nodiscard]] std::size_t walkers_of(const WalkerOptions& options, std::size_t d);
 
-/// W walkers in two halves; a transition moves each walker k once, by walkers of the other half, which rest meanwhile:
+/// Makes W walkers in two halves. A transition moves each walker k once, by walkers of the other half, which do not move meanwhile:
 ///  - stretch: y = x_j + z (x_k - x_j), z with the density ~ 1 / sqrt(z) on [1/a, a], accepted with min(1, z^(d - 1) p(y) / p(x_k));
 ///  - difference: y = x_k + g (x_i - x_j), g = 2.38 / sqrt(2 d) times N(1, 0.1), or 1 in one move of ten, which carries walkers between modes; accepted with
 ///    min(1, p(y) / p(x_k)).
-/// Both leave the product of the walkers' densities invariant, whatever their shape is by an affine map; nothing is learnt in the warm-up.
-/// Walkers start about `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when that is not positive definite or the number of walkers is
-/// odd or too small; NumericsError where the density is NaN, or zero wherever a walker tries to start.
+/// Both moves leave the product of the walkers' densities invariant and are the same under an affine map. Nothing is learnt in the warm-up. Walkers start about
+/// `mean`, `dispersion` times as wide as `covariance`. Errors: InputError when the covariance is not positive definite, or the number of walkers is odd or too
+/// small; NumericsError where the density is NaN, or zero at all trial starts of a walker.
 std::unique_ptr<MarkovChain> ensemble_chain(const LogDensity& density, const WalkerOptions& options, const Eigen::VectorXd& mean,
                                             const Eigen::MatrixXd& covariance, double dispersion);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// One Markov chain of a sampler: a state and a transition. sampler.hpp runs several of them, keeps their draws and saves them.
+/// One Markov chain of a sampler: a state and a transition. sampler.hpp runs several chains, keeps their draws and saves their states.
 #include <Eigen/Core>
 #include <optional>
 #include <span>
@@ -10,46 +10,45 @@
 
 namespace calomel {
 
-/// What a transition along a trajectory tells beside.
+/// What a transition along a trajectory reports in addition.
 struct Trajectory {
-  double energy = 0;       ///< -ln p + kinetic energy where it began [-]
-  bool divergent = false;  ///< given up: the energy's error passed all bounds, or the density is zero there
-  int depth = 0;           ///< doublings
-  bool cut = false;        ///< ended by the greatest number of doublings alone
+  double energy = 0;       ///< -ln p + kinetic energy at its beginning [-]
+  bool divergent = false;  ///< it ended because the energy's error passed its bound, or because the density is zero there
+  int depth = 0;           ///< number of doublings
+  bool cut = false;        ///< it ended at the greatest number of doublings, before it turned
 };
 
 /// A chain promises:
-///  - a transition draws from the given stream and from nothing else, and depends on nothing but it and the chain's state;
-///  - with learns = true (warm-up) it may change its proposal; after freeze() it leaves the density invariant exactly, or tells the points of a population that
-///  was made for
-///    the density, one a transition (smc);
-///  - restore() of what save() wrote gives a chain that goes on to the same draws.
+///  - A transition draws from the given stream alone. It depends on that stream and on the chain's state alone.
+///  - With learns = true (warm-up) a transition may change the proposal. After freeze() each transition leaves the density invariant exactly, or it returns the
+///    next point of a population that was made for the density.
+///  - A chain that restore() reads from what save() wrote continues to the same draws.
 class MarkovChain {
  public:
   struct Transition {
     double acceptance = 0;      ///< probability with which it moved, [0, 1]
-    int evaluations = 0;        ///< of the density that is sampled
-    int cheap_evaluations = 0;  ///< of its cheap stand-in, where there is one
+    int evaluations = 0;        ///< evaluations of the density that is sampled
+    int cheap_evaluations = 0;  ///< evaluations of the cheap density of a sampler of two densities
     std::optional<Trajectory> trajectory = std::nullopt;
   };
 
   virtual ~MarkovChain() = default;
-  /// Begins at x: (d), where the log density is `log_density`, finite; the cheap one's where there are two.
+  /// Begins at x: (d), where the log density is `log_density`, finite. A sampler of two densities takes that of the cheap one.
   virtual void begin(std::span<const double> x, double log_density) = 0;
   virtual Transition step(RandomStream& random, bool learns) = 0;
   /// Ends the warm-up.
   virtual void freeze() = 0;
-  /// Points that move together; each is told as a chain.
+  /// The number of points that move together. Each becomes a chain of the result.
   [[nodiscard]] virtual std::size_t walkers() const { return 1; }
   [[nodiscard]] virtual std::span<const double> position(std::size_t walker) const = 0;
   [[nodiscard]] virtual double log_density(std::size_t walker) const = 0;
-  /// Whether its points may be set elsewhere between two transitions, by a move that leaves the density invariant.
+  /// Whether a move between two transitions, which leaves the density invariant, may set its points elsewhere.
   [[nodiscard]] virtual bool jumps() const { return false; }
-  /// Sets one to x: (d), where the log density is `log_density`. centre: (d), of the mode there; what is learnt of the shape counts from it.
+  /// Sets a walker to x: (d), where the log density is `log_density`. centre: (d), the mode there; a shape that the chain learns is taken about it.
   virtual void jump(std::size_t /*walker*/, std::span<const double> /*x*/, double /*log_density*/, const Eigen::VectorXd& /*centre*/) {
-    expect(false, "only points of a chain that jumps are set elsewhere");
+    expect(false, "jump() is called on chains that jump");
   }
-  /// An estimate of ln of the integral of the density, where the sampler makes one.
+  /// An estimate of ln of the integral of the density, if the sampler makes one.
   [[nodiscard]] virtual std::optional<double> log_evidence() const { return std::nullopt; }
   virtual void save(ByteWriter& out) const = 0;
   virtual void restore(ByteReader& in) = 0;

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t most_descents = 16;
 constexpr int most_iterations = 200;
-constexpr double step = 1e-4;          ///< of a gradient's difference
-constexpr double first_step = 2e-3;    ///< of a curvature's, before its deviations are known
-constexpr double step_sds = 1.0 / 3;   ///< and when they are
-constexpr double widest = 1e4;         ///< variance that a curvature is believed to say
-constexpr double fall = 1;             ///< of ln p between two modes that are two
-constexpr double least_weight = 1e-5;  ///< of the greatest
+constexpr double step = 1e-4;          ///< difference for a gradient
+constexpr double first_step = 2e-3;    ///< difference for a curvature before the standard deviations are known
+constexpr double step_sds = 1.0 / 3;   ///< the same in standard deviations once they are known
+constexpr double widest = 1e4;         ///< greatest variance that a curvature may give
+constexpr double fall = 1;             ///< least fall of ln p between two distinct modes
+constexpr double least_weight = 1e-5;  ///< least weight of a mode, over the greatest
 
 double at(const LogDensity& density, const Eigen::VectorXd& x) { return density.log_density({x.data(), std::size_t(x.size())}); }
 
@@ -40,7 +40,8 @@ class Negative : public ceres::FirstOrderFunction {
       const Eigen::Map<const Eigen::VectorXd> here(x, g.size());
       for (Eigen::Index k = 0; gradient && k < g.size(); ++k) {
         Eigen::VectorXd up = here, down = here;
-        up[k] += step, down[k] -= step;
+        up[k] += step;
+        down[k] -= step;
         g[k] = (at(density_, up) - at(density_, down)) / (2 * step);
       }
     }
@@ -52,7 +53,7 @@ class Negative : public ceres::FirstOrderFunction {
   const LogDensity& density_;
 };
 
-/// Columns of the design, best first, that are above their 2 d + 4 nearest neighbours.
+/// The columns of the design, best first, whose values exceed those of their 2 d + 4 nearest neighbours.
 std::vector<Eigen::Index> tops(const Eigen::MatrixXd& design, const std::vector<double>& values) {
   const Eigen::Index n = design.cols();
   if (n == 0) return {};
@@ -78,7 +79,9 @@ std::vector<Eigen::Index> tops(const Eigen::MatrixXd& design, const std::vector<
 
 Eigen::VectorXd climbed(const LogDensity& density, const Eigen::VectorXd& start) {
   ceres::GradientProblemSolver::Options options;
-  options.logging_type = ceres::SILENT, options.line_search_direction_type = ceres::BFGS, options.max_num_iterations = most_iterations;
+  options.logging_type = ceres::SILENT;
+  options.line_search_direction_type = ceres::BFGS;
+  options.max_num_iterations = most_iterations;
   const ceres::GradientProblem problem(new Negative(density));
   ceres::GradientProblemSolver::Summary summary;
   Eigen::VectorXd x = start;
@@ -86,12 +89,13 @@ Eigen::VectorXd climbed(const LogDensity& density, const Eigen::VectorXd& start)
   return x.allFinite() && at(density, x) >= at(density, start) ? x : start;
 }
 
-/// Inverse of the curvature by second differences with a step for each coordinate.
+/// The inverse of the curvature, from second differences. h: (d), the step of each coordinate.
 Eigen::MatrixXd covariance_at(const LogDensity& density, const LaplaceMode& mode, const Eigen::VectorXd& h) {
   const Eigen::Index d = mode.x.size();
   const auto moved = [&](Eigen::Index j, double a, Eigen::Index k, double b) {
     Eigen::VectorXd x = mode.x;
-    x[j] += a, x[k] += b;
+    x[j] += a;
+    x[k] += b;
     return at(density, x);
   };
   Eigen::MatrixXd curvature(d, d);
@@ -108,7 +112,7 @@ Eigen::MatrixXd covariance_at(const LogDensity& density, const LaplaceMode& mode
   return eigen.vectors * eigen.values.asDiagonal() * eigen.vectors.transpose();
 }
 
-/// Whether no valley lies between two ends.
+/// Whether no valley lies between two ends of a search.
 bool one_mode(const LogDensity& density, const LaplaceMode& a, const LaplaceMode& b) {
   const double lowest = std::min(a.log_density, b.log_density) - fall;
   constexpr int parts = 24;
@@ -120,7 +124,7 @@ bool one_mode(const LogDensity& density, const LaplaceMode& a, const LaplaceMode
 }  // namespace
 
 std::vector<LaplaceMode> density_modes(const LogDensity& density, const Eigen::MatrixXd& design, const Eigen::MatrixXd& starts, int threads) {
-  FLAGS_minloglevel = google::GLOG_FATAL;  // a failed line search is an answer here, not news
+  FLAGS_minloglevel = google::GLOG_FATAL;  // a failed line search is expected here and needs no log line
   const Eigen::Index d = Eigen::Index(density.dimension());
   std::vector<double> values(std::size_t(design.cols()));
   parallel_for(values.size(), threads, [&](std::size_t i) { values[i] = at(density, design.col(Eigen::Index(i))); });
@@ -160,7 +164,7 @@ SamplerStart start_at_modes(const std::vector<LaplaceMode>& modes) {
   expect(!modes.empty(), "chains begin at a mode");
   SamplerStart start{.mean = modes[0].x, .covariance = modes[0].covariance, .points = {}};
   if (modes.size() == 1) return start;
-  // Laplace's weight may be off where a mode is not Gaussian: half of the draws go to all modes alike.
+  // Laplace's weights are inaccurate where a mode is not Gaussian, so half of the jumps go to all modes with equal weights.
   for (const auto& m : modes) start.modes.push_back({m.x, m.covariance, 0.5 * m.weight + 0.5 / double(modes.size())});
   return start;
 }

@@ -14,10 +14,12 @@ namespace calomel {
 
 namespace {
 
-constexpr double divergent_energy = 1000;  ///< error of the energy beyond which a trajectory is given up (Stan's)
-constexpr double shrinkage = 5;            ///< draws, beside one a dimension, by which a covariance is drawn to its diagonal
+constexpr double divergent_energy = 1000;  ///< error of the energy beyond which a trajectory diverges (Stan's)
+constexpr double shrinkage = 5;            ///< number of draws, beside one a dimension, by which a covariance is shrunk to its diagonal
 // Dual averaging, as published (Hoffman and Gelman 2014, section 3.2.1).
-constexpr double gamma_ = 0.05, t0 = 10, kappa = 0.75;
+constexpr double gamma_ = 0.05;
+constexpr double t0 = 10;
+constexpr double kappa = 0.75;
 
 double log_add(double a, double b) {
   if (a == never) return b;
@@ -27,17 +29,22 @@ double log_add(double a, double b) {
 
 /// A point of a trajectory, in coordinates z in which S is 1.
 struct Place {
-  Eigen::VectorXd z, p, gradient;
+  Eigen::VectorXd z;
+  Eigen::VectorXd p;
+  Eigen::VectorXd gradient;
   double log_density = never;
 };
 
-/// A stretch of a trajectory: its ends in time, the point drawn from it, its weight, the sum of its momenta.
+/// A stretch of a trajectory.
 struct Stretch {
-  Place back, front;
-  Eigen::VectorXd z, momenta;
-  double log_density = never, log_weight = never;
-  bool ended = false;      ///< turned or diverged within
-  bool divergent = false;  ///< the latter
+  Place back;               ///< its end that is earlier in time
+  Place front;              ///< its end that is later in time
+  Eigen::VectorXd z;        ///< the point drawn from it
+  Eigen::VectorXd momenta;  ///< the sum of its momenta
+  double log_density = never;
+  double log_weight = never;
+  bool ended = false;      ///< it turned or diverged within
+  bool divergent = false;  ///< it diverged within
 };
 
 class NutsChain final : public MarkovChain {
@@ -64,21 +71,28 @@ class NutsChain final : public MarkovChain {
   }
 
   Transition step(RandomStream& random, bool learns) override {
-    evaluations_ = 0, accepted_ = 0, tried_ = 0;
+    evaluations_ = 0;
+    accepted_ = 0;
+    tried_ = 0;
     if (learns && seeks_step_) seek_step(random);
     centre_ = x_;
     Place here = place_with_momentum(random);
     energy_ = 0.5 * here.p.squaredNorm() - here.log_density;
-    Trajectory told{.energy = energy_, .divergent = false, .depth = 0, .cut = true};
+    Trajectory trajectory{.energy = energy_, .divergent = false, .depth = 0, .cut = true};
     Stretch all{.back = here, .front = here, .z = here.z, .momenta = here.p, .log_density = here.log_density, .log_weight = 0};
-    for (; told.depth < options_.depth; ++told.depth) {
+    for (; trajectory.depth < options_.depth; ++trajectory.depth) {
       const bool forward = random.uniform() < 0.5;
-      const Stretch more = grow(forward ? all.front : all.back, told.depth, forward ? step_ : -step_, random);
-      told.cut = !more.ended, told.divergent = more.divergent;
+      const Stretch more = grow(forward ? all.front : all.back, trajectory.depth, forward ? step_ : -step_, random);
+      trajectory.cut = !more.ended;
+      trajectory.divergent = more.divergent;
       if (more.ended) break;
-      if (log_uniform(random) < more.log_weight - all.log_weight) all.z = more.z, all.log_density = more.log_density;
+      if (log_uniform(random) < more.log_weight - all.log_weight) {
+        all.z = more.z;
+        all.log_density = more.log_density;
+      }
       if (join(all, more, forward)) {
-        told.cut = false, ++told.depth;
+        trajectory.cut = false;
+        ++trajectory.depth;
         break;
       }
     }
@@ -86,7 +100,7 @@ class NutsChain final : public MarkovChain {
     log_density_ = all.log_density;
     const double acceptance = tried_ > 0 ? accepted_ / tried_ : 0;
     if (learns) learn(acceptance);
-    return {.acceptance = acceptance, .evaluations = evaluations_, .trajectory = told};
+    return {.acceptance = acceptance, .evaluations = evaluations_, .trajectory = trajectory};
   }
 
   void freeze() override {
@@ -104,19 +118,31 @@ class NutsChain final : public MarkovChain {
 
   void save(ByteWriter& out) const override {
     for (const double v : {log_density_, step_, log_step_mean_, error_mean_, anchor_, averaged_, counted_}) out.value(v);
-    out.value(learned_), out.value(seeks_step_), out.value(frozen_);
-    save_matrix(out, x_), save_matrix(out, learnt_from_), save_matrix(out, factor_), save_matrix(out, mean_), save_matrix(out, squares_);
+    out.value(learned_);
+    out.value(seeks_step_);
+    out.value(frozen_);
+    save_matrix(out, x_);
+    save_matrix(out, learnt_from_);
+    save_matrix(out, factor_);
+    save_matrix(out, mean_);
+    save_matrix(out, squares_);
   }
   void restore(ByteReader& in) override {
     for (double* v : {&log_density_, &step_, &log_step_mean_, &error_mean_, &anchor_, &averaged_, &counted_}) in.into(*v);
-    in.into(learned_), in.into(seeks_step_), in.into(frozen_);
-    restore_matrix(in, x_), restore_matrix(in, learnt_from_), restore_matrix(in, factor_), restore_matrix(in, mean_), restore_matrix(in, squares_);
+    in.into(learned_);
+    in.into(seeks_step_);
+    in.into(frozen_);
+    restore_matrix(in, x_);
+    restore_matrix(in, learnt_from_);
+    restore_matrix(in, factor_);
+    restore_matrix(in, mean_);
+    restore_matrix(in, squares_);
   }
 
  private:
   static double log_uniform(RandomStream& random) { return std::log(std::max(random.uniform(), std::numeric_limits<double>::min())); }
 
-  /// Density and gradient by z, which counts from centre_. A gradient that is infinite ends a trajectory as a density of zero does.
+  /// Computes density and gradient at z, which counts from centre_. An infinite gradient ends a trajectory as a density of zero does.
   void evaluate(Place& at) {
     const Eigen::VectorXd x = centre_ + factor_ * at.z;
     Eigen::VectorXd g(d_);
@@ -130,7 +156,7 @@ class NutsChain final : public MarkovChain {
     if (!at.gradient.allFinite()) at.log_density = never;
   }
 
-  /// The chain's place, with a momentum drawn anew.
+  /// The chain's place with a new momentum.
   [[nodiscard]] Place place_with_momentum(RandomStream& random) {
     Place here{.z = Eigen::VectorXd::Zero(d_), .p = Eigen::VectorXd(d_), .gradient = {}};
     evaluate(here);
@@ -147,7 +173,7 @@ class NutsChain final : public MarkovChain {
     return to;
   }
 
-  /// Energy of a place below that of the transition's beginning, minus infinity where the density is zero.
+  /// The energy at the transition's beginning less that of a place; minus infinity where the density is zero.
   [[nodiscard]] double log_weight(const Place& at) const { return at.log_density == never ? never : at.log_density - 0.5 * at.p.squaredNorm() + energy_; }
 
   [[nodiscard]] Stretch grow(const Place& from, int depth, double step, RandomStream& random) {
@@ -155,7 +181,8 @@ class NutsChain final : public MarkovChain {
       const Place to = leap(from, step);
       const double weight = log_weight(to);
       const bool divergent = !(weight > -divergent_energy);
-      tried_ += 1, accepted_ += std::min(1.0, std::exp(weight));
+      tried_ += 1;
+      accepted_ += std::min(1.0, std::exp(weight));
       return {
           .back = to, .front = to, .z = to.z, .momenta = to.p, .log_density = to.log_density, .log_weight = weight, .ended = divergent, .divergent = divergent};
     }
@@ -164,15 +191,19 @@ class NutsChain final : public MarkovChain {
     const bool forward = step > 0;
     const Stretch far = grow(forward ? near.front : near.back, depth - 1, step, random);
     if (far.ended) {
-      near.ended = true, near.divergent = far.divergent;
+      near.ended = true;
+      near.divergent = far.divergent;
       return near;
     }
-    if (log_uniform(random) < far.log_weight - log_add(near.log_weight, far.log_weight)) near.z = far.z, near.log_density = far.log_density;
+    if (log_uniform(random) < far.log_weight - log_add(near.log_weight, far.log_weight)) {
+      near.z = far.z;
+      near.log_density = far.log_density;
+    }
     near.ended = join(near, far, forward);
     return near;
   }
 
-  /// Adds `more` before or behind; whether the whole turns back on itself, or one half with the next point of the other does.
+  /// Adds `more` at the earlier or the later end. Returns whether the whole turns back on itself, or one half with the next point of the other does.
   [[nodiscard]] static bool join(Stretch& all, const Stretch& more, bool forward) {
     const Stretch& earlier = forward ? all : more;
     const Stretch& later = forward ? more : all;
@@ -191,7 +222,7 @@ class NutsChain final : public MarkovChain {
     return turned;
   }
 
-  /// A step whose single leap is accepted about half the time; dual averaging begins anew from ten of it.
+  /// Finds a step whose single leap is accepted about half the time. Dual averaging restarts towards ten times that step.
   void seek_step(RandomStream& random) {
     centre_ = x_;
     const Place here = place_with_momentum(random);
@@ -199,28 +230,39 @@ class NutsChain final : public MarkovChain {
     const auto accepted = [&] { return log_weight(leap(here, step_)) > std::log(0.5); };
     const bool up = accepted();
     for (int i = 0; i < 50 && accepted() == up; ++i) step_ *= up ? 2 : 0.5;
-    anchor_ = std::log(10 * step_), log_step_mean_ = std::log(step_), error_mean_ = 0, averaged_ = 0;
+    anchor_ = std::log(10 * step_);
+    log_step_mean_ = std::log(step_);
+    error_mean_ = 0;
+    averaged_ = 0;
     seeks_step_ = false;
   }
 
   void learn(double acceptance) {
     expect(!frozen_, "a frozen chain learns no more");
-    ++learned_, averaged_ += 1;
+    ++learned_;
+    averaged_ += 1;
     error_mean_ += (options_.target - acceptance - error_mean_) / (averaged_ + t0);
-    const double log_step = anchor_ - std::sqrt(averaged_) / gamma_ * error_mean_, share = std::pow(averaged_, -kappa);
+    const double log_step = anchor_ - std::sqrt(averaged_) / gamma_ * error_mean_;
+    const double share = std::pow(averaged_, -kappa);
     log_step_mean_ = share * log_step + (1 - share) * log_step_mean_;
     step_ = std::exp(log_step);
     if (windows_.empty() || learned_ <= windows_.front() || learned_ > windows_.back()) return;
     counted_ += 1;
-    const Eigen::VectorXd place = x_ - learnt_from_, before = place - mean_;
+    const Eigen::VectorXd place = x_ - learnt_from_;
+    const Eigen::VectorXd before = place - mean_;
     mean_ += before / counted_;
     squares_.noalias() += before * (place - mean_).transpose();
     if (!std::binary_search(windows_.begin() + 1, windows_.end(), learned_)) return;
-    if (take_metric()) step_ = std::exp(log_step_mean_), seeks_step_ = true;
-    mean_.setZero(), squares_.setZero(), counted_ = 0;
+    if (take_metric()) {
+      step_ = std::exp(log_step_mean_);
+      seeks_step_ = true;
+    }
+    mean_.setZero();
+    squares_.setZero();
+    counted_ = 0;
   }
 
-  /// From the window's draws; false, and the metric as it was, where a coordinate has not moved.
+  /// Takes the metric from the window's draws. Returns false and leaves the metric unchanged where a coordinate has not moved.
   bool take_metric() {
     const Eigen::MatrixXd covariance = squares_ / std::max(1.0, counted_ - 1);
     const Eigen::VectorXd variances = covariance.diagonal();
@@ -242,19 +284,27 @@ class NutsChain final : public MarkovChain {
   Eigen::Index d_;
   bool dense_;
   std::vector<int> windows_;
-  Eigen::VectorXd x_, centre_;
+  Eigen::VectorXd x_;
+  Eigen::VectorXd centre_;  ///< the place at which the transition began
   double log_density_ = 0;
-  Eigen::MatrixXd factor_;                                                                                      ///< L
-  double step_ = 0.5, log_step_mean_ = std::log(0.5), error_mean_ = 0, anchor_ = std::log(5.0), averaged_ = 0;  ///< dual averaging
+  Eigen::MatrixXd factor_;  ///< L
+  // The state of dual averaging.
+  double step_ = 0.5;
+  double log_step_mean_ = std::log(0.5);
+  double error_mean_ = 0;
+  double anchor_ = std::log(5.0);
+  double averaged_ = 0;
   bool seeks_step_ = true;
-  int learned_ = 0;              ///< transitions of the warm-up
-  double counted_ = 0;           ///< draws of the window
-  Eigen::VectorXd learnt_from_;  ///< from which draws are counted
-  Eigen::VectorXd mean_;         ///< of them
-  Eigen::MatrixXd squares_;      ///< and their sums of squares
+  int learned_ = 0;              ///< transitions of the warm-up so far
+  double counted_ = 0;           ///< draws of the window so far
+  Eigen::VectorXd learnt_from_;  ///< the point about which the window's moments are taken
+  Eigen::VectorXd mean_;         ///< mean of the window's draws
+  Eigen::MatrixXd squares_;      ///< their sums of squares
   bool frozen_ = false;
-  // Of one transition.
-  double energy_ = 0, accepted_ = 0, tried_ = 0;
+  // The next four are those of one transition.
+  double energy_ = 0;    ///< at its beginning
+  double accepted_ = 0;  ///< sum of the acceptance probabilities of its leaps
+  double tried_ = 0;     ///< number of its leaps
   int evaluations_ = 0;
 };
 
@@ -262,8 +312,14 @@ class NutsChain final : public MarkovChain {
 
 std::vector<int> warmup_windows(int warmup) {
   if (warmup < 20) return {};
-  int first = 75, window = 25, last = 50;
-  if (first + window + last > warmup) first = 15 * warmup / 100, last = warmup / 10, window = warmup - first - last;
+  int first = 75;
+  int window = 25;
+  int last = 50;
+  if (first + window + last > warmup) {
+    first = 15 * warmup / 100;
+    last = warmup / 10;
+    window = warmup - first - last;
+  }
   std::vector<int> ends{first};
   for (int at = first, end = warmup - last; at < end; window *= 2) {
     at += window;

@@ -176,7 +176,8 @@ SamplerResult run_chains(const LogDensity& density, const LogDensity* exact, con
     return start.modes.size() > 1 ? start.modes[c % start.modes.size()] : StartMode{.mean = start.mean, .covariance = covariance};
   };
   const auto chain_about = [&](const StartMode& mode) {
-    return entry.chain({.density = density, .exact = exact, .options = options, .mode = mode, .modes = start.modes.size() > 1 ? start.modes : std::vector{mode}});
+    return entry.chain(
+        {.density = density, .exact = exact, .options = options, .mode = mode, .modes = start.modes.size() > 1 ? start.modes : std::vector{mode}});
   };
   const StartMode first_mode = mode_of(0);
   const auto first_chain = chain_about(first_mode);
@@ -326,10 +327,8 @@ SamplerResult run_sampler(const LogDensity& density, const SamplerStart& start, 
 SamplerResult run_sampler(const LogDensity& cheap, const LogDensity& exact, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run) {
   if (options.entry().first_stage.empty()) {
     const auto others = quoted_kinds(*options.catalogue, [](const SamplerEntry& e) { return !e.first_stage.empty(); });
-    throw InputError({.problem = "samples one density, and two were given",
-                      .key = "sampler.kind",
-                      .value = '"' + options.kind + '"',
-                      .suggestion = "take " + others});
+    throw InputError(
+        {.problem = "samples one density, and two were given", .key = "sampler.kind", .value = '"' + options.kind + '"', .suggestion = "take " + others});
   }
   return run_chains(cheap, &exact, start, options, run);
 }

@@ -43,19 +43,19 @@ struct SamplerRun {
 };
 
 struct SamplerSummary {
-  std::string kind;                           ///< the sampler's name
-  SamplerRemedies remedies;                   ///< the sampler's own
-  std::vector<double> acceptance;             ///< (sampler.chains) mean over the kept transitions
-  std::size_t evaluations = 0;                ///< evaluations of the density that is sampled, warm-up and earlier calls included
-  std::size_t cheap_evaluations = 0;          ///< evaluations of the cheap density of a sampler of two densities
-  std::size_t transitions = 0;                ///< transitions of all chains, warm-up included
-  std::size_t resumed = 0;                    ///< transitions among these that earlier calls made
-  std::vector<double> e_bfmi;                 ///< (sampler.chains) of the kept transitions, see e_bfmi(); empty where the sampler has no momenta
-  std::size_t divergences = 0;                ///< kept transitions whose trajectory diverged
-  std::size_t cut = 0;                        ///< kept transitions that the greatest number of doublings ended
-  std::optional<double> log_evidence;         ///< ln of the integral of the density over its coordinates, the mean of the chains' estimates, if estimated
-  std::optional<double> log_evidence_error;   ///< its standard error, of two chains or more
-  double wall_s = 0;                          ///< wall time of this call [s]
+  std::string kind;                          ///< the sampler's name
+  SamplerRemedies remedies;                  ///< the sampler's own
+  std::vector<double> acceptance;            ///< (sampler.chains) mean over the kept transitions
+  std::size_t evaluations = 0;               ///< evaluations of the density that is sampled, warm-up and earlier calls included
+  std::size_t cheap_evaluations = 0;         ///< evaluations of the cheap density of a sampler of two densities
+  std::size_t transitions = 0;               ///< transitions of all chains, warm-up included
+  std::size_t resumed = 0;                   ///< transitions among these that earlier calls made
+  std::vector<double> e_bfmi;                ///< (sampler.chains) of the kept transitions, see e_bfmi(); empty where the sampler has no momenta
+  std::size_t divergences = 0;               ///< kept transitions whose trajectory diverged
+  std::size_t cut = 0;                       ///< kept transitions that the greatest number of doublings ended
+  std::optional<double> log_evidence;        ///< ln of the integral of the density over its coordinates, the mean of the chains' estimates, if estimated
+  std::optional<double> log_evidence_error;  ///< its standard error, of two chains or more
+  double wall_s = 0;                         ///< wall time of this call [s]
 };
 
 /// The draws. Each walker of each of sampler.chains is a chain here.

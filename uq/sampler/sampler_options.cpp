@@ -13,12 +13,7 @@ std::vector<SamplerTable> sampler_tables(const Registry<SamplerEntry>& catalogue
 SamplerOptions default_sampler_options(const std::string& kind, bool external, const Registry<SamplerEntry>& catalogue) {
   const SamplerEntry& entry = catalogue.get(kind, "sampler.kind");
   const ChainLengths lengths = external ? entry.external_lengths.value_or(entry.lengths) : entry.lengths;
-  return {.kind = kind,
-          .warmup = lengths.warmup,
-          .draws = lengths.draws,
-          .thin = lengths.thin,
-          .tables = sampler_tables(catalogue),
-          .catalogue = &catalogue};
+  return {.kind = kind, .warmup = lengths.warmup, .draws = lengths.draws, .thin = lengths.thin, .tables = sampler_tables(catalogue), .catalogue = &catalogue};
 }
 
 SamplerOptions one_density_options(const SamplerOptions& options) {

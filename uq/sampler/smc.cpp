@@ -16,9 +16,9 @@ namespace calomel {
 
 namespace {
 
-constexpr double resample_below = 0.5;   ///< of the particles
-constexpr double few = 10;               ///< particles of a part, by their weights, of which no correlation is asked
-constexpr double smallest_step = 1e-12;  ///< of b, taken where not even that keeps enough particles
+constexpr double resample_below = 0.5;   ///< effective share of the particles below which they are resampled
+constexpr double few = 10;               ///< effective number of particles of a part below which its correlation is not computed
+constexpr double smallest_step = 1e-12;  ///< least step of b, taken even where it does not keep enough particles
 
 class SmcChain final : public MarkovChain {
  public:
@@ -52,29 +52,39 @@ class SmcChain final : public MarkovChain {
       if (!arrived()) advance(random);
     } else {
       while (!arrived()) advance(random);
-      expect(told_ < n_, "each particle is told once");
-      ++told_;
+      expect(returned_ < n_, "each particle is returned once");
+      ++returned_;
     }
     return {.acceptance = acceptance_, .evaluations = int(total_ - before)};
   }
 
   void freeze() override { frozen_ = true; }
   [[nodiscard]] std::span<const double> position(std::size_t /*walker*/) const override {
-    return told_ > 0 ? std::span<const double>(x_.col(told_ - 1).data(), std::size_t(d_)) : std::span<const double>(first_.data(), std::size_t(d_));
+    return returned_ > 0 ? std::span<const double>(x_.col(returned_ - 1).data(), std::size_t(d_)) : std::span<const double>(first_.data(), std::size_t(d_));
   }
-  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return told_ > 0 ? log_p_[told_ - 1] : first_log_density_; }
+  [[nodiscard]] double log_density(std::size_t /*walker*/) const override { return returned_ > 0 ? log_p_[returned_ - 1] : first_log_density_; }
   [[nodiscard]] std::optional<double> log_evidence() const override { return arrived() ? std::optional(log_evidence_) : std::nullopt; }
 
   void save(ByteWriter& out) const override {
     for (const double v : {first_log_density_, b_, log_evidence_, acceptance_}) out.value(v);
-    out.value(told_), out.value(total_), out.value(sweeps_), out.value(drawn_), out.value(moving_), out.value(frozen_);
+    out.value(returned_);
+    out.value(total_);
+    out.value(sweeps_);
+    out.value(drawn_);
+    out.value(moving_);
+    out.value(frozen_);
     for (const Eigen::MatrixXd* m : {&x_, &before_}) save_matrix(out, *m);
     for (const Eigen::MatrixXd& m : factors_) save_matrix(out, m);
     for (const Eigen::VectorXd* v : {&log_scale_, &first_, &log_p_, &log_q_, &weights_}) save_matrix(out, *v);
   }
   void restore(ByteReader& in) override {
     for (double* v : {&first_log_density_, &b_, &log_evidence_, &acceptance_}) in.into(*v);
-    in.into(told_), in.into(total_), in.into(sweeps_), in.into(drawn_), in.into(moving_), in.into(frozen_);
+    in.into(returned_);
+    in.into(total_);
+    in.into(sweeps_);
+    in.into(drawn_);
+    in.into(moving_);
+    in.into(frozen_);
     for (Eigen::MatrixXd* m : {&x_, &before_}) restore_matrix(in, *m);
     for (Eigen::MatrixXd& m : factors_) restore_matrix(in, m);
     for (Eigen::VectorXd* v : {&log_scale_, &first_, &log_p_, &log_q_, &weights_}) restore_matrix(in, *v);
@@ -84,7 +94,7 @@ class SmcChain final : public MarkovChain {
  private:
   [[nodiscard]] bool arrived() const { return b_ == 1 && !moving_; }
 
-  /// The particles' first places, or a sweep, a new temperature before it where the last one is done with.
+  /// Draws the particles' first places, or makes one sweep; a new temperature precedes the sweep where the last one is finished.
   void advance(RandomStream& random) {
     if (!drawn_) return draw(random);
     if (total_ >= options_.evaluations)
@@ -111,7 +121,7 @@ class SmcChain final : public MarkovChain {
     drawn_ = true;
   }
 
-  /// Factors by which weights grow in a step, as logarithms.
+  /// The logarithms of the factors by which weights grow in a step.
   [[nodiscard]] std::vector<double> growth(double step) const {
     std::vector<double> logs(std::size_t(n_), never);
     for (Eigen::Index i = 0; i < n_; ++i)
@@ -120,7 +130,7 @@ class SmcChain final : public MarkovChain {
   }
   [[nodiscard]] std::span<const double> weights() const { return {weights_.data(), std::size_t(n_)}; }
 
-  /// Share of the particles that a step leaves.
+  /// The effective share of the particles after a step.
   [[nodiscard]] double kept(double step) const {
     auto logs = growth(step);
     const double sum = log_sum(logs, weights());
@@ -128,11 +138,12 @@ class SmcChain final : public MarkovChain {
     return std::exp(2 * sum - log_sum(logs, weights()));
   }
 
-  /// The next temperature: weights, evidence, resampling, and the covariance that particles move with.
+  /// Takes the next temperature: weights, evidence, resampling, and the covariance by which particles move.
   void warm(RandomStream& random) {
     double step = 1 - b_;
     if (kept(step) < options_.keep) {
-      double low = 0, high = step;
+      double low = 0;
+      double high = step;
       for (int i = 0; i < 60; ++i) {
         step = 0.5 * (low + high);
         (kept(step) < options_.keep ? high : low) = step;
@@ -147,10 +158,11 @@ class SmcChain final : public MarkovChain {
     if (b_ == 1 || 1 / weights_.squaredNorm() < resample_below * double(n_)) resample(random);
     learn_shape();
     before_ = x_;
-    sweeps_ = 0, moving_ = true;
+    sweeps_ = 0;
+    moving_ = true;
   }
 
-  /// Systematic: particle i has as many offspring as the comb of N teeth, one apart, has teeth in its share; in order.
+  /// Resamples systematically and in order: particle i has as many offspring as a comb of N teeth, one apart, has teeth in its share.
   void resample(RandomStream& random) {
     const double offset = random.uniform();
     std::vector<Eigen::Index> parents;
@@ -159,10 +171,12 @@ class SmcChain final : public MarkovChain {
       sum += weights_[i] * double(n_);
       while (Eigen::Index(parents.size()) < n_ && double(parents.size()) + offset < sum) parents.push_back(i);
     }
-    Eigen::Index last = n_ - 1;  // rounding may leave the last tooth over
+    Eigen::Index last = n_ - 1;  // rounding may leave the last teeth without a parent
     while (weights_[last] == 0) --last;
     parents.resize(std::size_t(n_), last);
-    x_ = Eigen::MatrixXd(x_(Eigen::all, parents)), log_p_ = Eigen::VectorXd(log_p_(parents)), log_q_ = Eigen::VectorXd(log_q_(parents));
+    x_ = Eigen::MatrixXd(x_(Eigen::all, parents));
+    log_p_ = Eigen::VectorXd(log_p_(parents));
+    log_q_ = Eigen::VectorXd(log_q_(parents));
     weights_.setConstant(1 / double(n_));
   }
 
@@ -171,7 +185,7 @@ class SmcChain final : public MarkovChain {
     for (Eigen::Index i = 0; i < n_; ++i) part_[std::size_t(i)] = reference_.part_of(x_.col(i));
   }
 
-  /// The shape of each part, about its own middle. Particles do not leave their part, so that this holds until the next temperature.
+  /// Takes the covariance of each part about its own middle. Particles do not leave their part, so that it holds until the next temperature.
   void learn_shape() {
     find_parts();
     for (std::size_t k = 0; k < factors_.size(); ++k) {
@@ -181,14 +195,14 @@ class SmcChain final : public MarkovChain {
       Eigen::MatrixXd s = apart * w.asDiagonal() * apart.transpose();
       const double effective = 1 / w.squaredNorm();
       const Eigen::VectorXd variances = s.diagonal();
-      s *= effective / (effective + double(d_));  // off the diagonal, so that few particles give a positive definite one
+      s *= effective / (effective + double(d_));  // the off-diagonal is shrunk, so that few particles give a positive definite matrix
       s.diagonal() = variances;
       const Cholesky cholesky(0.5 * (s + s.transpose()));
       if (cholesky.positive_definite() && cholesky.lower().allFinite()) factors_[k] = cholesky.lower();
     }
   }
 
-  /// Of the particles of one part, which sum to 1; all 0 where it has none that count.
+  /// The weights of the particles of one part, which sum to 1; all are 0 where no particle of the part has a weight.
   [[nodiscard]] Eigen::VectorXd weights_of(std::size_t part) const {
     Eigen::VectorXd w = weights_;
     for (Eigen::Index i = 0; i < n_; ++i)
@@ -202,35 +216,45 @@ class SmcChain final : public MarkovChain {
   void sweep(RandomStream& random) {
     std::vector<Eigen::MatrixXd> steps;
     for (std::size_t k = 0; k < factors_.size(); ++k) steps.push_back(std::exp(0.5 * log_scale_[Eigen::Index(k)]) * 2.38 / std::sqrt(double(d_)) * factors_[k]);
-    Eigen::VectorXd z(d_), y(d_), accepted = Eigen::VectorXd::Zero(log_scale_.size()), tried = accepted;
+    Eigen::VectorXd z(d_);
+    Eigen::VectorXd y(d_);
+    Eigen::VectorXd accepted = Eigen::VectorXd::Zero(log_scale_.size());
+    Eigen::VectorXd tried = accepted;
     acceptance_ = 0;
     for (Eigen::Index i = 0; i < n_; ++i) {
       for (double& v : z) v = random.normal();
       const double u = random.uniform();
       const std::size_t part = part_[std::size_t(i)];
       tried[Eigen::Index(part)] += 1;
-      if (log_p_[i] == never) continue;  // no weight, no offspring
+      if (log_p_[i] == never) continue;  // it has no weight and no offspring
       y = x_.col(i) + steps[part] * z;
-      if (steps.size() > 1 && reference_.part_of(y) != part) continue;  // each part moves by its own shape: a step out of it has no way back
-      const double log_p = checked_log_density(density_, y), log_q = reference_.log_density(y);
+      if (steps.size() > 1 && reference_.part_of(y) != part) continue;  // each part moves by its own covariance, so a step out of it has no reverse
+      const double log_p = checked_log_density(density_, y);
+      const double log_q = reference_.log_density(y);
       ++total_;
       const double a = std::exp(std::min(0.0, tempered(log_p, log_q) - tempered(log_p_[i], log_q_[i])));
-      acceptance_ += a / double(n_), accepted[Eigen::Index(part)] += a;
-      if (u < a) x_.col(i) = y, log_p_[i] = log_p, log_q_[i] = log_q;
+      acceptance_ += a / double(n_);
+      accepted[Eigen::Index(part)] += a;
+      if (u < a) {
+        x_.col(i) = y;
+        log_p_[i] = log_p;
+        log_q_[i] = log_q;
+      }
     }
     for (Eigen::Index k = 0; k < log_scale_.size(); ++k)
       if (tried[k] > 0) log_scale_[k] += accepted[k] / tried[k] - (0.234 + 0.206 / double(d_));
     ++sweeps_;
   }
 
-  /// Of the particles' places with those before the sweeps, the greatest of the coordinates' and the parts'.
+  /// The correlation of the particles' places with those before the sweeps, the greatest over coordinates and parts.
   [[nodiscard]] double correlation() const {
     double greatest = 0;
     for (std::size_t part = 0; part < factors_.size(); ++part) {
       const Eigen::VectorXd w = weights_of(part);
       if (factors_.size() > 1 && !(1 / w.squaredNorm() > few)) continue;
       for (Eigen::Index k = 0; k < d_; ++k) {
-        const Eigen::ArrayXd a = x_.row(k).array() - x_.row(k).dot(w), b = before_.row(k).array() - before_.row(k).dot(w);
+        const Eigen::ArrayXd a = x_.row(k).array() - x_.row(k).dot(w);
+        const Eigen::ArrayXd b = before_.row(k).array() - before_.row(k).dot(w);
         const double both = std::sqrt((w.array() * a.square()).sum() * (w.array() * b.square()).sum());
         if (both > 0) greatest = std::max(greatest, (w.array() * a * b).sum() / both);
       }
@@ -240,19 +264,28 @@ class SmcChain final : public MarkovChain {
 
   const LogDensity& density_;
   SmcOptions options_;
-  Eigen::Index d_, n_;
+  Eigen::Index d_;
+  Eigen::Index n_;
   StudentMixture reference_;              ///< q
-  std::vector<Eigen::MatrixXd> factors_;  ///< of S, by part of q
-  Eigen::VectorXd log_scale_;             ///< of s, likewise
-  std::vector<std::size_t> part_;         ///< (N) of q, that a particle is in
-  Eigen::VectorXd first_;                 ///< where the chain was told to begin; particles do not
+  std::vector<Eigen::MatrixXd> factors_;  ///< (parts of q) factor of S
+  Eigen::VectorXd log_scale_;             ///< (parts of q) ln s
+  std::vector<std::size_t> part_;         ///< (N) the part of q that a particle is in
+  Eigen::VectorXd first_;                 ///< the start of the chain, from which particles do not begin
   double first_log_density_ = 0;
-  Eigen::MatrixXd x_, before_;  ///< (d, N) places, and those at the temperature's beginning
-  Eigen::VectorXd log_p_, log_q_, weights_;
-  double b_ = 0, log_evidence_ = 0, acceptance_ = 0;
-  Eigen::Index told_ = 0, total_ = 0;  ///< draws, evaluations
-  int sweeps_ = 0;
-  bool drawn_ = false, moving_ = false, frozen_ = false;
+  Eigen::MatrixXd x_;       ///< (d, N) places
+  Eigen::MatrixXd before_;  ///< (d, N) places when the temperature began
+  Eigen::VectorXd log_p_;
+  Eigen::VectorXd log_q_;
+  Eigen::VectorXd weights_;
+  double b_ = 0;
+  double log_evidence_ = 0;
+  double acceptance_ = 0;      ///< of the last sweep
+  Eigen::Index returned_ = 0;  ///< particles returned so far
+  Eigen::Index total_ = 0;     ///< evaluations so far
+  int sweeps_ = 0;             ///< sweeps at this temperature
+  bool drawn_ = false;
+  bool moving_ = false;
+  bool frozen_ = false;
 };
 
 }  // namespace
@@ -269,10 +302,7 @@ SamplerEntry smc_sampler() {
                 return smc_chain(s.density, s.options.table<SmcOptions>(), s.modes, s.options.dispersion,
                                  std::size_t(s.options.draws) * std::size_t(s.options.thin));
               },
-          .evaluations =
-              [](const SamplerOptions& o, std::size_t) {
-                return usual * double(o.draws) * o.thin / (double(o.warmup) + double(o.draws) * o.thin);
-              },
+          .evaluations = [](const SamplerOptions& o, std::size_t) { return usual * double(o.draws) * o.thin / (double(o.warmup) + double(o.draws) * o.thin); },
           .lengths = {.warmup = 1000, .draws = 2000, .thin = 1},
           .options = SmcOptions{},
           .limits = {"evaluations"},

@@ -34,21 +34,21 @@ struct SmcOptions {
   }
 };
 
-/// N particles go from q, Student's t of 4 degrees of freedom about each mode with the scale `dispersion`^2 times its covariance, mixed by their weights, to p
-/// through
+/// Makes a population of N particles that goes from q to p through the tempered densities
 ///   p_b(x) ~ q(x)^(1 - b) p(x)^b,  0 = b_0 < b_1 < ... = 1.
-/// Weights grow by w = (p / q)^(b_k - b_(k-1)); b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is
-/// keep N (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14), and ln Z = sum_k ln sum W w estimates the evidence, the integral of
-/// p over its coordinates. Systematic resampling where 1 / sum W^2 falls below N / 2, and at b = 1. At each temperature every particle makes steps of
-/// Metropolis with the particles' own covariance, s (2.38^2 / d) S, s following the acceptance 0.234 + 0.206 / d from sweep to sweep, until the correlation
-/// with the places before is small. With several modes each part of q, the places where it is the likeliest, has its own S and s, steps out of a part are
-/// refused, and correlations are those within the parts: weights alone carry the modes' shares.
+/// q is a mixture, by the modes' weights, of Student's t with 4 degrees of freedom about each mode and the scale `dispersion`^2 times its covariance. Weights
+/// grow by w = (p / q)^(b_k - b_(k-1)). b_k is chosen so that the conditional effective sample size N (sum W w)^2 / sum W w^2, W the weights before, is keep N
+/// (Zhou, Johansen and Aston 2016, J. Comput. Graph. Stat. 25, 701, equation 3.14). ln Z = sum_k ln sum W w estimates the evidence, the integral of p over its
+/// coordinates. The population is resampled systematically where 1 / sum W^2 falls below N / 2, and at b = 1. At each temperature every particle makes steps of
+/// Metropolis with the particles' own covariance, s (2.38^2 / d) S, until the correlation with the places before is small; s follows the acceptance 0.234 +
+/// 0.206 / d from sweep to sweep. With several modes, each part of q (the places where it is the likeliest) has its own S and s. Steps out of a part are
+/// refused and correlations are taken within the parts, so that the weights alone carry the modes' shares.
 ///
-/// The warm-up draws the particles and moves them, a sweep a transition, and rests when they have arrived; what is missing then is done before the first draw.
-/// After it each transition tells one particle, N in all, in the order of their descent: systematic resampling keeps offspring of a particle beside one
-/// another, so that what relatives still have in common is seen as an autocorrelation of the draws. Chains are independent populations; the spread of their
-/// evidences is its standard error. particles: N. Errors: InputError when the covariance is not positive definite; NumericsError where the density is NaN, or
-/// zero at all particles of q, and where `evaluations` are spent before the particles have arrived.
+/// The warm-up draws the particles and makes one sweep in each transition until b = 1; missing sweeps are made before the first draw. Afterwards each
+/// transition returns one particle, N in all, in the order of descent. Systematic resampling keeps the offspring of a particle side by side, so that what
+/// relatives still share appears as an autocorrelation of the draws. Chains are independent populations, whose evidences give its standard error. particles: N.
+/// Errors: InputError when a covariance is not positive definite; NumericsError where the density is NaN, where it is zero at all particles of q, and where
+/// `evaluations` are used up before b = 1.
 std::unique_ptr<MarkovChain> smc_chain(const LogDensity& density, const SmcOptions& options, const std::vector<StartMode>& modes, double dispersion,
                                        std::size_t particles);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Student's t of 4 degrees of freedom in d dimensions, a Gaussian's shape with tails that a posterior seldom outreaches; and mixtures of it.
+/// Student's t with 4 degrees of freedom in d dimensions, whose tails seldom end before those of a posterior; and mixtures of it.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -14,11 +14,12 @@
 
 namespace calomel {
 
+/// One Student's t.
 class StudentT {
  public:
   static constexpr double freedom = 4;
 
-  /// factor: (d, d), lower, of the scale.
+  /// factor: (d, d), the lower Cholesky factor of the scale.
   StudentT(Eigen::VectorXd mean, Eigen::MatrixXd factor) : mean_(std::move(mean)), factor_(std::move(factor)) {
     const double d = double(mean_.size());
     log_norm_ =
@@ -29,7 +30,7 @@ class StudentT {
   [[nodiscard]] Eigen::VectorXd draw(RandomStream& random) const {
     Eigen::VectorXd z(mean_.size());
     for (double& v : z) v = random.normal();
-    // chi-squared of 4 degrees of freedom: minus twice the logarithm of a product of two uniform numbers of (0, 1].
+    // Chi-squared with 4 degrees of freedom is minus twice the logarithm of a product of two uniform numbers of (0, 1].
     const double chi2 = -2 * (std::log1p(-random.uniform()) + std::log1p(-random.uniform()));
     return mean_ + factor_ * (z * std::sqrt(freedom / std::max(chi2, std::numeric_limits<double>::min())));
   }
@@ -44,13 +45,14 @@ class StudentT {
   double log_norm_;
 };
 
+/// A mixture of Student's t.
 class StudentMixture {
  public:
-  /// A part about each mode, `widening` times as wide as its covariance; weights sum to 1. Errors: InputError when a covariance is not positive definite.
+  /// Puts a part about each mode, `widening` times as wide as its covariance; weights sum to 1. Errors: InputError when a covariance is not positive definite.
   StudentMixture(const std::vector<StartMode>& modes, double widening) {
     for (const auto& m : modes) parts_.emplace_back(m.weight, StudentT(m.mean, widening * covariance_factor(m.covariance, std::size_t(m.mean.size()))));
   }
-  /// A part by its weight.
+  /// A part, drawn by its weight.
   [[nodiscard]] const StudentT& choose(RandomStream& random) const {
     if (parts_.size() == 1) return parts_[0].second;
     std::size_t part = 0;
@@ -59,7 +61,7 @@ class StudentMixture {
   }
   [[nodiscard]] std::size_t parts() const { return parts_.size(); }
   [[nodiscard]] const StudentT& part(std::size_t k) const { return parts_[k].second; }
-  /// The part that x is likeliest of.
+  /// The part to which x belongs with the greatest probability.
   [[nodiscard]] std::size_t part_of(const Eigen::VectorXd& x) const {
     if (parts_.size() == 1) return 0;
     const auto logs = log_parts(x);

@@ -13,7 +13,7 @@ namespace {
 constexpr Eigen::Index values_a_term = 3;
 constexpr int greatest_order = 8;
 
-/// All exponents of total degree up to p, (terms, d); the constant first.
+/// All exponents of total degree up to p, (terms, d). The constant comes first.
 Eigen::MatrixXi degrees_up_to(Eigen::Index d, int p) {
   std::vector<Eigen::VectorXi> all;
   Eigen::VectorXi a = Eigen::VectorXi::Zero(d);
@@ -22,7 +22,10 @@ Eigen::MatrixXi degrees_up_to(Eigen::Index d, int p) {
       all.push_back(a);
       return;
     }
-    for (int e = 0; e <= left; ++e) a[k] = e, self(self, k + 1, left - e);
+    for (int e = 0; e <= left; ++e) {
+      a[k] = e;
+      self(self, k + 1, left - e);
+    }
     a[k] = 0;
   };
   go(go, 0, p);
@@ -39,8 +42,9 @@ double terms_of(Eigen::Index d, int p) {
 
 Eigen::MatrixXd basis_at(const Eigen::MatrixXd& x, const Eigen::MatrixXi& degrees) {
   const int p = degrees.maxCoeff();
-  const Eigen::Index n = x.cols(), d = x.rows();
-  std::vector<Eigen::MatrixXd> legendre;  // (n, p + 1) of each parameter
+  const Eigen::Index n = x.cols();
+  const Eigen::Index d = x.rows();
+  std::vector<Eigen::MatrixXd> legendre;  // (n, p + 1) for each parameter
   for (Eigen::Index k = 0; k < d; ++k) {
     Eigen::MatrixXd l = Eigen::MatrixXd::Ones(n, p + 1);
     const Eigen::ArrayXd t = x.row(k).transpose();
@@ -64,27 +68,35 @@ ChaosIndices indices_of(const LegendreChaos& chaos) {
   double variance = 0;
   for (Eigen::Index j = 0; j < chaos.degrees.rows(); ++j) {
     const double square = chaos.coefficients[j] * chaos.coefficients[j];
-    Eigen::Index present = 0, last = 0;
-    for (Eigen::Index k = 0; k < d; ++k)
-      if (chaos.degrees(j, k) > 0) ++present, last = k, out.total_order[k] += square;
+    Eigen::Index present = 0;
+    Eigen::Index last = 0;
+    for (Eigen::Index k = 0; k < d; ++k) {
+      if (chaos.degrees(j, k) == 0) continue;
+      ++present;
+      last = k;
+      out.total_order[k] += square;
+    }
     if (present == 0) continue;
     variance += square;
     if (present == 1) out.first_order[last] += square;
   }
   const double none = std::numeric_limits<double>::quiet_NaN();
   const double scale = variance > 0 ? 1 / variance : none;
-  out.first_order *= scale, out.total_order *= scale;
+  out.first_order *= scale;
+  out.total_order *= scale;
   return out;
 }
 
 Eigen::VectorXd values_of(const LegendreChaos& chaos, const Eigen::MatrixXd& x) { return basis_at(x, chaos.degrees) * chaos.coefficients; }
 
 LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values) {
-  const Eigen::Index n = values.size(), d = x.rows();
+  const Eigen::Index n = values.size();
+  const Eigen::Index d = x.rows();
   expect(x.cols() == n, "one value at each point");
   if (double(n) < double(values_a_term) * terms_of(d, 1)) throw NumericsError("too few runs for a polynomial of first order");
-  if (!(values.maxCoeff() > values.minCoeff())) return {};  // rounding of a mean makes a variance of what does not vary
-  const double mean = values.mean(), spread = (values.array() - mean).square().mean();
+  if (!(values.maxCoeff() > values.minCoeff())) return {};  // the rounded mean of equal values would give them a variance
+  const double mean = values.mean();
+  const double variance = (values.array() - mean).square().mean();
   LegendreChaos best;
   double least = std::numeric_limits<double>::infinity();
   for (int p = 1; p <= greatest_order && double(values_a_term) * terms_of(d, p) <= double(n); ++p) {
@@ -97,8 +109,11 @@ LegendreChaos fit_chaos(const Eigen::MatrixXd& x, const Eigen::VectorXd& values)
     const Eigen::VectorXd leverage = half.colwise().squaredNorm().transpose();
     const Eigen::ArrayXd left_out = (values - basis * chaos.coefficients).array() / (1 - leverage.array()).max(1e-12);
     const double error = left_out.square().mean();
-    chaos.left_out_r2 = spread > 0 ? 1 - error / spread : 0;
-    if (error < least) least = error, best = std::move(chaos);
+    chaos.left_out_r2 = variance > 0 ? 1 - error / variance : 0;
+    if (error < least) {
+      least = error;
+      best = std::move(chaos);
+    }
   }
   return best;
 }

@@ -12,7 +12,7 @@ namespace calomel {
 Eigen::MatrixXd morris_design(std::size_t dimensions, std::size_t trajectories, int levels, std::uint64_t seed) {
   expect(levels >= 2 && levels % 2 == 0, "an even number of levels");
   const auto d = Eigen::Index(dimensions);
-  const int delta = levels / 2;  // of the grid, whose values are divided last: so that steps are equal to the last digit
+  const int delta = levels / 2;  // in grid steps; values are divided last, so that steps are equal to the last digit
   Eigen::MatrixXd out(d, Eigen::Index(trajectories) * (d + 1));
   for (std::size_t r = 0; r < trajectories; ++r) {
     RandomStream random(seed, 0x3031 + r);
@@ -24,7 +24,10 @@ Eigen::MatrixXd morris_design(std::size_t dimensions, std::size_t trajectories, 
     Eigen::Index column = Eigen::Index(r) * (d + 1);
     const auto put = [&] { out.col(column++) = at.cast<double>() / double(levels - 1); };
     put();
-    for (const auto k : order) at[k] += at[k] + delta < levels ? delta : -delta, put();
+    for (const auto k : order) {
+      at[k] += at[k] + delta < levels ? delta : -delta;
+      put();
+    }
   }
   return out;
 }
@@ -35,7 +38,8 @@ std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& des
   for (Eigen::Index q = 0; q < values.rows(); ++q) {
     std::vector<std::vector<double>> effects(static_cast<std::size_t>(d));
     for (Eigen::Index i = 0; i + 1 < design.cols(); ++i) {
-      if ((i + 1) % (d + 1) == 0 || !std::isfinite(values(q, i)) || !std::isfinite(values(q, i + 1))) continue;  // from one trajectory to the next
+      if ((i + 1) % (d + 1) == 0 || !std::isfinite(values(q, i)) || !std::isfinite(values(q, i + 1)))
+        continue;  // the step leads from one trajectory to the next, or a value is missing
       const Eigen::VectorXd step = design.col(i + 1) - design.col(i);
       Eigen::Index k = 0;
       step.cwiseAbs().maxCoeff(&k);
@@ -45,11 +49,23 @@ std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& des
     for (std::size_t k = 0; k < one.size(); ++k) {
       const auto n = double(effects[k].size());
       if (n == 0) continue;
-      double mean = 0, absolute = 0, squares = 0, absolute_squares = 0;
-      for (const double e : effects[k]) mean += e / n, absolute += std::abs(e) / n;
-      for (const double e : effects[k]) squares += std::pow(e - mean, 2), absolute_squares += std::pow(std::abs(e) - absolute, 2);
-      one[k].mu = mean, one[k].mu_star = absolute;
-      if (n > 1) one[k].sigma = std::sqrt(squares / (n - 1)), one[k].mu_star_se = std::sqrt(absolute_squares / (n - 1) / n);
+      double mean = 0;
+      double absolute = 0;
+      for (const double e : effects[k]) {
+        mean += e / n;
+        absolute += std::abs(e) / n;
+      }
+      double squares = 0;
+      double absolute_squares = 0;
+      for (const double e : effects[k]) {
+        squares += std::pow(e - mean, 2);
+        absolute_squares += std::pow(std::abs(e) - absolute, 2);
+      }
+      one[k].mu = mean;
+      one[k].mu_star = absolute;
+      if (n <= 1) continue;
+      one[k].sigma = std::sqrt(squares / (n - 1));
+      one[k].mu_star_se = std::sqrt(absolute_squares / (n - 1) / n);
     }
     out.push_back(std::move(one));
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Elementary effects (Morris 1991, Technometrics 33, 161): a first look at which parameters matter and which are linear, by few runs.
+/// Elementary effects (Morris 1991, Technometrics 33, 161), which show with few runs which parameters matter and which act linearly.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
@@ -8,18 +8,20 @@
 
 namespace calomel {
 
-/// Of one quantity and parameter, over its range: mean, mean of absolute values (Campolongo, Cariboni and Saltelli 2007), sd, and the standard error of
-/// mu_star. All NaN without a step, the last two with one.
+/// The effects of one parameter on one quantity, over the parameter's range [unit of the quantity]. All are NaN without a step; sigma and mu_star_se are NaN
+/// with a single one.
 struct MorrisEffect {
-  double mu = nan, mu_star = nan, sigma = nan, mu_star_se = nan;
+  double mu = nan;          ///< mean
+  double mu_star = nan;     ///< mean of the absolute values (Campolongo, Cariboni and Saltelli 2007)
+  double sigma = nan;       ///< standard deviation
+  double mu_star_se = nan;  ///< standard error of mu_star
 };
 
-/// Trajectories in the unit cube, (d, trajectories (d + 1)): each from a random point of a grid of `levels` values, moving the parameters one after another, in
-/// an order of its own, by levels / (2 (levels - 1)).
+/// Trajectories in the unit cube, (d, trajectories (d + 1)). Each starts at a random point of a grid of `levels` values and moves the parameters one after
+/// another, in a random order, by levels / (2 (levels - 1)).
 [[nodiscard]] Eigen::MatrixXd morris_design(std::size_t dimensions, std::size_t trajectories, int levels, std::uint64_t seed);
 
-/// Effects from values (quantities, trajectories (d + 1)) at that design: [quantity][parameter]. Steps with a value that is
-/// not finite are left out.
+/// The effects [quantity][parameter] from values (quantities, trajectories (d + 1)) at that design. Steps with a value that is not finite are left out.
 [[nodiscard]] std::vector<std::vector<MorrisEffect>> morris_effects(const Eigen::MatrixXd& design, const Eigen::MatrixXd& values);
 
 }  // namespace calomel

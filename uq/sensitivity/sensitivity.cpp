@@ -15,14 +15,14 @@ namespace calomel {
 
 namespace {
 
-constexpr Eigen::Index block_rows = 64;  ///< of the design that are evaluated together
-constexpr double most_failed = 0.2;
+constexpr Eigen::Index block_rows = 64;  ///< rows of the design that are evaluated together
+constexpr double most_failed = 0.2;      ///< greatest share of failed evaluations of a result to be trusted
 constexpr int morris_levels = 8;
 
-/// Numbers of one record; the record itself is a quantity of its own.
+/// The number of numbers of one record; the record itself is a further quantity.
 constexpr std::size_t numbers_a_record = 3;
 
-/// Numbers of each record, (records x numbers_a_record, n), or the values themselves where a record has one.
+/// The numbers of each record, (records x numbers_a_record, n), or the values themselves where a record has one value.
 Eigen::MatrixXd numbers_of(const ModelShape& shape, const Eigen::MatrixXd& f) {
   const auto times = Eigen::Index(shape.times.size()), records = f.rows() / times;
   if (times == 1) return f;
@@ -33,13 +33,14 @@ Eigen::MatrixXd numbers_of(const ModelShape& shape, const Eigen::MatrixXd& f) {
       Eigen::Index at = 0;
       const double peak = y.allFinite() ? y.cwiseAbs().maxCoeff(&at) : nan;
       const Eigen::Index row = r * Eigen::Index(numbers_a_record);
-      out(row, i) = peak, out(row + 1, i) = std::isfinite(peak) ? shape.times[std::size_t(at)] : nan,
-               out(row + 2, i) = std::sqrt(y.squaredNorm() / double(times));
+      out(row, i) = peak;
+      out(row + 1, i) = std::isfinite(peak) ? shape.times[std::size_t(at)] : nan;
+      out(row + 2, i) = std::sqrt(y.squaredNorm() / double(times));
     }
   return out;
 }
 
-/// What the rows of numbers_of are, each followed by nothing: names, sensors, units.
+/// Names, sensors and units of the rows of numbers_of, without results.
 std::vector<QuantitySensitivity> described(const ModelShape& shape) {
   std::vector<QuantitySensitivity> out;
   const bool many = shape.conditions.size() > 1;
@@ -47,19 +48,24 @@ std::vector<QuantitySensitivity> described(const ModelShape& shape) {
     for (const auto& s : shape.sensors) {
       const auto add = [&](const char* name, const std::string& unit) {
         QuantitySensitivity q;
-        q.name = name, q.sensor = s, q.condition = many ? c : "", q.unit = unit;
+        q.name = name;
+        q.sensor = s;
+        q.condition = many ? c : "";
+        q.unit = unit;
         out.push_back(std::move(q));
       };
       if (shape.times.size() == 1) {
         add("value", shape.unit);
         continue;
       }
-      add("peak", shape.unit), add("time_of_peak", "s"), add("rms", shape.unit);
+      add("peak", shape.unit);
+      add("time_of_peak", "s");
+      add("rms", shape.unit);
     }
   return out;
 }
 
-/// Rows of every number and of every record, gathered block by block.
+/// The rows of every number and of every record, gathered block by block.
 class Rows {
  public:
   Rows(const ModelShape& shape, Eigen::Index parameters, Eigen::Index most)
@@ -74,16 +80,20 @@ class Rows {
     const Eigen::Index quantities = numbers_ + (times_ == 1 ? 0 : records_) + 1;
     for (Eigen::Index q = 0; q < quantities; ++q) all_.push_back({Eigen::VectorXd(most), Eigen::MatrixXd(most, d_), Eigen::MatrixXd(most, d_)});
   }
-  /// f: (values, d + 2) of one row whose A is at `unit`; false where a value is missing.
+  /// Adds one row, f: (values, d + 2), whose A is at `unit`. Returns false where a value is missing.
   bool add(const Eigen::MatrixXd& f, const Eigen::VectorXd& unit) {
     if (!f.allFinite()) return false;
     curves.add(f);
     const Eigen::MatrixXd numbers = numbers_of(shape_, f);
-    at_a.col(n) = numbers.col(0), unit_a.col(n) = unit;
+    at_a.col(n) = numbers.col(0);
+    unit_a.col(n) = unit;
     const auto half = [](const auto& a, const auto& b) { return 0.5 * (a - b).squaredNorm(); };
     const auto put = [&](SobolRows& rows, const auto& part) {
       rows.variance[n] = half(part(0), part(1));
-      for (Eigen::Index k = 0; k < d_; ++k) rows.alone(n, k) = half(part(1), part(2 + k)), rows.total(n, k) = half(part(0), part(2 + k));
+      for (Eigen::Index k = 0; k < d_; ++k) {
+        rows.alone(n, k) = half(part(1), part(2 + k));
+        rows.total(n, k) = half(part(0), part(2 + k));
+      }
     };
     std::size_t q = 0;
     for (Eigen::Index i = 0; i < numbers_; ++i) put(all_[q++], [&](Eigen::Index c) { return Eigen::VectorXd::Constant(1, numbers(i, c)); });
@@ -106,8 +116,9 @@ class Rows {
 
  public:
   SobolCurves curves;
-  Eigen::MatrixXd at_a, unit_a;  ///< numbers at the points A, and these in the unit cube
-  Eigen::Index n = 0;            ///< rows that are whole
+  Eigen::MatrixXd at_a;    ///< (numbers, rows) at the points A
+  Eigen::MatrixXd unit_a;  ///< (d, rows) the points A in the unit cube
+  Eigen::Index n = 0;      ///< number of complete rows
 };
 
 }  // namespace
@@ -160,14 +171,17 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
         out.failed, out.evaluations, rows.n, rows_wanted);
   const auto effects = morris_effects(steps, at_steps);
 
-  // The polynomial: of runs of the model itself where there are any.
-  Eigen::MatrixXd x = rows.unit_a.leftCols(rows.n), numbers = rows.at_a.leftCols(rows.n);
+  // The polynomial is fitted to runs of the model itself where there are any.
+  Eigen::MatrixXd x = rows.unit_a.leftCols(rows.n);
+  Eigen::MatrixXd numbers = rows.at_a.leftCols(rows.n);
   if (in.runs) {
-    const Eigen::MatrixXd unit = unit_of(in.runs->thetas, shape.parameters), values = numbers_of(shape, in.runs->means);
+    const Eigen::MatrixXd unit = unit_of(in.runs->thetas, shape.parameters);
+    const Eigen::MatrixXd values = numbers_of(shape, in.runs->means);
     std::vector<Eigen::Index> whole;
     for (Eigen::Index i = 0; i < values.cols(); ++i)
       if (values.col(i).allFinite()) whole.push_back(i);
-    x = unit(Eigen::all, whole), numbers = values(Eigen::all, whole);
+    x = unit(Eigen::all, whole);
+    numbers = values(Eigen::all, whole);
   }
   const bool polynomial = in.options.measure == "uniform" && x.cols() >= 3 * (d + 1);
 
@@ -175,8 +189,10 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   for (std::size_t q = 0; q < out.quantities.size(); ++q) {
     auto& one = out.quantities[q];
     const auto row = rows.at_a.row(Eigen::Index(q)).head(rows.n);
-    one.mean = row.maxCoeff() > row.minCoeff() ? row.mean() : row[0], one.sd = std::sqrt((row.array() - one.mean).square().mean());
-    one.sobol = rows.indices(q, in.seed), one.morris = effects[q];
+    one.mean = row.maxCoeff() > row.minCoeff() ? row.mean() : row[0];
+    one.sd = std::sqrt((row.array() - one.mean).square().mean());
+    one.sobol = rows.indices(q, in.seed);
+    one.morris = effects[q];
     if (!polynomial) continue;
     if (auto chaos = fit_chaos(2 * x.array() - 1, numbers.row(Eigen::Index(q)).transpose()); chaos.coefficients.size() > 0) one.chaos = std::move(chaos);
   }
@@ -185,8 +201,11 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
     for (auto& one : analyse_totals(in, design, steps)) out.quantities.push_back(std::move(one));
   const auto record = [&](const std::string& condition, const std::string& sensor) {
     QuantitySensitivity one;
-    one.name = "record", one.sensor = sensor, one.condition = condition, one.unit = shape.unit;
-    one.mean = nan, one.sd = nan;
+    one.name = "record";
+    one.sensor = sensor;
+    one.condition = condition;
+    one.unit = shape.unit;
+    one.mean = nan;
     one.sobol = rows.indices(q++, in.seed);
     one.sd = std::sqrt(one.sobol.variance);
     out.quantities.push_back(std::move(one));
@@ -197,7 +216,8 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
   record("", "");
   for (auto& one : out.quantities)
     if (one.note.empty() && !(one.sobol.variance > 0)) one.note = "it does not vary within these bounds, so that no parameter has a share";
-  out.first_order = rows.curves.first_order(), out.total_order = rows.curves.total_order();
+  out.first_order = rows.curves.first_order();
+  out.total_order = rows.curves.total_order();
   out.sd = (rows.curves.variance() / std::max<double>(1, double(rows.n))).cwiseSqrt();
   return out;
 }

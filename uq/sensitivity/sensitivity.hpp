@@ -1,5 +1,5 @@
 #pragma once
-/// Which parameters a model's records depend on: by variance, by elementary effects and by a polynomial.
+/// Sensitivity of a model's records to its parameters: by variance, by elementary effects and by a polynomial.
 #include <Eigen/Core>
 #include <atomic>
 #include <cstdint>
@@ -37,73 +37,80 @@ struct SensitivityOptions {
   }
 };
 
-/// Runs that are there already: of the model itself where indices are those of its surrogate.
+/// Finished runs. Where the indices are those of a surrogate, these are runs of the model itself.
 struct KnownRuns {
   Eigen::MatrixXd thetas;  ///< (n_parameters, n)
-  Eigen::MatrixXd means;   ///< (values, n), NaN columns where a run failed
+  Eigen::MatrixXd means;   ///< (values, n); the column of a failed run is NaN
 };
 
-/// The share of Provenance::options: `run_totals` only where it is asked for, so that what was made before there were any is not due again.
+/// The options on which the result depends. `run_totals` is present only when set, so that results from before it existed remain valid.
 Json identity_options(const SensitivityOptions& options);
 
-/// Numbers that a run has beside its record, at the points where it was made.
+/// Numbers that a run has in addition to its record, for some runs.
 struct TotalsOfRuns {
   struct Which {
-    std::string name, condition, unit;
+    std::string name;
+    std::string condition;
+    std::string unit;
   };
   std::vector<Which> which;
   Eigen::MatrixXd thetas;  ///< (n_parameters, n)
-  Eigen::MatrixXd values;  ///< (which, n), NaN where a run failed
+  Eigen::MatrixXd values;  ///< (which, n); NaN for a failed run
 };
 
+/// The inputs of an analysis.
 struct SensitivityInputs {
   const ForwardModel& model;
   SensitivityOptions options;
   std::uint64_t seed = 1;
   int threads = 1;
-  /// Values of the parameters at points of the unit cube, (n_parameters, n) both.
+  /// Maps points of the unit cube to values of the parameters; both are (n_parameters, n).
   std::function<Eigen::MatrixXd(const Eigen::MatrixXd& unit)> theta;
-  std::optional<KnownRuns> runs;       ///< what the polynomial is fitted to; without any the points of the design
-  std::optional<TotalsOfRuns> totals;  ///< further quantities, each seen through a polynomial of its own
+  std::optional<KnownRuns> runs;       ///< the runs to which the polynomial is fitted; without them it is fitted to the points of the design
+  std::optional<TotalsOfRuns> totals;  ///< further quantities, each represented by its own polynomial
   std::function<void(std::size_t done, std::size_t all)> progress;
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// One number of a record or of a run, or a whole record ("record"), whose indices are the generalised ones.
+/// The sensitivity of one quantity: a number of a record or of a run, or a whole record ("record") with generalised indices.
 struct QuantitySensitivity {
-  std::string name;    ///< "peak", "time_of_peak", "rms", "record"; "value" of a model with one value; a TotalsOfRuns::Which
-  std::string sensor;  ///< empty: all records together, or a total of the run
+  std::string name;    ///< "peak", "time_of_peak", "rms", "record"; "value" for a model with one value; or the name of a TotalsOfRuns::Which
+  std::string sensor;  ///< empty for all records together and for a total of the run
   std::string condition;
   std::string unit;
-  double mean = 0, sd = 0;  ///< of a number; of a record the mean is NaN, the sd the root of its variance summed over the record
+  double mean = 0;  ///< NaN for a record
+  double sd = 0;    ///< for a record, the root of its variance summed over the record
   SobolIndices sobol;
   std::vector<MorrisEffect> morris;                               ///< empty for a record
-  std::optional<LegendreChaos> chaos;                             ///< of a number, with the uniform measure
-  std::string source;                                             ///< of a total: what the indices are those of; empty: the model that was evaluated
-  double left_out_r2 = std::numeric_limits<double>::quiet_NaN();  ///< of a total: of that polynomial, whatever the measure
-  std::string note;                                               ///< why there are no shares, or why they say little; empty: they are what they are
+  std::optional<LegendreChaos> chaos;                             ///< set for a number with the uniform measure
+  std::string source;                                             ///< for a total, what was evaluated in place of the model; empty where it was the model
+  double left_out_r2 = std::numeric_limits<double>::quiet_NaN();  ///< for a total, that of its polynomial, whatever the measure
+  std::string note;                                               ///< why there are no shares or why they are unreliable; empty where they are reliable
 };
 
+/// The result of an analysis.
 struct Sensitivity {
-  std::vector<QuantitySensitivity> quantities;  ///< all records together last
-  Eigen::MatrixXd first_order, total_order;     ///< (values, n_parameters)
+  std::vector<QuantitySensitivity> quantities;  ///< the last one is all records together
+  Eigen::MatrixXd first_order;                  ///< (values, n_parameters)
+  Eigen::MatrixXd total_order;                  ///< (values, n_parameters)
   Eigen::VectorXd sd;                           ///< (values)
-  std::size_t evaluations = 0, failed = 0;
-  std::size_t rows = 0;  ///< of the design that are whole: a row with an evaluation that failed is left out
-  std::string doubt;     ///< why the shares are not to be trusted, as a sentence; empty: they are
+  std::size_t evaluations = 0;
+  std::size_t failed = 0;  ///< evaluations that failed
+  std::size_t rows = 0;    ///< complete rows of the design; a row with a failed evaluation is left out
+  std::string doubt;       ///< why the shares are not to be trusted, as a sentence; empty where they are
 };
 
-/// Evaluations that fail leave their rows and steps out; where more than a fifth do, the result says that it is not to be trusted.
-/// Errors: NumericsError when no row of the design is whole; Interrupted.
+/// Analyses the model. A failed evaluation leaves out its row and its steps; with more than a fifth of them failed, `doubt` is set. Errors: NumericsError when
+/// no row of the design is complete; Interrupted.
 [[nodiscard]] Sensitivity analyse_sensitivity(const SensitivityInputs& in);
 
-/// The contents of sensitivity.json. `source`: a sentence on what was evaluated.
+/// The contents of sensitivity.json. source: a sentence that says what was evaluated.
 [[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance);
-/// One line a quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices with their intervals, elementary
-/// effects, the polynomial's indices and left-out R2. A field is empty where a quantity has no such number.
+/// The contents of sensitivity.csv, one line for each quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices
+/// with their intervals, elementary effects, the polynomial's indices and left-out R2. A field is empty where a quantity has no such number.
 [[nodiscard]] std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters);
-/// sensitivity.nc: indices (condition, sensor, time, parameter); `totals`, which may be null: of each run its parameters (run, parameter) and totals (run), or
-/// (run, condition).
+/// Writes sensitivity.nc: the indices (condition, sensor, time, parameter), and for `totals`, which may be null, each run's parameters (run, parameter) and
+/// totals (run) or (run, condition).
 void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, const ModelShape& shape, const TotalsOfRuns* totals,
                        const Provenance& provenance);
 

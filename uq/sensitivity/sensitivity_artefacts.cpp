@@ -46,7 +46,7 @@ std::string field(const std::string& name) {
   return quoted + '"';
 }
 
-/// Those of one name have the conditions one after another, in the shape's order.
+/// Writes the totals of runs. Totals of one name follow one another by condition, in the shape's order.
 void write_totals(NetcdfWriter& file, const TotalsOfRuns& totals, const ModelShape& shape) {
   const auto runs = std::size_t(totals.thetas.cols());
   file.dimension("run", runs);

@@ -10,10 +10,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double followed = 0.9;             ///< left-out R2 from which a polynomial stands for the runs
-constexpr Eigen::Index block_points = 4096;  ///< that are evaluated together
+constexpr double followed = 0.9;             ///< left-out R2 above which a polynomial represents the runs
+constexpr Eigen::Index block_points = 4096;  ///< points that are evaluated together
 
-/// Values of f at the points of the unit cube, (n), block by block.
+/// The values (n) of f at points of the unit cube, block by block.
 template <class F>
 Eigen::VectorXd at_points(const Eigen::MatrixXd& unit, F&& f) {
   Eigen::VectorXd out(unit.cols());
@@ -24,7 +24,7 @@ Eigen::VectorXd at_points(const Eigen::MatrixXd& unit, F&& f) {
   return out;
 }
 
-/// Rows of one number from its values at the design, which has A, B and the d points between them for each.
+/// The rows of one number from its values at the design, of which each row has A, B and the d points between them.
 SobolRows rows_of(const Eigen::VectorXd& values, Eigen::Index d) {
   const Eigen::Index n = values.size() / (d + 2);
   SobolRows rows{Eigen::VectorXd(n), Eigen::MatrixXd(n, d), Eigen::MatrixXd(n, d)};
@@ -32,15 +32,19 @@ SobolRows rows_of(const Eigen::VectorXd& values, Eigen::Index d) {
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto f = values.segment(i * (d + 2), d + 2);
     rows.variance[i] = half_square(f[0] - f[1]);
-    for (Eigen::Index k = 0; k < d; ++k) rows.alone(i, k) = half_square(f[1] - f[2 + k]), rows.total(i, k) = half_square(f[0] - f[2 + k]);
+    for (Eigen::Index k = 0; k < d; ++k) {
+      rows.alone(i, k) = half_square(f[1] - f[2 + k]);
+      rows.total(i, k) = half_square(f[0] - f[2 + k]);
+    }
   }
   return rows;
 }
 
-/// One total from its values at x (d, n) in [-1, 1].
+/// Analyses one total from its values at x (d, n) in [-1, 1].
 void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::VectorXd& values, const SensitivityInputs& in, const Eigen::MatrixXd& design,
              const Eigen::MatrixXd& steps) {
-  const Eigen::Index d = x.rows(), n = values.size();
+  const Eigen::Index d = x.rows();
+  const Eigen::Index n = values.size();
   const bool varies = n > 0 && values.maxCoeff() > values.minCoeff();
   LegendreChaos chaos;
   if (n >= 3 * (d + 1)) chaos = fit_chaos(x, values);
@@ -52,13 +56,15 @@ void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::Ve
   };
   const Eigen::VectorXd at_design = at_points(design, f);
   const auto at_a = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(at_design.data(), at_design.size() / (d + 2), Eigen::InnerStride<>(d + 2));
-  one.mean = at_a.mean(), one.sd = std::sqrt((at_a.array() - one.mean).square().mean());
+  one.mean = at_a.mean();
+  one.sd = std::sqrt((at_a.array() - one.mean).square().mean());
   one.sobol = sobol_indices(rows_of(at_design, d), in.seed);
   one.morris = morris_effects(steps, at_points(steps, f).transpose()).front();
   if (n == 0) {
     one.note = "no run has it";
   } else if (!varies) {
-    one.mean = values[0], one.sd = 0;
+    one.mean = values[0];
+    one.sd = 0;
     one.note = fmt::format("it is {:.6g} {} in all {} runs: it does not vary within these bounds, so that no parameter has a share", values[0], one.unit, n);
   } else if (!fitted) {
     one.note = fmt::format("{} runs with it are too few for a polynomial of {} parameters, which takes {}", n, d, 3 * (d + 1));
@@ -92,7 +98,9 @@ std::vector<QuantitySensitivity> analyse_totals(const SensitivityInputs& in, con
     for (Eigen::Index i = 0; i < values.size(); ++i)
       if (std::isfinite(values[i])) whole.push_back(i);
     QuantitySensitivity one;
-    one.name = totals.which[q].name, one.condition = totals.which[q].condition, one.unit = totals.which[q].unit;
+    one.name = totals.which[q].name;
+    one.condition = totals.which[q].condition;
+    one.unit = totals.which[q].unit;
     analyse(one, x(Eigen::all, whole), values(whole), in, design, steps);
     out.push_back(std::move(one));
   }

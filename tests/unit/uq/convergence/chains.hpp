@@ -27,7 +27,6 @@ inline std::vector<double> chains_of(std::size_t chains, std::size_t n, double c
   return chains_of(chains, n, coefficient, [](std::size_t, std::size_t) { return 0.0; });
 }
 
-
 /// Draws with one column for each name; columns: (name), each (chain, draw).
 inline Draws draws_of(std::vector<std::string> names, std::size_t chains, const std::vector<std::vector<double>>& columns) {
   Draws d{.names = std::move(names), .chains = chains, .draws = columns[0].size() / chains};
