@@ -103,7 +103,8 @@ Next next_inputs(const PosteriorInputs& in, const PosteriorFit& fit, const TrueM
 
 }  // namespace
 
-RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int most, const std::function<void(const TrueModelCheck&)>& checked) {
+RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int most, const std::function<void(const TrueModelCheck&)>& checked,
+                            const std::function<void(const PosteriorRound&)>& round_done) {
   RefinedFit out{.fit = std::move(first), .check = {}, .refinements = {}};
   std::optional<PosteriorInputs> now(in);  // it holds references and cannot be assigned
   for (int made = 0;; ++made) {
@@ -118,7 +119,7 @@ RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int m
     }
     const std::size_t held = out.fit.runs.size();
     Next next = next_inputs(*now, out.fit, out.check, in.seed + seeds_apart * std::uint64_t(made + 1));
-    PosteriorFit fit = fit_posterior(next.in);
+    PosteriorFit fit = fit_posterior(next.in, {.round_done = round_done, .go_on = {}});
     out.refinements.push_back({.check = std::move(out.check), .runs = int(fit.runs.size() - held), .shrank_box = next.shrank_box});
     fit.rounds.insert(fit.rounds.begin(), out.fit.rounds.begin(), out.fit.rounds.end());
     out.fit = std::move(fit);

@@ -36,8 +36,9 @@ struct RefinedFit {
 /// where the emulator's variance is greatest. It shrinks the box about the mode where the box is far wider than the posterior, since a polynomial of order two
 /// follows the model worse in a wider box. Each fit has its own random streams (in.seed + 100 000 times its number), so that no check repeats points that the
 /// emulator was trained on. Runs come from `in.run` alone, so that an interrupted call with a store behind it ends with the same fit. checked: called after
-/// each check; may be empty. Errors: those of fit_posterior.
+/// each check; round_done: after each round of each fit; either may be empty. Errors: those of fit_posterior.
 [[nodiscard]] RefinedFit check_and_refine(const PosteriorInputs& in, PosteriorFit first, int most,
-                                          const std::function<void(const TrueModelCheck&)>& checked = {});
+                                          const std::function<void(const TrueModelCheck&)>& checked = {},
+                                          const std::function<void(const PosteriorRound&)>& round_done = {});
 
 }  // namespace calomel

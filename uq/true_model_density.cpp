@@ -23,7 +23,7 @@ double TrueModelDensity::log_density(std::span<const double> x) const {
   const MultilevelRegression& emulator = posterior.emulator();
   const Eigen::VectorXd beyond = emulator.features(at.u, at.beyond) - emulator.level_features(at.u, 0);
   const Eigen::VectorXd prediction = fit_.errors->grid().apply(records[0].history()) + fit_.coefficients * beyond;
-  const double noise = in_.draw_in ? 0 : emulator.noise_ratio()[0];
+  const double noise = in_.box.shrinks() ? 0 : emulator.noise_ratio()[0];
   return by_emulator - posterior.density(at).log_likelihood + posterior.log_likelihood_of(prediction, noise + emulator.variance(beyond));
 }
 

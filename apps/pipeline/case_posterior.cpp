@@ -34,13 +34,12 @@ CasePosterior fit_case_posterior(StudyInputs& inputs, const CalibrationProgress&
   in.warnings = setup_sentences(in.findings);
   if (const auto elements = elements_per_front(inputs.simulator(), study.emulator); elements && *elements < front_resolved)
     in.warnings.push_back(front_sentence(*elements, element_sizes(inputs.simulator(), study.emulator).back()));
-  in.round_done = [&inputs, &parameters = in.parameters](const PosteriorRound& r) { inputs.notes().say(round_line(r, parameters)); };
   if (nested) {
     in.held = nested->held;
     in.nested_centre = nested->theta;
     expect_nested(*nested, in.run(Eigen::Map<const Eigen::MatrixXd>(nested->theta.data(), Eigen::Index(nested->theta.size()), 1), {0})[0], study.map);
   }
-  out.fit = fit_posterior(in);
+  out.fit = fit_posterior(in, {.round_done = [&](const PosteriorRound& r) { inputs.notes().say(round_line(r, in.parameters)); }, .go_on = {}});
   return out;
 }
 

@@ -36,7 +36,6 @@ ExitStatus diagnose_stage(StageCall& call) {
     const auto base = set_up_posterior(posterior_case);
     base->warnings = setup_sentences(base->findings);
     notes.warn(base->warnings);
-    base->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, base->parameters)); };
     const MeshedRuns runs = meshed_runs(posterior_case.runs, posterior_case.settings);
     const RunAdded run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> added) {
       return runs.get(thetas, level, added, progress);

@@ -88,8 +88,7 @@ ExitStatus power_stage(StageCall& call) {
                                       .seed = command.seed,
                                       .threads = command.threads,
                                       .progress = progress});
-    in->round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, in->parameters)); };
-    const PosteriorFit fit = fit_posterior(*in);
+    const PosteriorFit fit = fit_posterior(*in, {.round_done = [&](const PosteriorRound& r) { notes.say(round_line(r, in->parameters)); }, .go_on = {}});
     const auto groups = inputs.simulator().offered();
     const ScreeningResult screening =
         screen_candidates({.fit = fit,

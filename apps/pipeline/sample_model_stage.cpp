@@ -17,7 +17,7 @@
 #include "base/not_finite.hpp"
 #include "base/provenance.hpp"
 #include "forward/campaign/design.hpp"
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 #include "inverse/posterior/goodness_of_fit.hpp"
 #include "inverse/posterior/posterior_artefacts.hpp"
 #include "uq/data_checks.hpp"
@@ -63,7 +63,7 @@ std::vector<LaplaceMode> modes_of(StageCall& call, const ModelPosterior& posteri
   } else {
     PosteriorCase posterior_case = call.inputs.posterior_case();
     posterior_case.first_box = false;
-    starts = find_direct_start(*set_up_posterior(posterior_case)).ends;
+    starts = multistart_least_squares(*set_up_posterior(posterior_case)).ends;
   }
   Eigen::MatrixXd q(d, Eigen::Index(starts.size()));
   for (std::size_t i = 0; i < starts.size(); ++i) q.col(Eigen::Index(i)) = posterior.q(starts[i]);

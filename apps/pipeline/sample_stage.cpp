@@ -46,8 +46,9 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& parameters = made.inputs->parameters;
   notes.say(stage_line("sample", emulator_sentence(made.fit.message)));
   // The check comes before the chains: what they walk on is the last emulator.
-  const RefinedFit refined = check_and_refine(*made.inputs, made.fit, study.posterior.refinements,
-                                              [&](const TrueModelCheck& c) { notes.say(stage_line("sample", check_sentence(c))); });
+  const RefinedFit refined = check_and_refine(
+      *made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", check_sentence(c))); },
+      [&](const PosteriorRound& r) { notes.say(round_line(r, parameters)); });
   const PosteriorFit& fit = refined.fit;
   const TrueModelCheck& check = refined.check;
   if (!refined.refinements.empty()) notes.say(stage_line("sample", refinement_sentence(refined)));
@@ -91,7 +92,10 @@ ExitStatus sample_stage(StageCall& call) {
                                              {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
   json["adequate"] = goodness.adequate, json["adequacy"] = goodness_sentence(goodness);
   json["absorption"] = alarms, json["warnings"] = warnings;
-  json["runs"] = {{"made", inputs.runs().made()}, {"reused", inputs.runs().reused()}, {"held", inputs.runs().store().size()}, {"element_sizes", element_sizes(inputs.simulator(), study.emulator)}};
+  json["runs"] = {{"made", inputs.runs().made()},
+                  {"reused", inputs.runs().reused()},
+                  {"held", inputs.runs().store().size()},
+                  {"element_sizes", element_sizes(inputs.simulator(), study.emulator)}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
   if (json["hyperparameters"].contains("sentence")) notes.say(stage_line("sample", json["hyperparameters"]["sentence"].get<std::string>()));

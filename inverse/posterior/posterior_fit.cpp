@@ -12,25 +12,25 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t draws_of_a_round = 400;
-constexpr double infill_reach = 2;            ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
-constexpr double hard_variance = 2;           ///< of the emulator at a point where a run may be placed, in units of one run's noise
-constexpr double widths_of_sd = 3;            ///< a box reaches so many standard deviations
-constexpr double clear_of_edge_drawn_in = 1;  ///< of a box that is drawn in, whose deviations still shrink from round to round
-constexpr double room = 0.3;                  ///< half widths of the box between a nested hypothesis and its edge
-constexpr double drawn_in = 4;                ///< posterior sds that a box which is drawn in reaches
-constexpr double worth_drawing = 0.7;         ///< of its width: less than that is gained
-constexpr double narrowest = 0.25;            ///< of its width, in one round: the first deviations are those of a coarse emulator
-constexpr double much_missed = 0.02;  ///< variance of the emulator over that of the errors, beyond which a box is drawn in whatever the posterior's width
-constexpr double times_jitter = 2;    ///< and beyond so many times the model's own jitter, which is known from two runs
-constexpr double drawn_anyway = 0.6;  ///< of its width
-constexpr int spare = 4;              ///< runs over coefficients to begin with
-constexpr double least_spare = 1.3;   ///< the same of a mesh alone, whatever is asked for
-constexpr int ample = 2, cheap = 48;  ///< the same at least where runs cost little and have no noise, and how many it takes then by default
+constexpr double infill_reach = 2;             ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
+constexpr double hard_variance = 2;            ///< of the emulator at a point where a run may be placed, in units of one run's noise
+constexpr double widths_of_sd = 3;             ///< a box reaches so many standard deviations
+constexpr double clear_of_edge_shrinking = 1;  ///< of a box that shrinks, whose deviations still shrink from round to round
+constexpr double room = 0.3;                   ///< half widths of the box between a nested hypothesis and its edge
+constexpr double shrunk = 4;                   ///< posterior sds that a box which shrinks reaches
+constexpr double worth_shrinking = 0.7;        ///< of its width: less than that is gained
+constexpr double narrowest = 0.25;             ///< of its width, in one round: the first deviations are those of a coarse emulator
+constexpr double much_missed = 0.02;           ///< variance of the emulator over that of the errors, beyond which a box shrinks whatever the posterior's width
+constexpr double times_run_variance = 2;       ///< and beyond so many times the variance of one run, which is known from two runs
+constexpr double shrunk_anyway = 0.6;          ///< of its width
+constexpr int spare = 4;                       ///< runs over coefficients to begin with
+constexpr double least_spare = 1.3;            ///< the same of a mesh alone, whatever is asked for
+constexpr int ample = 2, cheap = 48;           ///< the same at least where runs cost little and have no noise, and how many it takes then by default
 
 class Fit {
  public:
-  explicit Fit(const PosteriorInputs& in) : in_(in) {
-    expect(!in.draw_in || (in.levels == 1 && in.held.empty()), "a box that is drawn in is of one mesh and holds no nested hypothesis");
+  Fit(const PosteriorInputs& in, const FitWatch& watch) : in_(in), watch_(watch) {
+    expect(!in.box.shrinks() || (in.levels == 1 && in.held.empty()), "a box that shrinks is of one mesh and holds no nested hypothesis");
     for (const auto& p : in.parameters) priors_.emplace_back(p);
     out_.runs = in.known;
     lay_box(in.centre, in.half_width);
@@ -39,12 +39,12 @@ class Fit {
     fill_box(0);
     fit();
     for (int round = 1; round <= in_.emulator.rounds && !settled(); ++round) {
-      if (in_.go_on && !in_.go_on(out_)) break;
+      if (watch_.go_on && !watch_.go_on(out_)) break;
       if (near_edge()) {
         move_box();
         fill_box(std::uint64_t(round));
-      } else if (may_draw_in()) {
-        draw_in_box();
+      } else if (may_shrink()) {
+        shrink_box();
         fill_box(std::uint64_t(round));
       } else {
         add_infill(round);
@@ -66,9 +66,9 @@ class Fit {
   void fill_box(std::uint64_t index);
   void add_infill(int round);
   void move_box();
-  [[nodiscard]] bool may_draw_in() const;
+  [[nodiscard]] bool may_shrink() const;
   [[nodiscard]] bool misses_much() const;
-  void draw_in_box();
+  void shrink_box();
   void make(const Eigen::MatrixXd& u, const std::vector<int>& level);
   void choose_runs();
   void fit();
@@ -79,6 +79,7 @@ class Fit {
   [[nodiscard]] double half_width_of(std::size_t k) const { return 0.5 * (in_.parameters[k].coordinate(high_[k]) - in_.parameters[k].coordinate(low_[k])); }
 
   const PosteriorInputs& in_;
+  const FitWatch& watch_;
   std::vector<Prior> priors_;
   EmulatorBox box_;
   std::vector<double> low_, high_;
@@ -168,38 +169,40 @@ void Fit::move_box() {
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const double now = half_width_of(k);
-    half_width.push_back(std::max(in_.draw_in ? now : in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
+    half_width.push_back(std::max(in_.box.shrinks() ? now : in_.half_width[k], std::min(2 * now, widths_of_sd * sd[Eigen::Index(k)] * now)));
   }
   lay_box(m.at.theta, half_width);
   out_.rounds.back().moved_box = true;
 }
 
 /// Whether some side of the box is far wider than the posterior.
-bool Fit::may_draw_in() const {
-  if (!in_.draw_in) return false;
+bool Fit::may_shrink() const {
+  if (!in_.box.shrinks()) return false;
   const Eigen::VectorXd sd = out_.modes[0].covariance.diagonal().cwiseSqrt();
-  return misses_much() || drawn_in * sd.head(Eigen::Index(in_.parameters.size())).minCoeff() < worth_drawing;
+  return misses_much() || shrunk * sd.head(Eigen::Index(in_.parameters.size())).minCoeff() < worth_shrinking;
 }
 
 /// Whether what a quadratic misses over the box, which is no noise, keeps the posterior wide and so the box.
-bool Fit::misses_much() const { return out_.noise.trace() > times_jitter * in_.jitter + much_missed * out_.likeliest().errors.covariance().trace(); }
+bool Fit::misses_much() const {
+  return out_.noise.trace() > times_run_variance * in_.box.run_variance + much_missed * out_.likeliest().errors.covariance().trace();
+}
 
 /// About the mode.
-void Fit::draw_in_box() {
+void Fit::shrink_box() {
   const LocalMode& m = out_.modes[0];
   const Eigen::VectorXd sd = m.covariance.diagonal().cwiseSqrt();
   std::vector<double> half_width;
   for (std::size_t k = 0; k < in_.parameters.size(); ++k) {
     const double now = half_width_of(k);
-    half_width.push_back(now * std::clamp(drawn_in * sd[Eigen::Index(k)], narrowest, misses_much() ? drawn_anyway : 1.0));
+    half_width.push_back(now * std::clamp(shrunk * sd[Eigen::Index(k)], narrowest, misses_much() ? shrunk_anyway : 1.0));
   }
   lay_box(m.at.theta, half_width);
-  out_.rounds.back().drew_in = true;
+  out_.rounds.back().shrank_box = true;
 }
 
 /// Whether a mode lies too near to an edge of the box that is no bound of the case: at a bound it stays.
 bool Fit::near_edge(const LogPosterior& posterior, const LocalMode& m) const {
-  const Eigen::VectorXd clear = (in_.draw_in ? clear_of_edge_drawn_in : in_.clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd clear = (in_.box.shrinks() ? clear_of_edge_shrinking : in_.box.clear_of_edge) * m.covariance.diagonal().cwiseSqrt();
   for (std::size_t i = 0; i < posterior.free().size(); ++i) {
     const Eigen::Index k = posterior.free()[i];
     const Parameter& p = in_.parameters[std::size_t(k)];
@@ -213,7 +216,7 @@ bool Fit::near_edge() const { return near_edge(*out_.posterior, out_.modes[0]) |
 
 bool Fit::settled() const {
   const auto& rounds = out_.rounds;
-  return rounds.size() > 1 && !near_edge() && !may_draw_in() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
+  return rounds.size() > 1 && !near_edge() && !may_shrink() && rounds.back().moved < in_.emulator.stable && rounds.back().variance < in_.emulator.enough;
 }
 
 void Fit::fit() {
@@ -286,7 +289,7 @@ void Fit::fit() {
   const Eigen::VectorXd theta_sd = parameter_covariance(*out_.posterior, best).diagonal().cwiseSqrt();
   round.theta_sd.assign(theta_sd.begin(), theta_sd.end());
   out_.rounds.push_back(std::move(round));
-  if (in_.round_done) in_.round_done(out_.rounds.back());
+  if (watch_.round_done) watch_.round_done(out_.rounds.back());
 
   const Eigen::MatrixXd left_out = regression.left_out(outputs), rest = regression.residuals(outputs);
   out_.levels.assign(std::size_t(in_.levels), {});
@@ -324,7 +327,7 @@ int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const {
 }
 
 int PosteriorInputs::finest_to_begin(Eigen::Index d) const {
-  if (!draw_in) return emulator.finest_to_begin(d, levels);
+  if (!box.shrinks()) return emulator.finest_to_begin(d, levels);
   return std::max(emulator.fine_runs > 0 ? emulator.fine_runs : cheap, ample * int(MultilevelRegression::coefficients(d, 1)));
 }
 
@@ -358,6 +361,6 @@ Eigen::VectorXd PosteriorFit::history(const Eigen::VectorXd& u, double beyond) c
   return sum;
 }
 
-PosteriorFit fit_posterior(const PosteriorInputs& in) { return Fit(in).run(); }
+PosteriorFit fit_posterior(const PosteriorInputs& in, const FitWatch& watch) { return Fit(in, watch).run(); }
 
 }  // namespace calomel

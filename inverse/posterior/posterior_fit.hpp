@@ -84,6 +84,29 @@ struct SetupFindings {
   double jitter_standard_errors = 0;        ///< by which two runs of nearly one point differ, where the model does not repeat itself; 0: it does
 };
 
+/// How the box of the emulator is placed and resized from round to round.
+struct BoxStrategy {
+  enum class Kind {
+    /// Runs are expensive and carry numerical noise. The box follows the mode where that nears an edge, and never shrinks.
+    follow,
+    /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box. The box shrinks about the
+    /// mode.
+    shrink,
+    /// As `shrink`. A diagnosis places each box where multistart least squares with the model itself ends, and holds the fit to the model there.
+    least_squares
+  };
+  Kind kind = Kind::follow;
+  /// Least distance between the mode and an edge of a box that follows it, in standard deviations of the posterior; nearer, the box is placed anew. A box that
+  /// shrinks has 1, since the deviations still shrink from round to round.
+  double clear_of_edge = 2;
+  /// Variance of one run about the model's mean, summed over the values compared, where the model does not repeat itself. No narrower box removes it, so that
+  /// it never makes a box shrink.
+  double run_variance = 0;
+
+  [[nodiscard]] bool shrinks() const { return kind != Kind::follow; }
+  [[nodiscard]] bool by_least_squares() const { return kind == Kind::least_squares; }
+};
+
 /// What a fit works on; what is referred to outlives it.
 struct PosteriorInputs {
   const Problem& problem;
@@ -104,32 +127,20 @@ struct PosteriorInputs {
   std::vector<double> half_width;  ///< (n_parameters) of it, in the coordinates of the parameters
   bool discrepancy = false;        ///< whether a discrepancy is marginalised: the physical product
   double mesh = 0;                 ///< error of the mesh over the local amplitude that is taken for granted where there is one mesh only
-  /// Runs cost little and carry no numerical noise, so that what the emulator misses is the curvature of the model over its box: the box is drawn in about the
-  /// mode.
-  bool draw_in = false;
-  double clear_of_edge = 2;  ///< standard deviations between the mode and an edge of the box: nearer, the box is laid anew. With draw_in it is 1, as deviations
-                             ///< still shrink from round to round
-  /// With draw_in: variance of one run about what the model means, summed over the values compared, where it does not repeat itself. No narrower box takes it
-  /// off.
-  double jitter = 0;
-  /// With draw_in: a diagnosis fits the model itself by least squares before it lays a box, and holds the fit to the model. Not where the records are far
-  /// better than the model, whose errors then say little of where it fits best.
-  bool least_squares = false;
+  BoxStrategy box;
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
-  std::vector<TaughtRun> known;       ///< runs that are there already
-  std::size_t known_dimension = 0;    ///< they differ in the first so many parameters
+  std::vector<TaughtRun> known;            ///< runs that are there already
+  std::size_t known_dimension = 0;         ///< they differ in the first so many parameters
   std::vector<std::string> identified;     ///< InferenceHints::identified
   std::vector<PowerProduct> combinations;  ///< InferenceHints::combinations
   SetupFindings findings;
   std::vector<std::string> warnings;  ///< what is known against the meshes; goes with the answers
   std::uint64_t seed = 1;
-  std::function<void(const struct PosteriorRound&)> round_done;  ///< told after every fit; may be empty
-  std::function<bool(const struct PosteriorFit&)> go_on;         ///< asked before every further round whether the fit is still wanted; may be empty
 
-  /// Runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a model whose boxes are drawn in at least twice
-  /// its coefficients.
+  /// Number of runs of the finest mesh that a box of so many parameters begins with: those of the emulator's options, of a box that shrinks at least twice its
+  /// coefficients.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters) const;
   /// Of the runs that a box begins with on a mesh, how many known ones stand for at most: the share of its coefficients that their parameters have. `linear`:
   /// of a mesh that adds a linear difference.
@@ -145,7 +156,7 @@ struct PosteriorRound {
   double moved = 0;                      ///< of the mode since the round before, largest over the parameters in sds
   double variance = 0;                   ///< the emulator's over draws from the posterior, 95 % quantile
   bool moved_box = false;                ///< after it
-  bool drew_in = false;                  ///< the box, after it
+  bool shrank_box = false;               ///< after it
 };
 
 /// Leave-one-out errors of one level.
@@ -186,7 +197,13 @@ struct PosteriorFit {
   [[nodiscard]] LogPosterior under(const std::vector<WeightedErrors>& errors) const;
 };
 
+/// Follows a fit.
+struct FitWatch {
+  std::function<void(const PosteriorRound&)> round_done;  ///< called after every round; may be empty
+  std::function<bool(const PosteriorFit&)> go_on;         ///< called before every further round; false ends the fit; may be empty
+};
+
 /// Errors: NumericsError when too few runs come through; those of `run`.
-[[nodiscard]] PosteriorFit fit_posterior(const PosteriorInputs& in);
+[[nodiscard]] PosteriorFit fit_posterior(const PosteriorInputs& in, const FitWatch& watch = {});
 
 }  // namespace calomel

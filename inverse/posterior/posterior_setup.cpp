@@ -7,7 +7,7 @@
 
 #include "inverse/data/decimation.hpp"
 #include "inverse/posterior/basin.hpp"
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 #include "inverse/posterior/emulator_meshes.hpp"
 #include "inverse/posterior/prior.hpp"
 
@@ -15,10 +15,10 @@ namespace calomel {
 
 namespace {
 
-constexpr double box_of_prior = 2;            ///< half width of a first box that the priors decide, in prior standard deviations
-constexpr double least_surrogate_error = 0.1; ///< over the local amplitude, in the search of the basin
-constexpr double most_jitter = 1;             ///< between two runs of nearly one point, in standard errors of all records together; with more, finite
-                                              ///< differences of the model say nothing
+constexpr double box_of_prior = 2;             ///< half width of a first box that the priors decide, in prior standard deviations
+constexpr double least_surrogate_error = 0.1;  ///< over the local amplitude, in the search of the basin
+constexpr double most_jitter = 1;              ///< between two runs of nearly one point, in standard errors of all records together; with more, finite
+                                               ///< differences of the model say nothing
 
 /// The prior of an uncertain number, by the options that have its name.
 struct NuisancePrior {
@@ -97,8 +97,8 @@ std::vector<double> middle_of(const PosteriorCase& c, const PosteriorInputs& in)
     const auto record = in.run(Eigen::Map<const Eigen::MatrixXd>(theta.data(), Eigen::Index(theta.size()), 1), {0})[0];
     return std::vector<double>{record.mean.begin(), record.mean.end()};
   };
-  auto found = find_basin(in.problem, in.recordings, in.recording_options, in.errors, *c.surrogate, std::max(least_surrogate_error, in.mesh), fine, in.seed,
-                          c.threads);
+  auto found =
+      find_basin(in.problem, in.recordings, in.recording_options, in.errors, *c.surrogate, std::max(least_surrogate_error, in.mesh), fine, in.seed, c.threads);
   if (c.basin_progress) c.basin_progress(1, 1);
   return found;
 }
@@ -118,12 +118,12 @@ void lay_box_of_cheap_runs(PosteriorInputs& in, const InferenceHints& hints) {
       if (p.prior == "uniform") in.findings.uniform_priors.push_back(p.name);
     const Jitter jitter = jitter_of_the_model(in).value_or(Jitter{});
     if (jitter.standard_errors < most_jitter) {
-      start_directly(in);
-      in.least_squares = true;
+      place_box_by_least_squares(in);
+      in.box.kind = BoxStrategy::Kind::least_squares;
       return;
     }
     in.findings.jitter_standard_errors = jitter.standard_errors;
-    in.jitter = jitter.variance;
+    in.box.run_variance = jitter.variance;
   }
   for (const auto& p : in.parameters) {
     in.centre.push_back(*p.nominal);
@@ -210,7 +210,7 @@ std::unique_ptr<PosteriorInputs> set_up_posterior(const PosteriorCase& c) {
                         .key = "parameter",
                         .suggestion = "add [parameter.*] tables with priors, such as the wave speed and the clock of a station"});
     hold_times_to_the_records(in, c, hints.errors == InferenceHints::Errors::own_times);
-    in.draw_in = true;
+    in.box.kind = BoxStrategy::Kind::shrink;
     in.errors.arrival_share = in.errors.arrival_share.value_or(0);
     if (c.first_box) lay_box_of_cheap_runs(in, hints);
     return out;

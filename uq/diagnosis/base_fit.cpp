@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/log_sum.hpp"
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 #include "uq/diagnosis/candidate_fit.hpp"
 #include "uq/diagnosis/fit_measures.hpp"
 #include "uq/diagnosis/reported_moments.hpp"
@@ -53,9 +53,13 @@ BaseFit fit_base(const DiagnosisInputs& in, RunBudget& budget) {
   in.say(BaseFitBegins{});
   PosteriorInputs inputs = in.base;
   inputs.run = [&budget](const Eigen::MatrixXd& thetas, const std::vector<int>& level) { return budget.run(thetas, level, {}); };
-  inputs.go_on = [&in](const PosteriorFit& f) { return !surely_mislabelled(in.base.problem, f); };
-  BaseFit base{.fit = fit_posterior(inputs)};
-  if (inputs.least_squares) base.fit = held_to_the_model(inputs, std::move(base.fit));
+  const FitWatch watch{.round_done =
+                           [&in](const PosteriorRound& r) {
+                             if (in.round) in.round(r, in.base.parameters);
+                           },
+                       .go_on = [&in](const PosteriorFit& f) { return !surely_mislabelled(in.base.problem, f); }};
+  BaseFit base{.fit = fit_posterior(inputs, watch)};
+  if (inputs.box.by_least_squares()) base.fit = held_to_the_model(inputs, std::move(base.fit));
   if (inputs.gauge_places) base.place_changes = inputs.gauge_places(base.mode().at.theta);
   describe_mode(in, base);
   describe_places(in, base);

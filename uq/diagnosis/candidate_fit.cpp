@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 #include "inverse/posterior/prior.hpp"
 
 namespace calomel {
@@ -62,6 +62,8 @@ void reach_back(PosteriorInputs& in) {
   }
 }
 
+using RoundDone = std::function<void(const PosteriorRound&)>;
+
 /// One side of a box.
 struct Side {
   double centre = 0, half_width = 0;
@@ -95,7 +97,7 @@ struct BestFit {
 
 /// Fits a model with cheap runs from the planned box and from one about the middle of the numbers' ranges, because a box shrinks about whatever mode it shows
 /// first.
-CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base) {
+CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& base, const RoundDone& round_done) {
   BestFit best;
   for (const bool about_the_middle : {false, true}) {
     PosteriorInputs in = planned;
@@ -107,7 +109,7 @@ CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& ba
       in.half_width[k] = start_width * (high - low);
     }
     try {
-      PosteriorFit fit = fit_posterior(in);
+      PosteriorFit fit = fit_posterior(in, {.round_done = round_done, .go_on = {}});
       const double of_fit = log_bayes_factor(fit, base);
       best.offer(std::move(in), std::move(fit), of_fit);
     } catch (const NumericsError& e) {
@@ -120,13 +122,14 @@ CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& ba
 /// Fits a model with cheap runs itself first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the
 /// best. That is done with the records' errors alone and, where the likeliest errors of the base fit have a discrepancy, with those: the errors of records far
 /// better than the model say little of where it fits best. The better fit counts.
-CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted) {
-  DirectSearch search{.design_runs = design_runs,
-                      .design_runs_a_parameter = design_runs_a_parameter,
-                      .descents = descents,
-                      .iterations = iterations,
-                      .tolerance = tolerance,
-                      .starts = {planned.centre}};
+CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted,
+                                  const RoundDone& round_done) {
+  MultistartOptions search{.design_runs = design_runs,
+                           .design_runs_a_parameter = design_runs_a_parameter,
+                           .descents = descents,
+                           .iterations = iterations,
+                           .tolerance = tolerance,
+                           .starts = {planned.centre}};
   std::vector<double> off = base.modes[0].at.theta;
   for (std::size_t k = off.size(); k < planned.parameters.size(); ++k) off.push_back(*planned.parameters[k].nominal);
   search.starts.push_back(std::move(off));
@@ -138,10 +141,9 @@ CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const Posterio
     PosteriorInputs in = planned;
     search.errors = e;
     try {
-      start_directly(in, search);
-      in.go_on = [&](const PosteriorFit& f) { return wanted(log_bayes_factor(f, base)); };
-      PosteriorFit fit = held_to_the_model(in, fit_posterior(in));
-      in.go_on = {};
+      place_box_by_least_squares(in, search);
+      const auto go_on = [&](const PosteriorFit& f) { return wanted(log_bayes_factor(f, base)); };
+      PosteriorFit fit = held_to_the_model(in, fit_posterior(in, {.round_done = round_done, .go_on = go_on}));
       const double of_fit = log_bayes_factor(fit, base);
       best.offer(std::move(in), std::move(fit), of_fit);
     } catch (const NumericsError& x) {
@@ -188,10 +190,9 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   }
   const auto d = Eigen::Index(in.parameters.size());
   in.emulator.coarse_runs = 0;  // by its own number of coefficients
-  in.emulator.fine_runs = in.draw_in ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;
+  in.emulator.fine_runs = in.box.shrinks() ? spare_of_cheap * int(MultilevelRegression::coefficients(d, 1)) : 0;
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear();
-  in.go_on = {};
   for (const auto& r : fit.runs) {
     TaughtRun known = r;
     for (const auto& a : plan.added) known.theta.push_back(*a.parameter.nominal);
@@ -227,15 +228,15 @@ double log_bayes_factor(const PosteriorFit& fit, const PosteriorFit& base) {
   return std::min(evidence(fit, fit) - evidence(base, fit), evidence(fit, base) - evidence(base, base));
 }
 
-CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted) {
+CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted,
+                           const RoundDone& round_done) {
   PosteriorInputs& in = plan.inputs;
-  if (in.draw_in) return in.least_squares ? fit_by_least_squares(in, base, wanted) : fit_from_two(in, base);
+  if (in.box.shrinks()) return in.box.by_least_squares() ? fit_by_least_squares(in, base, wanted, round_done) : fit_from_two(in, base, round_done);
   const std::size_t own = in.known_dimension;
   const auto is_rough = [&](const PosteriorFit& f) {
     return f.noise.trace() > std::max(rough * base.noise.trace(), rough_beside_errors * f.errors->covariance().trace());
   };
-  in.go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; };
-  PosteriorFit fit = fit_posterior(in);
+  PosteriorFit fit = fit_posterior(in, {.round_done = round_done, .go_on = [](const PosteriorFit& f) { return f.rounds.size() == 1; }});
   double last = log_bayes_factor(fit, base);
   if (!wanted(is_rough(fit) ? std::nullopt : std::optional(last))) return {.inputs = std::move(in), .fit = std::move(fit)};
   // Again about the answer: over a wide box a quadratic is only so good.
@@ -245,11 +246,11 @@ CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const s
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
     if (k < own || plan.added[k - own].share_of.empty())  // the effect of a share is nearly the same over all its range
       in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-  in.clear_of_edge = 1;  // a box that is laid anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
+  in.box.clear_of_edge = 1;  // a box that is laid anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stable_rounds = 0;
-  in.go_on = [&](const PosteriorFit& f) {
+  const auto go_on = [&](const PosteriorFit& f) {
     if (is_rough(f)) return f.rounds.size() == 1 && wanted({});
     const double now = log_bayes_factor(f, base);
     const bool stable = std::abs(now - last) < std::max(steady, steady_share * std::abs(now)) && f.rounds.back().moved < standing;
@@ -257,7 +258,7 @@ CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const s
     last = now;
     return int(f.rounds.size()) <= most_rounds && stable_rounds < stable_enough && wanted(now);
   };
-  PosteriorFit second = fit_posterior(in);
+  PosteriorFit second = fit_posterior(in, {.round_done = round_done, .go_on = go_on});
   const bool stable = stable_rounds >= stable_enough || second.settled;
   return {.inputs = std::move(in), .fit = std::move(second), .stable = stable};
 }

@@ -17,7 +17,7 @@ struct CandidatePlan {
 };
 
 /// Plans the fit of a candidate of `group` on top of `fit`, which was made with `inputs`. The first box reaches from the first-order estimate back to the
-/// handbook. The runs of `fit` are known there, with the numbers off. `run`, `gauge_places` and `round_done` are those of `inputs`; `go_on` is empty.
+/// handbook. The runs of `fit` are known there, with the numbers off. `run` and `gauge_places` are those of `inputs`.
 [[nodiscard]] CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& fit, const ParameterGroup& group,
                                            const ScreenedCandidate& screened);
 
@@ -40,10 +40,11 @@ struct CandidateFit {
 };
 
 /// Fits over the planned box and, while `wanted`, in a narrower box about the answer until more runs would not change it. `wanted` gets the log Bayes factor so
-/// far, and nothing where the emulator is far noisier than the base model's, whose evidence then means little. A model with cheap runs (`draw_in`) is fitted
-/// from several boxes, of which the best counts. With `least_squares` the model itself is fitted first, by least squares from several starts, and the box is
-/// laid about the best. Errors: those of fit_posterior.
+/// far, and nothing where the emulator is far noisier than the base model's, whose evidence then means little. A box that shrinks is
+/// started from several places, of which the best counts. With BoxStrategy::Kind::least_squares the model itself is fitted first, by least squares from several
+/// starts, and the box is laid about the best. `round_done` is called after every round of every fit. Errors: those of fit_posterior.
 [[nodiscard]] CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base,
-                                         const std::function<bool(std::optional<double> log_bayes_factor)>& wanted);
+                                         const std::function<bool(std::optional<double> log_bayes_factor)>& wanted,
+                                         const std::function<void(const PosteriorRound&)>& round_done = {});
 
 }  // namespace calomel

@@ -91,20 +91,20 @@ std::optional<Alternative> fit_explanation(const FitContext& context, const Para
   in.say(FitBegins{a.explanation.name, budget.made()});
   bool ended = false;  // by the limit
   plan.inputs.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
-    const bool beyond = in.base.draw_in && !budget.allows(int(level.size()));  // a search of the model itself may take any number
+    const bool beyond = in.base.box.shrinks() && !budget.allows(int(level.size()));  // a search of the model itself may take any number
     ended = ended || beyond;
     if (beyond) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", budget.limit()));
     return budget.run(thetas, level, added);
   };
   if (context.base.place_changes.size()) plan.inputs.gauge_places = [&](std::span<const double>) { return context.base.place_changes; };
   const std::vector<Parameter> parameters = plan.inputs.parameters;
-  plan.inputs.round_done = [&](const PosteriorRound& r) {
+  const auto round_done = [&](const PosteriorRound& r) {
     if (in.round) in.round(r, parameters);
   };
   const int before = budget.made();
   try {
     const auto wanted = [&](std::optional<double> of_fit) { return (!of_fit || may_lead(*of_fit + a.selection_penalty, best)) && !budget.used_up(); };
-    CandidateFit made = fit_candidate(std::move(plan), context.base.fit, wanted);
+    CandidateFit made = fit_candidate(std::move(plan), context.base.fit, wanted, round_done);
     const PosteriorFit& fit = made.fit;
     describe_fit(context, fit, added, a);
     a.settled = made.stable;
@@ -115,8 +115,6 @@ std::optional<Alternative> fit_explanation(const FitContext& context, const Para
     else
       a.status = {.kind = FitStatus::Kind::emulator, .message = fit.message};
     made.inputs.run = {};  // what they refer to ends here
-    made.inputs.round_done = {};
-    made.inputs.go_on = {};
     context.library.fits.emplace(a.explanation.name, ExplanationFit{added, std::move(made.inputs), std::move(made.fit)});
   } catch (const NumericsError& e) {
     if (ended) {

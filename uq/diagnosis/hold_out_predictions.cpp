@@ -20,7 +20,7 @@ void add_hold_out_predictions(const FitContext& context, Alternative& a) {
   const auto& fits = context.library.fits;
   const auto fit = fits.find(a.explanation.name);
   if (!context.held_out.possible() || fit == fits.end() || a.explanation.log_bayes_factor <= 0 || !a.held_out.empty()) return;
-  if (a.explanation.of_a_gauge && !context.in.base.least_squares) return;
+  if (a.explanation.of_a_gauge && !context.in.base.box.by_least_squares()) return;
   keep_held_out_fit(context.held_out, context.held_out.by(fit->second.fit), a);
 }
 

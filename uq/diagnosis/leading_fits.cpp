@@ -117,7 +117,7 @@ std::optional<Alternative> fit_gauge_fault(const FitContext& context, const Para
                                            const Alternative* on_top_of, double best) {
   const OwnGroup own = with_own_group(context, group, screened);
   std::optional<Alternative> linear;
-  if (!context.in.base.draw_in) linear = fit_linearised(context, own.group, own.screened, on_top_of, best);
+  if (!context.in.base.box.shrinks()) linear = fit_linearised(context, own.group, own.screened, on_top_of, best);
   if (linear && explains_all(context, *linear)) return linear;
   if (linear) best = std::max(best, linear->explanation.log_bayes_factor);
   auto fitted = fit_explanation(context, own.group, own.screened, on_top_of, best);
@@ -143,7 +143,7 @@ void fit_leaders(const FitContext& context, const std::vector<ScreenedCandidate>
       continue;
     }
     if (find_candidate(library, group.name) != library.candidates.end()) continue;  // of a wall with less evidence, too
-    if ((!best_tried && context.base.inadequate()) || (fitted < in.options.leaders && (in.base.draw_in || could_lead))) {
+    if ((!best_tried && context.base.inadequate()) || (fitted < in.options.leaders && (in.base.box.shrinks() || could_lead))) {
       best_tried = true;
       auto explanation = group.sensor.empty() && !group.law ? fit_explanation(context, group, candidate, nullptr, library.best_log_bayes_factor())
                                                             : fit_best_variant(context, screened, candidate);

@@ -43,7 +43,7 @@ bool fit_pairs(const FitContext& context, const Verdict& verdict) {
   screening.includes = includes;
   auto screened = screen_candidates(screening).candidates;
   // Where runs are cheap several are fitted, gauges last: on top of what already explains much, first order says little.
-  const bool quick = in.base.least_squares && !named;
+  const bool quick = in.base.box.by_least_squares() && !named;
   if (quick) std::stable_partition(screened.begin(), screened.end(), [&](const auto& c) { return in.groups[c.group].sensor.empty(); });
   const std::size_t most = quick ? std::size_t(in.options.leaders) : 1;
   const double least = named ? Gates{}.log_bayes_factor : least_to_fit;

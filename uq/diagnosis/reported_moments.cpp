@@ -21,7 +21,7 @@ Moments reported_moments(const PosteriorFit& fit, std::uint64_t seed) {
   Moments moments = tempered_moments(*fit.posterior, m, seed);
   std::size_t first = std::min<std::size_t>(1, fit.rounds.size() - 1);  // the first fit may be far off
   for (std::size_t r = 0; r + 1 < fit.rounds.size(); ++r)
-    if (fit.rounds[r].drew_in) first = r + 1;  // and so may be the emulator of a wider box
+    if (fit.rounds[r].shrank_box) first = r + 1;  // and so may be the emulator of a wider box
   const auto n = double(fit.rounds.size() - first);
   const auto& free = fit.posterior->free();
   for (std::size_t i = 0; i < free.size() && n > 1; ++i) {

@@ -11,7 +11,7 @@
 #include "forward/campaign/campaign.hpp"
 #include "forward/emulator/infill.hpp"
 #include "inverse/posterior/basin.hpp"
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "tests/unit/inverse/lines.hpp"
 #include "tests/unit/inverse/meshed.hpp"
@@ -277,7 +277,10 @@ PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const
   PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = options};
   in.errors = {
       .values = 50, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .baseline = 0, .coherent_noise = 0, .beyond = 0, .beyond_sd = 0, .beyond_rest = 0};
-  in.parameters = problem.shape.parameters, in.draw_in = true, in.centre = {1.8 + shift}, in.half_width = {0.2};
+  in.parameters = problem.shape.parameters;
+  in.box.kind = BoxStrategy::Kind::shrink;
+  in.centre = {1.8 + shift};
+  in.half_width = {0.2};
   in.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
     std::vector<RunRecord> records;
     for (std::size_t i = 0; i < level.size(); ++i) records.push_back(evaluate_run(model, {thetas.col(Eigen::Index(i)).data(), 1}, false));

@@ -100,8 +100,7 @@ struct Quick {
     base.parameters = model.shape().parameters;
     base.levels = 1;
     base.discrepancy = true;
-    base.draw_in = true;
-    base.least_squares = true;
+    base.box.kind = BoxStrategy::Kind::least_squares;
     base.centre = {1, 1};
     base.half_width = {0.06, 0.06};
     return diagnose({.base = base,

@@ -35,7 +35,7 @@ struct Traveller {
     base.parameters = parameters;
     base.levels = 1;
     base.discrepancy = true;
-    base.draw_in = true;
+    base.box.kind = BoxStrategy::Kind::shrink;
     base.centre = {1, 1};
     base.half_width = {0.04, 0.04};
     AddedParameter dispersion = added("dispersion", "strength", 0, 0.4, {0.1}), lag = added("lag", "time", 0, 8, {2});

@@ -1,4 +1,4 @@
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
@@ -78,7 +78,7 @@ class Search {
     return std::isfinite(lowest) ? std::copysign(std::sqrt(std::max(0.0, 2 * lowest)), parameter(k).natural(x) - top(k)) : no_answer;
   }
   /// Points of the design in coordinates, (n_parameters, n): the nominal first.
-  [[nodiscard]] Eigen::MatrixXd design(const DirectSearch& options) const {
+  [[nodiscard]] Eigen::MatrixXd design(const MultistartOptions& options) const {
     const std::size_t n = options.design_runs + options.design_runs_a_parameter * in_.parameters.size();
     const Eigen::MatrixXd unit = space_filling_points(in_.parameters.size(), n, in_.seed);
     Eigen::MatrixXd x(dimension(), Eigen::Index(n) + 1);
@@ -174,7 +174,7 @@ std::optional<Jitter> jitter_of_the_model(const PosteriorInputs& in) {
   return Jitter{.standard_errors = search.whitened(apart).norm(), .variance = 0.5 * apart.squaredNorm()};
 }
 
-DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options) {
+MultistartFit multistart_least_squares(const PosteriorInputs& in, const MultistartOptions& options) {
   Search search(in, options.errors);
   const Eigen::Index d = search.dimension();
   const Eigen::MatrixXd design = search.design(options);
@@ -191,7 +191,7 @@ DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& opt
   for (const auto& start : options.starts) from.push_back(search.coordinates(start));
   for (std::size_t s = 0; s < std::min(options.descents, order.size()); ++s) from.emplace_back(design.col(order[s].second));
 
-  DirectStart out{.theta = {}, .covariance = {}, .ends = {}, .chi2 = 0, .values = search.values(), .runs = 0};
+  MultistartFit out{.theta = {}, .covariance = {}, .ends = {}, .chi2 = 0, .values = search.values(), .runs = 0};
   double best = std::numeric_limits<double>::infinity();
   for (Eigen::VectorXd x : from) {
     ceres::Problem problem;
@@ -231,15 +231,15 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
   const LocalMode& m = fit.modes[0];
   const EmulatorBox& box = on_emulator.box();
   const WeightedErrors& likeliest = fit.likeliest();
-  std::optional<DirectStart> polished;
+  std::optional<MultistartFit> polished;
   try {
-    polished = find_direct_start(in, {.design_runs = 0,
-                                      .design_runs_a_parameter = 0,
-                                      .descents = 0,
-                                      .iterations = polish_iterations,
-                                      .tolerance = polish_tolerance,
-                                      .starts = {m.at.theta},
-                                      .errors = &likeliest.errors});
+    polished = multistart_least_squares(in, {.design_runs = 0,
+                                             .design_runs_a_parameter = 0,
+                                             .descents = 0,
+                                             .iterations = polish_iterations,
+                                             .tolerance = polish_tolerance,
+                                             .starts = {m.at.theta},
+                                             .errors = &likeliest.errors});
   } catch (const NumericsError&) {  // no run came through
     return fit;
   }
@@ -264,8 +264,8 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
   return fit;
 }
 
-void start_directly(PosteriorInputs& in, const DirectSearch& options) {
-  const DirectStart start = find_direct_start(in, options);
+void place_box_by_least_squares(PosteriorInputs& in, const MultistartOptions& options) {
+  const MultistartFit start = multistart_least_squares(in, options);
   const double scale = std::sqrt(std::max(1.0, start.chi2 / std::max<double>(1, double(start.values) - double(start.theta.size()))));
   const auto priors = priors_of(in.parameters);
   in.centre = start.theta, in.half_width.clear();

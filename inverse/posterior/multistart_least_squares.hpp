@@ -6,7 +6,7 @@
 
 namespace calomel {
 
-struct DirectStart {
+struct MultistartFit {
   std::vector<double> theta;              ///< of least |whitened residual|^2 - 2 log prior
   Eigen::MatrixXd covariance;             ///< of the parameters' coordinates (Parameter::coordinate), of Gauss and Newton
   std::vector<std::vector<double>> ends;  ///< of all descents, among them `theta`
@@ -16,7 +16,7 @@ struct DirectStart {
 };
 
 /// Where the search begins.
-struct DirectSearch {
+struct MultistartOptions {
   std::size_t design_runs = 32, design_runs_a_parameter = 24;
   std::size_t descents = 5;                 ///< from the best points of the design
   int iterations = 60;                      ///< of a descent, at most
@@ -37,7 +37,7 @@ struct Jitter {
 
 /// Runs a design over the priors, then least squares (Levenberg and Marquardt, gradients by finite differences) from the best points of it and from those that
 /// are given. Errors: NumericsError when no run comes through; those of in.run.
-[[nodiscard]] DirectStart find_direct_start(const PosteriorInputs& in, const DirectSearch& options = {});
+[[nodiscard]] MultistartFit multistart_least_squares(const PosteriorInputs& in, const MultistartOptions& options = {});
 
 /// A fit of a model whose runs carry no noise, held to the model: least squares by the model itself from the fit's mode, under the errors that are likeliest
 /// there, gives the mode; the emulator is shifted so that it is the run there, and its own noise, which was what a quadratic misses, counts no more as an error
@@ -45,6 +45,6 @@ struct Jitter {
 [[nodiscard]] PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit);
 
 /// Puts the first box of `in` about that start: as wide as the data alone would leave it, with errors as large as the residuals, and no wider than the priors.
-void start_directly(PosteriorInputs& in, const DirectSearch& options = {});
+void place_box_by_least_squares(PosteriorInputs& in, const MultistartOptions& options = {});
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 // Where a quick model fits its records, and how wide a box is laid about it.
-#include "inverse/posterior/direct_start.hpp"
+#include "inverse/posterior/multistart_least_squares.hpp"
 
 #include <gtest/gtest.h>
 
@@ -57,12 +57,12 @@ struct RecordedWave {
 };
 
 // The posterior of what the records do not tell is its prior: a box of fewer deviations cuts it, and so do deviations that are taken from chains in it.
-TEST(DirectStart, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMiddleAtLeast) {
+TEST(MultistartFit, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMiddleAtLeast) {
   Parameter idle = uniform_parameter("z", 0.01, 100, 1);
   idle.prior = "lognormal", idle.mu = std::log(2), idle.sigma = 0.7;
   const RecordedWave wave({idle});
   PosteriorInputs in = wave.inputs([] { return 1.0; });
-  start_directly(in);
+  place_box_by_least_squares(in);
   EXPECT_NEAR(in.centre[0], 1.03, 0.02);
   EXPECT_LT(in.half_width[0], 0.2);
   EXPECT_NEAR(in.centre[1], 2, 0.02);  // of the logarithm, not of the density over z
@@ -72,7 +72,7 @@ TEST(DirectStart, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMi
 
 // Two runs at nearly one point: what they differ by is the model's own jitter. Of 100 values of unit amplitude with errors of 0.01 / sqrt(5) a jitter of 0.2 %
 // is sqrt(2) sqrt(100 / 2) 0.002 / (0.01 / sqrt(5)) = 4.5 standard errors, and drives finite differences of a step of 0.1 % of the prior astray.
-TEST(DirectStart, JitterIsWhatTwoRunsOfNearlyOnePointDifferBy) {
+TEST(MultistartFit, JitterIsWhatTwoRunsOfNearlyOnePointDifferBy) {
   const RecordedWave wave;
   const auto jitter_of = [&](double share) {
     std::mt19937_64 engine(1);
