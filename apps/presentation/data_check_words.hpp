@@ -1,5 +1,5 @@
 #pragma once
-/// The sentences about data checks: what a fit shows of mistakes of the case or of the wiring.
+/// The sentences about data checks: mistakes of the case or of the wiring that a fit shows.
 #include <string>
 #include <vector>
 
@@ -7,9 +7,9 @@
 
 namespace calomel {
 
-/// "Gauge T2 reads what is simulated there with the other sign (correlation -0.98): see whether it is wired the wrong way round, or its direction wrong."
+/// "The record of gauge T2 has the opposite sign of its simulation (correlation -0.98). Check its wiring and its direction in the case."
 [[nodiscard]] std::string mislabelled_sentence(const MislabelledChannel& channel);
-/// "All records look 3.07 ± 0.12 µs late (log Bayes factor 75.6 to first order): see from which instant they count, ..."
+/// "All records look 3.07 ± 0.12 µs late (log Bayes factor 75.6 to first order). Check the instant from which they count, ..."
 [[nodiscard]] std::string clock_sentence(const ClockOffset& offset);
 
 /// One sentence for each finding, the gravest first: dead gauges, mixed-up channels, the clock, numbers far from their priors.

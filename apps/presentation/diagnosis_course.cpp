@@ -14,15 +14,15 @@ std::string fit_status_text(const Alternative& a) {
     case FitStatus::Kind::unremarkable:
       return {};
     case FitStatus::Kind::first_order:
-      return "to first order";
+      return "estimated to first order only";
     case FitStatus::Kind::linearised_run_failed:
-      return "a run about its numbers failed";
+      return "a run about the estimate of its numbers failed";
     case FitStatus::Kind::on_unsettled_fit:
-      return "it stands on a fit that has not settled";
+      return "it is added to a fit that has not settled";
     case FitStatus::Kind::numbers_moved:
       return fmt::format("its numbers still moved after {} runs", a.runs);
     case FitStatus::Kind::stable:
-      return fmt::format("evidence and numbers stood still from {} coarse and {} fine runs on", a.status.coarse, a.status.fine);
+      return fmt::format("evidence and numbers were stable from {} coarse and {} fine runs on", a.status.coarse, a.status.fine);
     case FitStatus::Kind::emulator:
     case FitStatus::Kind::failed:
       break;
@@ -37,17 +37,18 @@ const char* no_effect_text = "none of its numbers changes the records by itself"
 std::string skipped_text(const SkippedStep& s) {
   switch (s.kind) {
     case SkippedStep::Kind::mechanisms:
-      return "what each mechanism would be worth, and everything after it: gauges look mixed up";
+      return "the screening of mechanisms and all later steps: channels look mixed up";
     case SkippedStep::Kind::no_effect:
       return s.name + ": " + no_effect_text;
     case SkippedStep::Kind::relinearisation:
-      return fmt::format("{}: its numbers are asked for once more with {} runs, and {} are spent of diagnosis.max_runs = {}", s.name, s.runs, s.made, s.limit);
+      return fmt::format("{}: its effect was not linearised again, which takes {} runs; {} of diagnosis.max_runs = {} are made", s.name, s.runs, s.made,
+                         s.limit);
     case SkippedStep::Kind::fit:
-      return fmt::format("{}: it begins with {} runs, and {} are spent of diagnosis.max_runs = {}", s.name, s.runs, s.made, s.limit);
+      return fmt::format("{}: its fit was not begun, which takes {} runs at first; {} of diagnosis.max_runs = {} are made", s.name, s.runs, s.made, s.limit);
     case SkippedStep::Kind::search_cut_short:
-      return fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit before it was done; the best that was found is told", s.name, s.limit);
+      return fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit; the best fit that was found is reported", s.name, s.limit);
     case SkippedStep::Kind::missing_terms:
-      return fmt::format("what is missing: its terms take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
+      return fmt::format("the terms that describe what is missing: they take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
     case SkippedStep::Kind::screening_failed:
     case SkippedStep::Kind::fit_ended:
       break;
@@ -60,8 +61,9 @@ std::vector<std::string> skipped_terms(const MissingTerms& m) {
   std::map<std::string, std::size_t> reasons;
   for (const auto& term : m.not_screened) ++reasons[term.failure.value_or(no_effect_text)];
   std::vector<std::string> all;
-  for (const auto& [reason, count] : reasons) all.push_back(fmt::format("what is missing: {} of {} terms: {}", count, m.offered, reason));
-  if (m.run_failure) all.push_back("what is missing: a run with the terms that were found: " + *m.run_failure);
+  for (const auto& [reason, count] : reasons)
+    all.push_back(fmt::format("the terms that describe what is missing: {} of {} were not screened: {}", count, m.offered, reason));
+  if (m.run_failure) all.push_back("the terms that describe what is missing: the run with them failed: " + *m.run_failure);
   return all;
 }
 
@@ -86,12 +88,12 @@ namespace {
 
 struct EventText {
   std::string operator()(const BaseFitBegins&) const { return "base fit"; }
-  std::string operator()(const LocalEvidenceFound& e) const { return fmt::format("something in one place alone: log evidence {:.3g}", e.log_evidence); }
+  std::string operator()(const LocalEvidenceFound& e) const { return fmt::format("a discrepancy in one place alone: log evidence {:.3g}", e.log_evidence); }
   std::string operator()(const MislabelledChannel& m) const { return mislabelled_sentence(m); }
   std::string operator()(const ClockOffset& c) const { return clock_sentence(c); }
   std::string operator()(const ScreeningBegins& s) const {
-    if (s.on_top_of.empty()) return "what each mechanism would be worth, to first order";
-    return fmt::format("what {} would be worth on top of {}, to first order", s.gauges_alone ? "a fault of each gauge" : "each mechanism", s.on_top_of);
+    if (s.on_top_of.empty()) return "screening of each mechanism, to first order";
+    return fmt::format("screening of {} on top of {}, to first order", s.gauges_alone ? "a fault of each gauge" : "each mechanism", s.on_top_of);
   }
   std::string operator()(const CandidateScreened& c) const {
     if (c.on_top) return fmt::format("{}: log Bayes factor {:.3g} to first order on top of it", c.label, c.log_bayes_factor);
@@ -102,7 +104,7 @@ struct EventText {
     return fmt::format("{}: log Bayes factor {:.4g}, chi-squared {:.4g} for {:.0f} values ({:.4g} without it), {} runs", e.name, e.log_bayes_factor, e.chi2,
                        e.values, e.base_chi2, e.runs);
   }
-  std::string operator()(const TermScreeningBegins&) const { return "which terms would do what is missing"; }
+  std::string operator()(const TermScreeningBegins&) const { return "screening of the terms that describe what is missing"; }
 };
 
 }  // namespace

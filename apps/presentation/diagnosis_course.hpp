@@ -1,5 +1,5 @@
 #pragma once
-/// The course of a diagnosis: lines about its events, about how fits ended, and about what was not done.
+/// The course of a diagnosis: lines about its events, the ends of its fits, and the steps that were not done.
 #include <string>
 #include <vector>
 
@@ -13,10 +13,10 @@ namespace calomel {
 /// How the fit of an explanation ended; empty where there is nothing to report.
 [[nodiscard]] std::string fit_status_text(const Alternative& a);
 
-/// Groups for which there is no candidate, one entry each.
+/// One entry for each group without a candidate.
 [[nodiscard]] std::vector<std::string> not_screened_texts(const std::vector<NotScreened>& groups);
 
-/// What was not done, one entry each.
+/// One entry for each step that was not done.
 [[nodiscard]] std::vector<std::string> skipped_texts(const Diagnosis& d);
 
 }  // namespace calomel

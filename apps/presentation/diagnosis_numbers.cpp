@@ -103,7 +103,7 @@ PlainNumber plain_number(const Alternative& a, const Estimate& n, std::span<cons
   const double off = added->whole * added->parameter.nominal.value_or(0);
   const auto unit = shown_unit(added->unit, std::max({std::abs(n.mean), std::abs(n.sd), std::abs(off)}));
   PlainNumber out;
-  out.value = n.from_records ? with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name) : "below the mercury's own (the records tell no more)";
+  out.value = n.from_records ? with_sd(unit.factor * n.mean, unit.factor * n.sd, unit.name) : "below the mercury's own (the records do not narrow it)";
   out.off = added->share_of.empty() ? fmt::format("{:.3g}{}{}", unit.factor * off, unit.name.empty() ? "" : " ", unit.name) : "the mercury's own";
   return out;
 }

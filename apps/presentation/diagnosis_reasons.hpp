@@ -1,5 +1,5 @@
 #pragma once
-/// Why a diagnosis names what it names: the reason of a verdict, and of every entry of its ranking.
+/// The reason of a verdict, and of every entry of its ranking.
 #include <span>
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace calomel {
 
-/// What decided the verdict, in a clause for the terminal.
+/// The reason of the verdict, in a clause for the terminal.
 [[nodiscard]] std::string verdict_reason_text(const Diagnosis& d, const Gates& gates = {});
 [[nodiscard]] std::string verdict_reason_text(const BaseEvidence& base, const std::vector<Explanation>& all, const Verdict& verdict, const Gates& gates = {});
 

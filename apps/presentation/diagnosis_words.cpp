@@ -19,23 +19,26 @@ std::string with_key(const Alternative& a, std::span<const ParameterGroup> group
   return plain == name ? name : plain + " (" + name + ')';
 }
 
-/// Where the mismatch is first significant, else where it is greatest.
+/// The place where the mismatch is first significant, else where it is greatest.
 std::string where(const LocatedMismatch& l) {
   if (!l.first_sensor.empty())
-    return l.first_time > 0 ? fmt::format("at gauge {} from {} on, where the mismatch is first seen", l.first_sensor, time_text(l.first_time))
+    return l.first_time > 0 ? fmt::format("at gauge {} from {} on, where the mismatch is first significant", l.first_sensor, time_text(l.first_time))
                             : fmt::format("at gauge {}, which shows the mismatch from the start", l.first_sensor);
   const auto most = std::max_element(l.sensors.begin(), l.sensors.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   return most == l.sensors.end() ? "at the gauges with the greatest mismatch" : "at gauge " + most->name + ", where the mismatch is greatest";
 }
 
-std::string held_out_records(const VerdictMisfits& m) { return m.single_record ? "stretches of the record" : "gauges"; }
+/// "gauges that were left out of the fit"
+std::string held_out_records(const VerdictMisfits& m) {
+  return std::string(m.single_record ? "stretches of the record" : "gauges") + " that were left out of the fit";
+}
 
-/// ", and on gauges that were left out of the fit from 12 % to 6.0 %"; says so where it does not fall. Empty where no gauge was held out.
+/// ", and that of gauges that were left out of the fit from 12 % to 6.0 %", or that it does not fall. Empty where no gauge was held out.
 std::string held_out_part(const Alternative& a, const VerdictMisfits& m) {
   if (a.held_out.empty() || !(m.held_out_before > 0)) return "";
-  const std::string from_to = fmt::format("{} to {}", percent(m.held_out_before), percent(m.held_out_after));
-  return m.held_out_after < m.held_out_before ? ", and on " + held_out_records(m) + " that were left out of the fit from " + from_to
-                                              : ", but on " + held_out_records(m) + " that were left out of the fit it does not fall (" + from_to + ")";
+  const std::string before = percent(m.held_out_before), after = percent(m.held_out_after);
+  return m.held_out_after < m.held_out_before ? fmt::format(", and that of {} from {} to {}", held_out_records(m), before, after)
+                                              : fmt::format(", but that of {} does not fall ({} to {})", held_out_records(m), before, after);
 }
 
 std::string what_to_check(const Alternative& a, std::span<const ParameterGroup> groups) {
@@ -51,86 +54,100 @@ std::string tables_of(const Alternative& a) {
   return listed(all);
 }
 
-/// The change of the misfit with an explanation. The misfit of the fitted records may rise: without the explanation the base parameters had bent to them.
+/// The change of the misfit with an explanation. The misfit of the fitted records may rise: without the explanation the base parameters had adapted to them.
 std::string misfit_part(const Alternative& a, const VerdictMisfits& m) {
+  const std::string before = percent(m.before), after = percent(m.after);
   if (m.after < m.before || a.held_out.empty() || m.held_out_after >= m.held_out_before)
-    return fmt::format("the misfit of the records {} from {} to {}{}", m.after < m.before ? "falls" : "goes", percent(m.before), percent(m.after),
-                       held_out_part(a, m));
+    return fmt::format("the misfit of the records {} from {} to {}{}", m.after < m.before ? "falls" : "goes", before, after, held_out_part(a, m));
   return fmt::format(
-      "the misfit of {} that were left out of the fit falls from {} to {} (that of the records that were fitted goes from {} to {}: without it the base "
-      "parameters had bent to them)",
-      held_out_records(m), percent(m.held_out_before), percent(m.held_out_after), percent(m.before), percent(m.after));
+      "the misfit of {} falls from {} to {}. That of the fitted records goes from {} to {}, because without it the base parameters had adapted to them",
+      held_out_records(m), percent(m.held_out_before), percent(m.held_out_after), before, after);
 }
 
-/// Both sentences of a verdict that names one explanation.
-PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const VerdictMisfits& m) {
-  const std::string falls = misfit_part(a, m);
+/// The sentences of a verdict that names a fault of one gauge.
+PlainSummary gauge_summary(const Alternative& a, std::span<const ParameterGroup> groups, const VerdictMisfits& m) {
   std::vector<std::string> gauges{a.sensor};
   gauges.insert(gauges.end(), a.other_sensors.begin(), a.other_sensors.end());
-  if (!a.sensor.empty())
-    return {fmt::format("Gauge {} does not read true ({}: {}), and the simulation explains the records once that is allowed for: {}.{}", a.sensor,
-                        a.explanation.name, plain_size(a, groups), falls,
-                        a.other_sensors.empty() ? "" : fmt::format(" The records do not tell whether it is this gauge or {}.", listed(a.other_sensors, "or"))),
-            fmt::format("Check gauge {}, its calibration, amplifier, clock and orientation, or leave it out (recordings.exclude), and run the diagnosis again.",
-                        listed(gauges))};
+  std::string finding =
+      fmt::format("Gauge {} does not read true ({}: {}). With that allowed for, {}.", a.sensor, a.explanation.name, plain_size(a, groups), misfit_part(a, m));
+  if (!a.other_sensors.empty()) finding += fmt::format(" The records do not show whether the fault is at this gauge or at {}.", listed(a.other_sensors, "or"));
+  return {
+      std::move(finding),
+      fmt::format("Check the calibration, amplifier, clock and orientation of gauge {}, or leave it out (recordings.exclude). Then run the diagnosis again.",
+                  listed(gauges))};
+}
+
+/// The sentences of a verdict that names one explanation.
+PlainSummary named_summary(const Alternative& a, std::span<const ParameterGroup> groups, const VerdictMisfits& m) {
+  if (!a.sensor.empty()) return gauge_summary(a, groups, m);
   const std::string check = what_to_check(a, groups);
-  return {fmt::format("The simulation leaves something out: {}; with it {}.", with_key(a, groups), falls),
-          sentence((check.empty() ? "make it" : check + "; if that agrees, make it") + " part of the model (" + tables_of(a) +
-                   ", enabled = true, with the numbers found) and calibrate again")};
+  const std::string make = "ake it part of the model (" + tables_of(a) + ", enabled = true, with the numbers found) and calibrate again.";
+  return {fmt::format("The simulation leaves something out: {}. With it {}.", with_key(a, groups), misfit_part(a, m)),
+          check.empty() ? "M" + make : sentence(check) + " If that agrees, m" + make};
+}
+
+/// A sentence about the place where the mismatch shows alone; empty where it shows in several.
+std::string one_place(const Diagnosis& d, const Gates& gates) {
+  const auto& place = d.base.likeliest_place;
+  if (!d.base.evidence.local || !(*d.base.evidence.local > gates.lead)) return "";
+  if (place.size() > 1) return fmt::format(" The mismatch shows near gauges {} alone.", listed(place));
+  return fmt::format(" The mismatch shows near gauge {} alone, so check whether that gauge reads true.", place[0]);
 }
 
 PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Gates& gates) {
-  const VerdictMisfits& m = d.misfits;
-  const std::string misfit = fmt::format("(misfit {})", percent(m.before));
-  const bool one_place = d.base.evidence.local && *d.base.evidence.local > gates.lead;
-  const std::string alone = !one_place ? ""
-                            : d.base.likeliest_place.size() > 1
-                                ? fmt::format(" (it shows near gauges {} alone)", listed(d.base.likeliest_place))
-                                : fmt::format(" (it shows near gauge {} alone: see whether it reads true)", d.base.likeliest_place[0]);
+  const std::string misfit = percent(d.misfits.before);
   const std::string look = fmt::format(
-      "Look first {}{}: something that is not in the catalogue may be missing, such as a part of the geometry, or several effects at once, so do not take "
-      "calibrated values for properties of the "
-      "material until it is found.",
-      where(d.location), alone);
-  const PlainSummary nothing{fmt::format("The simulation leaves something out {}, and none of the effects that were tried is it.", misfit), look};
+      "Look first {}.{} Something outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not "
+      "take calibrated values for properties of the material.",
+      where(d.location), one_place(d, gates));
+  const PlainSummary nothing{fmt::format("The simulation leaves something out (misfit {}), and none of the effects that were tried explains it.", misfit),
+                             look};
   const auto all = d.by_evidence();
   if (all.empty()) return nothing;
   const Alternative& best = *d.alternative(all[0].name);
-  const std::string name = plain_name(best, groups), differ = fmt::format("The simulation and the records differ {}", misfit);
-  const std::string begin = fmt::format("The simulation leaves something out {}, and it is not known what: ", misfit) + name;
+  const std::string name = plain_name(best, groups);
+  const std::string nearest =
+      fmt::format("The simulation leaves something out (misfit {}), and the cause is unknown. The nearest explanation is {}", misfit, name);
   const std::string finer = "Repeat the diagnosis on finer meshes (emulator.element_sizes) before any physics is blamed.";
   switch (gate_not_passed(d.base.evidence, all, 0, gates)) {
     case Gate::fitted:
       if (all[0].log_bayes_factor < gates.log_bayes_factor) return nothing;
-      return {begin + " comes nearest to first order, but was not fitted.",
-              "Run the diagnosis again with --fresh and more diagnosis.leaders or diagnosis.max_runs; the runs that were made are kept."};
+      return {nearest + ", which was estimated to first order and not fitted.",
+              "Run the diagnosis again with --fresh and a greater diagnosis.leaders or diagnosis.max_runs. The runs that were made are kept."};
     case Gate::evidence:
       if (all[0].log_bayes_factor <= least_support) return nothing;
-      return {fmt::format("The simulation leaves something out {}, and nothing that was tried is sure enough to be named: {} comes nearest.", misfit, name),
+      return {fmt::format("The simulation leaves something out (misfit {}), and no effect has enough evidence to be named. The nearest explanation is {}.",
+                          misfit, name),
               look};
     case Gate::numerical:
-      return {differ + ", but the simulation's own discretisation accounts for it better than any physics that was tried.", finer};
+      return {fmt::format("The simulation and the records differ (misfit {}), but the simulation's own discretisation explains the difference better than any "
+                          "physics that was tried.",
+                          misfit),
+              finer};
     case Gate::numerical_rival:
-      return {differ + "; " + name + " would account for it, but the simulation's own discretisation does so nearly as well.", finer};
+      return {fmt::format("The simulation and the records differ (misfit {}). An effect, {}, would explain the difference, but the simulation's own "
+                          "discretisation explains it nearly as well.",
+                          misfit, name),
+              finer};
     case Gate::explained:
-      return {begin + fmt::format(" comes nearest, but accounts for only {:.0f} % of the mismatch.",
-                                  100 * share_explained(d.base.evidence, all[0], gates).value_or(0)),
+      return {nearest + fmt::format(", but it accounts for only {:.0f} % of the mismatch.", 100 * share_explained(d.base.evidence, all[0], gates).value_or(0)),
               look};
     case Gate::remainder:
-      return {begin + " comes nearest, but with it the records are still not explained.", look};
+      return {nearest + ", but with it the records are still not explained.", look};
     case Gate::probability:
-      return {begin + fmt::format(" comes nearest, with a probability of {:.0f} %, which is not enough for a name.",
-                                  100 * class_probability(d.base.evidence, all, 0, gates)),
+      return {nearest + fmt::format(", but its probability of {:.0f} % is not enough for a name.", 100 * class_probability(d.base.evidence, all, 0, gates)),
               look};
     case Gate::misfit:
-      return {begin + " has the evidence, but with it the records are not nearer.", look};
+      return {nearest + ". It has the evidence, but with it the misfit of the records does not fall.", look};
     case Gate::held_out:
-      return {begin + " has the evidence, but what was left out of the fit gains too little by it: it may imitate something else.", look};
+      return {
+          nearest + ". It has the evidence, but the misfit of records that were left out of the fit falls too little with it. It may imitate another effect.",
+          look};
     case Gate::plausible:
-      return {begin + fmt::format(" would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)),
-              "Find out whether it can be that strong; if not, look " + where(d.location) + '.'};
+      return {nearest + fmt::format(". It would explain the records, but only if it were stronger than is plausible ({}).", plain_size(best, groups)),
+              "Find out whether it can be that strong. If not, look " + where(d.location) + '.'};
     case Gate::handbook:
-      return {begin + " would explain the records, but only with properties of the material farther from the handbook than without it.", look};
+      return {nearest + ". It would explain the records, but only with material properties farther from the handbook than without it.", look};
     default:
       return nothing;
   }
@@ -139,25 +156,28 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
 }  // namespace
 
 std::string separating_text(const std::optional<SeparatingMeasurement>& m) {
-  if (!m) return "nothing was fitted that a further measurement could tell apart";
+  if (!m) return "nothing was fitted that a further measurement could distinguish";
   return fmt::format(
-      "{} and {} differ most at gauge {} about {}, by {:.2g} {} ({:.2g} standard deviations of its mean record and what is not known of it): more pulses, or a "
-      "second gauge beside it, tell most there",
+      "{} and {} differ most at gauge {} at about {}, by {:.2g} {} ({:.2g} standard deviations of the errors there); more pulses, or a second gauge beside it, "
+      "would distinguish them best",
       m->first, m->second.empty() ? "the base model" : m->second, m->gauge, time_text(m->time), m->difference, m->unit, m->standard_deviations);
 }
 
 std::string missing_sentence(const MissingTerms& m) {
   if (m.terms.empty())
-    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would do what is missing.", m.screened);
+    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce what is missing.", m.screened);
   std::vector<std::string> all;
   for (const auto& t : m.terms) all.push_back(fmt::format("of {} by {} {}", t.what, plain_term(t), t.place));
   const std::string change = fmt::format("What is missing acts like a change {}.", listed(all)), with = all.size() == 1 ? "it" : "them";
-  if (!(m.misfit_before > 0)) return change + " It holds where the effect is small alone: no run with " + with + " came through. This is a hint, not a name.";
-  const std::string compared = fmt::format("a misfit of {}, where the base model leaves {}", percent(m.misfit_after), percent(m.misfit_before));
+  if (!(m.misfit_before > 0)) return change + " This was estimated for a small effect, and the run with " + with + " failed: take it as a hint.";
+  const std::string after = percent(m.misfit_after), before = percent(m.misfit_before);
   if (m.misfit_after < m.misfit_before)
-    return change + " With " + with + " a run leaves " + compared + ". This describes an effect and its place; it is not a name.";
-  return change + " It holds where the effect is small alone: a run with " + with + " does not come nearer to the records (" + compared +
-         "). This is a hint of the place at most, not a name.";
+    return change + fmt::format(" A run with {} has a misfit of {}, and the base model has {}. This describes an effect and its place; it names no cause.",
+                                with, after, before);
+  return change + fmt::format(
+                      " This was estimated for a small effect: a run with {} has a misfit of {}, and the base model has {}. Take it as a hint of the "
+                      "place at most.",
+                      with, after, before);
 }
 
 namespace {
@@ -167,18 +187,19 @@ PlainSummary summary_by_kind(const Diagnosis& d, std::span<const ParameterGroup>
   const VerdictMisfits& m = d.misfits;
   switch (d.verdict.kind) {
     case VerdictKind::none:
-      return {fmt::format("The simulation explains these records within what is known of their errors (misfit {}): nothing that they could show was left out.",
-                          percent(m.before)),
-              "Calibrate with it as it is; more pulses, or gauges whose places are better known, would show smaller effects."};
+      return {
+          fmt::format("The simulation explains these records within their known errors (misfit {}). They show no effect that was left out.", percent(m.before)),
+          "Calibrate with the model as it is. More pulses, or gauges whose places are better known, would show smaller effects."};
     case VerdictKind::named:
       return named_summary(*d.named(), groups, m);
     case VerdictKind::ambiguous: {
       std::vector<std::string> all;
       for (const auto& name : d.verdict.mechanisms) all.push_back(with_key(*d.alternative(name), groups));
-      return {fmt::format("The simulation leaves something out, but these records do not tell whether it is {}: with any one of them the misfit falls, from {} "
-                          "to {} with the first.",
-                          listed(all, "or"), percent(m.before), percent(m.after)),
-              "To tell them apart: " + separating_text(d.separating) + '.'};
+      return {
+          fmt::format("The simulation leaves something out, and these records do not show whether it is {}. With the first of them the misfit of the records "
+                      "goes from {} to {}.",
+                      listed(all, "or"), percent(m.before), percent(m.after)),
+          "To distinguish them: " + separating_text(d.separating) + '.'};
     }
     case VerdictKind::unknown:
       break;
@@ -192,31 +213,34 @@ void add_unsettled(const Diagnosis& d, std::span<const ParameterGroup> groups, P
   if (unsettled.empty()) return;
   std::vector<std::string> fits;
   for (const auto& name : unsettled) fits.push_back(name == "base" ? "the base model" : with_key(*d.alternative(name), groups));
+  const std::string kept = "The runs that were made are kept.";
   if (d.verdict.mechanisms.empty() && unsettled[0] != "base") {
     const bool fitted = d.alternative(unsettled[0])->explanation.fitted;
-    summary = {fitted ? fmt::format("The simulation and the records differ. What comes nearest, {}, leaves a part of it, and no runs were left to look for a "
-                                    "second effect beside it.",
-                                    fits[0])
-                      : fmt::format("The simulation and the records differ, and what comes nearest to first order, {}, was not fitted: no runs were left for "
-                                    "it.",
-                                    fits[0]),
-               "Run the diagnosis again with --fresh and more runs (diagnosis.max_runs); those that were made are kept."};
+    summary.finding = fitted ? fmt::format(
+                                   "The simulation and the records differ. The nearest explanation, {}, leaves a part of the difference. No runs were "
+                                   "left to look for a second effect beside it.",
+                                   fits[0])
+                             : fmt::format(
+                                   "The simulation and the records differ. The nearest explanation to first order, {}, was not fitted, because no runs "
+                                   "were left.",
+                                   fits[0]);
+    summary.next_step = "Run the diagnosis again with --fresh and more runs (diagnosis.max_runs). " + kept;
     return;
   }
-  summary.next_step = fmt::format(
-      "Do not act on this yet: the fit of {} has not settled, so run the diagnosis again with --fresh and more {}; the runs that were made are kept.",
-      listed(fits), d.budget_exhausted ? "runs (diagnosis.max_runs)" : "rounds, or runs a round (emulator.rounds, emulator.round_fine)");
+  summary.next_step =
+      fmt::format("Do not act on this yet, because the fit of {} has not settled. Run the diagnosis again with --fresh and {}. {}", listed(fits),
+                  d.budget_exhausted ? "more runs (diagnosis.max_runs)" : "more rounds, or more runs a round (emulator.rounds, emulator.round_fine)", kept);
 }
 
-/// Changes the sentences where the data are not in order; nothing else is worth doing before.
+/// Changes the sentences where the data are not in order, because nothing else can be done before.
 void add_data_checks(const Diagnosis& d, PlainSummary& summary) {
   if (!d.base.mislabelled.empty())
     summary.finding =
-        fmt::format("The simulation and the records differ (misfit {}), but gauges look mixed up: what was left out was not asked.", percent(d.misfits.before));
+        fmt::format("The simulation and the records differ (misfit {}), but channels look mixed up, so no mechanism was tried.", percent(d.misfits.before));
   std::string checks;
   for (const auto& channel : d.base.mislabelled) checks += mislabelled_sentence(channel) + ' ';
   if (d.clock) checks += clock_sentence(*d.clock) + ' ';
-  if (!checks.empty()) summary.next_step = checks + "Then run the diagnosis again: until that is cleared up, no verdict on physics holds.";
+  if (!checks.empty()) summary.next_step = checks + "Then run the diagnosis again. Until the data are in order, no verdict on physics holds.";
   if (!d.dead.empty()) summary.next_step += ' ' + plain_dead(d.dead);
 }
 

@@ -21,10 +21,10 @@ struct PlainSummary {
 };
 [[nodiscard]] PlainSummary plain_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Gates& gates = {});
 
-/// What to measure to distinguish the first two explanations.
+/// The measurement that would distinguish the first two explanations.
 [[nodiscard]] std::string separating_text(const std::optional<SeparatingMeasurement>& measurement);
 
-/// What is missing, in one sentence or two; says so where no term has enough evidence.
+/// The effect and the place of what is missing, or that no term has enough evidence.
 [[nodiscard]] std::string missing_sentence(const MissingTerms& missing);
 
 }  // namespace calomel

@@ -84,7 +84,7 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
   ASSERT_EQ(json["verdict"], "named") << json["reason"];
   EXPECT_EQ(json["mechanisms"], Json::array({"beam_profile"}));
   EXPECT_THAT(json["finding"].get<std::string>(),
-              HasSubstr("The simulation leaves something out: the proton beam's profile (beam_profile); with it the misfit of the records falls from"));
+              HasSubstr("The simulation leaves something out: the proton beam's profile (beam_profile). With it the misfit of the records falls from"));
   EXPECT_THAT(json["next_step"].get<std::string>(), HasSubstr("beam monitors"));
   ASSERT_EQ(json["gauges"].size(), 5u);
   for (const auto& g : json["gauges"]) EXPECT_LT(g["heldout_after"].get<double>(), g["heldout_before"].get<double>()) << g["name"];

@@ -171,7 +171,7 @@ TEST(SampleVerb, AGaugeOfTheOtherSignIsToldThoughItSpoilsTheFit) {
   const std::string text = with(read_text(dir / "case.toml"), "name = \"F\"", "name = \"F\"\ngain = -1");
   std::ofstream(dir / "case.toml") << text;
   const auto out = run(dir, "sample case.toml --out a --set emulator.rounds=2");
-  EXPECT_THAT(out.said, HasSubstr("Gauge F reads what is simulated there with the other sign"));
+  EXPECT_THAT(out.said, HasSubstr("The record of gauge F has the opposite sign of its simulation"));
   EXPECT_FALSE(read_json(dir / "a" / "posterior.json")["final"].get<bool>());
 }
 

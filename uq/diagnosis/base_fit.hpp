@@ -1,5 +1,5 @@
 #pragma once
-/// First step of a diagnosis: the fit of the base model, and what is known from it alone.
+/// The first step of a diagnosis: the fit of the base model, and all that is known from it alone.
 #include <string>
 #include <vector>
 

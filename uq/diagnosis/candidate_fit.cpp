@@ -25,7 +25,7 @@ constexpr double box_in_deviations = 8;       ///< the second box in deviations 
 constexpr double rough = 2;                   ///< numerical noise of an emulator over the base model's, as variances, beyond which its evidence means little,
 constexpr double rough_beside_errors = 0.02;  ///< if it is also beyond this over the records' errors
 constexpr double sets_in = 0.02;              ///< a share has set in below off by this
-// Of the search for the fit of a model with cheap runs.
+// Numbers of the search for the fit of a model with cheap runs.
 constexpr std::size_t design_runs = 8, design_runs_a_parameter = 8, descents = 2;
 constexpr int iterations = 12;
 constexpr double tolerance = 1e-5;

@@ -27,7 +27,8 @@ std::vector<ScreenedCandidate> screen_about_base(const DiagnosisInputs& in, cons
   return std::move(result.candidates);
 }
 
-/// An offset of the clock of all records that leads every candidate. It is no mechanism: the beam's profile, as a longer pulse, would come nearest.
+/// An offset of the clock of all records whose evidence leads that of every candidate. No mechanism is like it: a longer pulse (the beam's profile) comes
+/// nearest.
 std::optional<ClockOffset> leading_clock_offset(const DiagnosisInputs& in, const BaseFit& base, const std::vector<ScreenedCandidate>& screened) {
   const auto offset = clock_offset(in.base.problem, base.fit);
   if (!offset) return {};
@@ -36,7 +37,7 @@ std::optional<ClockOffset> leading_clock_offset(const DiagnosisInputs& in, const
   return offset;
 }
 
-/// Everything about mechanisms, from the screening to the verdict.
+/// The steps about mechanisms, from the screening to the verdict.
 void explain(const FitContext& context, Diagnosis& d) {
   const auto screened = screen_about_base(context.in, d.base, context.budget);
   d.clock = leading_clock_offset(context.in, d.base, screened);
@@ -47,7 +48,7 @@ void explain(const FitContext& context, Diagnosis& d) {
   if (context.in.options.pairs && fit_pairs(context, d.verdict)) d.verdict = judge_candidates(context);
 }
 
-/// Where nothing explains the records: the terms that would.
+/// The terms that would explain the records, where no explanation does.
 std::optional<MissingTerms> describe_missing(const DiagnosisInputs& in, const Diagnosis& d, RunBudget& budget) {
   if (d.verdict.kind != VerdictKind::unknown || !d.base.mislabelled.empty() || in.terms.empty() || in.options.term_runs == 0) return {};
   if (const int runs = missing_terms_runs(in.terms); runs > in.options.term_runs) {

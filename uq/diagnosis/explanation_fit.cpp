@@ -12,7 +12,7 @@ namespace calomel {
 
 namespace {
 
-/// What an explanation is fitted from.
+/// The fit that an explanation is added to.
 struct Below {
   const PosteriorInputs& inputs;
   const PosteriorFit& fit;

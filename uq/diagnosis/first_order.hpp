@@ -1,5 +1,5 @@
 #pragma once
-/// What adding a block of numbers to a model does to its evidence, to first order about a fit.
+/// Evidence of a block of numbers that is added to a model, to first order about a fit.
 #include <Eigen/Core>
 #include <vector>
 

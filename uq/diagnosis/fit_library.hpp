@@ -1,5 +1,5 @@
 #pragma once
-/// What the fits of a diagnosis share: explanations and fits made so far, and what every fit is made with.
+/// State that the fits of a diagnosis share: the explanations and fits made so far, and the inputs of every fit.
 #include <map>
 #include <string>
 #include <vector>
@@ -33,7 +33,7 @@ constexpr double far_behind = 2 * Gates{}.lead;  ///< log Bayes factors behind t
 /// Whether an explanation of this log Bayes factor could lead the best one.
 [[nodiscard]] inline bool may_lead(double log_bayes_factor, double best) { return log_bayes_factor > least_to_fit && log_bayes_factor > best - far_behind; }
 
-/// What every fit of an explanation is made with. All that is referred to outlives it.
+/// Inputs of every fit of an explanation. All that is referred to outlives it.
 struct FitContext {
   const DiagnosisInputs& in;
   const BaseFit& base;

@@ -1,5 +1,5 @@
 #pragma once
-/// Hold-out predictions: what a fit to some gauges predicts of the others.
+/// Hold-out predictions: a fit to some gauges predicts the others.
 #include <Eigen/Core>
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
 #pragma once
-/// A step of a diagnosis: what fits to some gauges predict of the others, for each explanation and for the verdict.
+/// A step of a diagnosis: fits to some gauges predict the others, for each explanation and for the verdict.
 #include <string>
 #include <vector>
 

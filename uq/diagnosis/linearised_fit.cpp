@@ -14,7 +14,7 @@ namespace calomel {
 
 namespace {
 
-/// What the linear fit of a group is made of, for all its rounds.
+/// The parts of the linear fit of a group, for all its rounds.
 struct LinearFit {
   const FitContext& context;
   const ParameterGroup& group;

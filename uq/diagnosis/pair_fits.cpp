@@ -42,16 +42,16 @@ bool fit_pairs(const FitContext& context, const Verdict& verdict) {
   ScreeningInputs screening = screening_about(in, context.budget, fit.fit, fit.added, in.groups);
   screening.includes = includes;
   auto screened = screen_candidates(screening).candidates;
-  // Where runs are cheap several are fitted, gauges last: on top of what already explains much, first order says little.
-  const bool quick = in.base.box.by_least_squares() && !named;
-  if (quick) std::stable_partition(screened.begin(), screened.end(), [&](const auto& c) { return in.groups[c.group].sensor.empty(); });
-  const std::size_t most = quick ? std::size_t(in.options.leaders) : 1;
+  // Several are fitted where runs are cheap, gauges last, because the first order is inaccurate about a fit that already explains much.
+  const bool cheap = in.base.box.by_least_squares() && !named;
+  if (cheap) std::stable_partition(screened.begin(), screened.end(), [&](const auto& c) { return in.groups[c.group].sensor.empty(); });
+  const std::size_t most = cheap ? std::size_t(in.options.leaders) : 1;
   const double least = named ? Gates{}.log_bayes_factor : least_to_fit;
   std::set<std::string> tried;
   for (const auto& candidate : screened) {
     const ParameterGroup& group = in.groups[candidate.group];
     if (group.numerical || !tried.insert(group.name).second) continue;
-    if (tried.size() > most || (!quick && candidate.first_order.log_bayes_factor < least)) break;
+    if (tried.size() > most || (!cheap && candidate.first_order.log_bayes_factor < least)) break;
     in.say(CandidateScreened{.label = label(candidate, in.groups, in.base.problem.shape),
                              .log_bayes_factor = candidate.first_order.log_bayes_factor,
                              .p_value = candidate.p_value,

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs of a diagnosis: how many were made, how many may be, and what was left out.
+/// The runs of a diagnosis: their number, their limit, and the steps that the limit left out.
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +29,7 @@ struct SkippedStep {
   bool operator==(const SkippedStep&) const = default;
 };
 
-/// Counts the runs of a diagnosis and keeps what its limit left out. Steps ask it before they begin; it refuses no run by itself.
+/// Counts the runs of a diagnosis and keeps the steps that its limit left out. Steps check it before they begin; it refuses no run by itself.
 class RunBudget {
  public:
   RunBudget(const RunAdded& run, int limit) : run_(run), limit_(limit) {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Screening of candidates: what each group of numbers would add to a fit, to first order. One candidate a group, a wall and a gauge.
+/// Screening of candidates: the evidence of each group of numbers beside a fit, to first order. There is one candidate a group, a wall and a gauge.
 #include <functional>
 #include <optional>
 #include <span>

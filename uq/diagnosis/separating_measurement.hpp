@@ -9,7 +9,7 @@
 
 namespace calomel {
 
-/// Where and when the first two explanations differ most, or the first and the base model, in standard deviations of a mean record.
+/// The gauge and the time at which the first two explanations differ most, or the first and the base model, in standard deviations of a mean record.
 struct SeparatingMeasurement {
   std::string first, second;       ///< explanations; second empty: the base model
   std::string gauge;               ///< Problem::label

@@ -93,7 +93,7 @@ struct Ranked {
 /// The gates of the rule, in their order; the first one that an explanation fails.
 enum class Gate { passed, fitted, evidence, numerical, rival, numerical_rival, explained, remainder, misfit, held_out, plausible, handbook, probability };
 
-/// What decided a verdict.
+/// The facts that decided a verdict.
 struct VerdictReason {
   bool base_adequate = false;   ///< the base model explains the records within their errors
   std::string leading;          ///< explanation with the greatest evidence; empty: nothing was offered

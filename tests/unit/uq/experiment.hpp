@@ -44,7 +44,7 @@ inline AddedParameter added(const std::string& group, const std::string& key, do
   return a;
 }
 
-/// Words that name the place in diagnosis.json at which they belong: the sentences themselves are made by the presentation.
+/// Words that name the place in diagnosis.json at which they belong; the presentation makes the sentences.
 inline DiagnosisText placeholder_text(const Diagnosis& d) {
   DiagnosisText text{.reason = "reason", .finding = "finding", .next_step = "next step", .separating_measurement = "separating measurement"};
   for (const auto& r : d.verdict.ranking) {
@@ -138,7 +138,7 @@ struct Experiment {
             {.name = "echo", .added = {added("echo", "strength", -1, 1, {0.25, -0.25})}},
             {.name = "sensor_response", .added = {added("sensor_response", "gain", -0.15, 0.15, {0.05})}, .by_sensor = true}};
   }
-  /// Terms that stand for what no group is.
+  /// Terms for effects that no group has.
   static std::vector<ParameterGroup> terms() {
     return {{.name = "lateness", .place = "at the end", .added = {added("correction", "late", -1, 1, {0.1})}},
             {.name = "foreignness", .place = "everywhere", .added = {added("correction", "foreign", -1, 1, {0.1})}}};

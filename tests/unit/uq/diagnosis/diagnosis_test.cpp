@@ -1,4 +1,4 @@
-// The diagnosis on models that are formulas: nothing missing, one effect concealed, one faulty gauge, an effect that nobody offers.
+// The diagnosis of models that are formulas: nothing missing, one effect concealed, one faulty gauge, an effect that nobody offers.
 #include "uq/diagnosis/diagnosis_artefacts.hpp"
 
 #include <gmock/gmock.h>
@@ -72,7 +72,7 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   const auto& w = d.location.windows;
   EXPECT_GT(std::max_element(w.begin(), w.end(), [](const auto& a, const auto& b) { return a.score < b.score; })->begin, 40e-6);  // the echo comes after 50 us
   EXPECT_LT(d.location.sensors[0].q_value, 0.05);
-  // The first place on the map where the mismatch is more than chance is the one that is told.
+  // The location is the first place on the map where the mismatch is more than chance.
   double first = 1;
   for (Eigen::Index i = 0; i < d.location.map_q_values.rows(); ++i)
     for (Eigen::Index k = 0; k < d.location.map_q_values.cols(); ++k)
@@ -113,15 +113,17 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   EXPECT_NE(out_base, base);
 }
 
-// A share of another number sets in at once, whatever the share: its effect is a step, the evidence that of the effect, and the number is told in the unit of
-// the whole.
+// The effect of a share of another number sets in at once, whatever the share. It is a step, the evidence is that of the effect, and the number is reported in
+// the unit of the whole.
 TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
   const Experiment experiment(0.3, 0, 0, 1, 1);
   ParameterGroup opened = Experiment::groups()[1];
   opened.name = "opened";
   AddedParameter& a = opened.added[0];
   a = added("opened", "strength", 0, 1, {0});
-  a.parameter.nominal = 1, a.share_of = "material.mercury.tensile_cutoff", a.whole = 2e5;
+  a.parameter.nominal = 1;
+  a.share_of = "material.mercury.tensile_cutoff";
+  a.whole = 2e5;
   const RunAdded runs = [](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> which) {
     std::vector<AddedParameter> known(which.begin(), which.end());
     Eigen::MatrixXd with = thetas;
@@ -143,7 +145,7 @@ TEST(Diagnosis, AnEffectThatSetsInAtOnceIsNamed) {
   EXPECT_LT(strength.mean, 0.9 * a.whole);
   EXPECT_GT(strength.sd, 0.15 * a.whole) << "the records do not narrow the share";
   EXPECT_FALSE(strength.from_records);
-  // Control: the same step as a number like any other, whose box holds the base model's runs, is worth less.
+  // Control: the same step as a number like any other, whose box holds the base model's runs, has less evidence.
   ParameterGroup plain = opened;
   plain.added[0].share_of.clear();
   double other = 0;
@@ -162,7 +164,7 @@ TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
   EXPECT_THAT(d.candidates[0].runs, AllOf(Gt(0), Le(4 * 3))) << "on the base model's emulator: a fit of its own would take 20 and more";
 }
 
-// Such a gauge leads the fit astray: nothing is asked of mechanisms, after the runs that a box begins with.
+// Such a gauge leads the fit astray: the diagnosis ends after the runs that a box begins with, and screens no mechanism.
 TEST(Diagnosis, EndsWhereGaugesLookMixedUp) {
   const auto folder = scratch("diagnosis_mixed_up");
   for (const double gain : {-1.0, 0.1}) {
@@ -184,7 +186,7 @@ TEST(Diagnosis, GoesOnWithoutADeadGauge) {
   const Diagnosis d = Experiment(0.25, 0, 0, 0, 21).diagnosed();
   EXPECT_THAT(d.dead, ElementsAre("S2"));
   EXPECT_THAT(d.verdict.mechanisms, ElementsAre("echo")) << described(d.verdict);
-  // Where nothing is missing, a fault of what is left out would be the gauges' likeliest, as no record speaks against it.
+  // Where nothing is missing, the likeliest fault would be that of the gauge that is left out, because no record speaks against it.
   const Diagnosis none = Experiment(0, 0, 0, 0, 1).diagnosed();
   EXPECT_EQ(none.verdict.kind, VerdictKind::none) << described(none.verdict);
   const auto gauge = std::find_if(none.candidates.begin(), none.candidates.end(), [](const auto& c) { return !c.sensor.empty(); });
@@ -192,7 +194,7 @@ TEST(Diagnosis, GoesOnWithoutADeadGauge) {
   EXPECT_NE(gauge->sensor, "S2");
 }
 
-// A fault that is as the square of its number, as that of a turned gauge: linearised where the number comes out.
+// A fault that is as the square of its number, like that of a turned gauge, is linearised about its estimate.
 TEST(Diagnosis, AFaultFarFromLinearIsNamedWithItsNumber) {
   const double size = 3, value = -0.2;
   const Experiment experiment(0, 0, 0, 1 + size * value * value, 1);
@@ -223,7 +225,7 @@ TEST(Diagnosis, AFaultyGaugeBesideAnEffectIsNamedWithIt) {
     EXPECT_NEAR(n.mean, n.name == "echo.strength" ? 0.015 : 0.14, n.name == "echo.strength" ? 0.005 : 0.02) << n.name;
 }
 
-// Numbers that do much of what a parameter does: told beside the parameters' mode, they take away what chi-squared says they do.
+// The numbers have nearly the effect of a parameter. Estimated beside the parameters' mode, they take away as much of chi-squared as is reported.
 TEST(Diagnosis, ManySmallNumbersFitTheRecordsAsWellAsTheirChiSquaredSays) {
   const double value = 0.08, of_amplitude = 1;
   const Experiment experiment(value, 0, 0, 1, 1);
@@ -246,7 +248,7 @@ TEST(Diagnosis, ManySmallNumbersFitTheRecordsAsWellAsTheirChiSquaredSays) {
   EXPECT_NEAR(d.candidates[0].numbers[0].mean, value, 0.02);  // 0.121 where the amplitude was free once more
 }
 
-// Many small numbers are one more term of the errors, about where they come out: what they do there has another shape than what they do about zero.
+// Many small numbers are one more term of the errors about their estimate, where their effect has another shape than about zero.
 TEST(Diagnosis, ManySmallNumbersAreLinearisedWhereTheyComeOut) {
   const double value = 0.25;
   const auto drift_of = [](double v) { return 6 * v * v; };
@@ -276,7 +278,7 @@ TEST(Diagnosis, ManySmallNumbersAreLinearisedWhereTheyComeOut) {
   EXPECT_GT(named.runs, 0);
 }
 
-// They are followed after all fits, and only where they could still lead: alone they are, beside the echo that is there they cost no runs.
+// They are followed after all fits, and only where they could still lead. Alone they are followed; beside the echo that was concealed they cost no runs.
 TEST(Diagnosis, ManySmallNumbersThatCannotLeadCostNoRuns) {
   const ParameterGroup left{.name = "left", .added = {added("drift", "rate", -1, 1, {0.1})}, .linear = true};
   const Experiment experiment(0.3, 0.12, 0, 1, 1);
@@ -289,15 +291,15 @@ TEST(Diagnosis, ManySmallNumbersThatCannotLeadCostNoRuns) {
   EXPECT_GT(beside.alternative("echo")->explanation.log_bayes_factor, beside.alternative("left")->explanation.log_bayes_factor + 20);
 }
 
-TEST(Diagnosis, WhatNobodyOffersIsUnknown) {
+TEST(Diagnosis, AnEffectThatNobodyOffersIsUnknown) {
   const Diagnosis d = Experiment(0, 0, 0.3, 1, 1).diagnosed();
   EXPECT_EQ(d.verdict.kind, VerdictKind::unknown) << described(d.verdict);
   EXPECT_THAT(d.verdict.mechanisms, IsEmpty());
   EXPECT_EQ(d.base.history.size(), d.hold_out.history.size());
 }
 
-// What is missing is described by the terms that would do it, and not where something is named or nothing is missing.
-TEST(Diagnosis, WhatIsMissingIsDescribedByTheTermsThatWouldDoIt) {
+// The terms describe what is missing, and are not screened where something is named or nothing is missing.
+TEST(Diagnosis, TermsDescribeWhatIsMissing) {
   const auto folder = scratch("diagnosis_missing");
   const Diagnosis d = Experiment(0.2, 0, 0.3, 1, 1).diagnosed(folder, {Experiment::groups()[0]});
   ASSERT_EQ(d.verdict.kind, VerdictKind::unknown) << described(d.verdict);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/random.hpp"
 #include "tests/unit/uq/diagnosis/described.hpp"
 
 namespace calomel {
@@ -61,8 +62,8 @@ TEST(Verdict, NamesWhatExplainsAndLeads) {
   EXPECT_EQ(v.ranking.size(), 4u);
 }
 
-// Wherever it stands among the explanations: of the best's class, or behind another one.
-TEST(Verdict, NumericsThatExplainAsMuchAreUnknownWhateverStandsBetween) {
+// The numerical alternative may be of the best's class, or behind another explanation.
+TEST(Verdict, NumericsThatExplainAsMuchAreUnknownWhateverLiesBetween) {
   Explanation numerics = weaker(beam(), 3), second = weaker(beam(), 2);
   numerics.name = "numerics";
   numerics.numerical = true;
@@ -77,7 +78,7 @@ TEST(Verdict, NumericsThatExplainAsMuchAreUnknownWhateverStandsBetween) {
   numerics.numerical = true;
   numerics.same_as = {"beam_profile"};
   EXPECT_EQ(judge(poor(), {beam(), numerics}).kind, VerdictKind::unknown);
-  numerics.same_as.clear();  // the control: far behind and told apart
+  numerics.same_as.clear();  // the control: far behind and of another class
   EXPECT_THAT(judge(poor(), {beam(), numerics}).mechanisms, ElementsAre("beam_profile"));
 }
 
@@ -107,7 +108,7 @@ TEST(Verdict, AnExplanationIsAsProbableAsItsEvidenceAndPriorSay) {
   EXPECT_NEAR(v.ranking[1].log_evidence, 50 + std::log(0.5), 1e-9);
 }
 
-// Of a pair, too: it is one of all pairs that there could be, and they share a fifth of what names have.
+// A pair is one of all pairs that there could be, and they share a fifth of the prior probability of names.
 TEST(Verdict, APairIsOneOfMany) {
   const Gates g;
   BaseEvidence base = poor();
@@ -123,7 +124,7 @@ TEST(Verdict, APairIsOneOfMany) {
       if (r.name == pair.name) return r.probability / (1 - r.probability);
     return 0.0;
   };
-  // Beside it stands what it leaves to a discrepancy, with half of "unknown", as its prior says.
+  // It competes with itself beside a discrepancy, which has half of the prior of "unknown".
   const double names = 1 - g.prior_none - g.prior_unknown, expected = std::exp(5.0) * names / (0.5 * g.prior_unknown);
   EXPECT_NEAR(of_pair({pair, beam(), rear(), third}) / expected, 1, 1e-6);
   // With something beside it that needs a discrepancy, odds fall as there are more mechanisms.
@@ -155,7 +156,7 @@ TEST(Verdict, SaysNoneWhereTheBaseModelIsAdequate) {
   EXPECT_EQ(alone.ranking[0].name, "none");
 }
 
-/// What the verdict "unknown" is for.
+/// The reason of the verdict "unknown".
 VerdictReason reason_of_unknown(const BaseEvidence& base, std::vector<Explanation> all) {
   const Verdict v = judge(base, std::move(all));
   EXPECT_EQ(v.kind, VerdictKind::unknown) << described(v);
@@ -177,7 +178,7 @@ TEST(Verdict, SaysUnknownForEachReason) {
   const VerdictReason remainder = reason_of_unknown(poor(), {x});
   EXPECT_EQ(remainder.gate, Gate::remainder);
   EXPECT_NEAR(1 - remainder.explained, 0.22, 0.005);
-  // What leaves no more than chance is a name, however little there was to explain.
+  // An explanation that leaves no more than chance is a name, however little there was to explain.
   BaseEvidence hardly = poor();
   hardly.chi2 = 1.05 * greatest_plausible(hardly);
   x = beam();
@@ -243,7 +244,7 @@ TEST(Verdict, ManySmallNumbersHaveToPredictTheBeginningOfTheRecords) {
   EXPECT_EQ(judge(poor(), {x}).kind, VerdictKind::named);
 }
 
-// What leads and fails a test of substance cannot be what the target does: a reader of the ranking finds "unknown" first, and then what comes nearest.
+// A leading explanation that fails a test of substance is not what the target does. The ranking has "unknown" first, and then that explanation.
 TEST(Verdict, AnExplanationThatAGateRefusesCountsAsUnknown) {
   Explanation refused = beam(), other = rear();
   refused.farthest = 4;
@@ -262,7 +263,7 @@ TEST(Verdict, AnExplanationThatAGateRefusesCountsAsUnknown) {
   EXPECT_DOUBLE_EQ(v.ranking[1].log_evidence, named.ranking[0].log_evidence);
   EXPECT_DOUBLE_EQ(v.ranking[0].probability, probability_of(named, "unknown") + probability_of(named, "beam_profile"));
   EXPECT_DOUBLE_EQ(probability_of(v, "rear_reflection"), probability_of(named, "rear_reflection"));
-  // So does what no record tells from it and fails the same test; what is only less probable keeps its share.
+  // So does an explanation of its class that fails the same test. One that is only less probable keeps its share.
   Explanation twin = weaker(refused, 1);
   twin.name = "interface";
   twin.same_as = {"beam_profile"};
@@ -273,7 +274,7 @@ TEST(Verdict, AnExplanationThatAGateRefusesCountsAsUnknown) {
   double sum = 0;
   for (const auto& r : both.ranking) sum += r.probability;
   EXPECT_NEAR(sum, 1, 1e-12);
-  // The control: what is not told apart is refused nothing.
+  // The control: explanations that pass are not refused for being indistinguishable.
   twin.farthest = 1;
   twin.same_as.clear();
   const Verdict close = judge(poor(), {beam(), twin, other});
@@ -281,8 +282,8 @@ TEST(Verdict, AnExplanationThatAGateRefusesCountsAsUnknown) {
   EXPECT_GT(close.ranking[0].probability, 0.5);
 }
 
-// What the base model is worth with something missing in one place alone is as much "unknown" as with something missing everywhere.
-TEST(Verdict, SomethingInOnePlaceAloneStandsAgainstAName) {
+// The evidence of a discrepancy in one place alone counts for "unknown" as much as that of a discrepancy everywhere.
+TEST(Verdict, ADiscrepancyInOnePlaceAloneCompetesWithAName) {
   BaseEvidence base = poor();
   base.local = -20;
   EXPECT_EQ(judge(base, {beam()}).kind, VerdictKind::named);
@@ -290,7 +291,7 @@ TEST(Verdict, SomethingInOnePlaceAloneStandsAgainstAName) {
   const Verdict v = judge(base, {beam()});
   EXPECT_EQ(v.kind, VerdictKind::unknown);
   EXPECT_EQ(v.ranking[0].name, "unknown");
-  // Of the probability of "unknown" before the records half is that of the base model, half of this that of one place.
+  // Half of the prior probability of "unknown" is that of the base model, and half of this is that of one place.
   base.local = 102;
   const Gates g;
   const auto r = judge(base, {beam()}).ranking;
@@ -309,7 +310,7 @@ TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   x.chi2 = 65 + 120;  // a sixteenth is 125
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::named);
   EXPECT_GT(judge(base, {x}).ranking[0].probability, 0.99);
-  Explanation two = x;  // the second was chosen for what the first leaves: all of it is asked
+  Explanation two = x;  // the second was chosen for what the first leaves, and has to explain all of it
   two.of_two = true;
   EXPECT_EQ(judge(base, {two}).kind, VerdictKind::unknown);
   EXPECT_EQ(gate_not_passed(base, {two}, 0), Gate::remainder);
@@ -321,8 +322,8 @@ TEST(Verdict, ANameMayLeaveLittleOfWhatTheBaseModelLeaves) {
   EXPECT_EQ(judge(base, {x}).ranking[0].name, "unknown");
 }
 
-// Two emulators are not of one noise: what a name accounts for is measured under the errors of its own fit, which are the narrower ones here.
-TEST(Verdict, WhatANameAccountsForIsMeasuredUnderOneCovariance) {
+// Two emulators differ in their noise: the share that a name accounts for is measured under the errors of its own fit, which are the narrower ones here.
+TEST(Verdict, TheShareThatANameAccountsForIsMeasuredUnderOneCovariance) {
   BaseEvidence base = poor();
   base.chi2 = 265;  // by an emulator so noisy that 200 are above that of nothing missing
   Explanation x = beam();
@@ -349,7 +350,7 @@ TEST(Verdict, AWeakEffectIsNamedByItsEvidenceWhereTheBaseModelIsAdequate) {
   EXPECT_EQ(judge(base, {x}).kind, VerdictKind::unknown);
 }
 
-// Where no scale of a discrepancy can stand for what the base model leaves, its misfit says how much that is.
+// Where no scale of a discrepancy is as large as the mismatch of the base model, its misfit is the scale.
 TEST(Verdict, ANameIsProbableBesideABaseModelThatNoDiscrepancyExplains) {
   BaseEvidence base = poor();
   base.chi2 = 40000;
@@ -382,8 +383,8 @@ TEST(Verdict, NamesAClassAsAClass) {
   EXPECT_THAT(judge(poor(), {beam(), twin, rear()}).mechanisms, ElementsAre("beam_profile", "static_pressure"));
 }
 
-// With any discrepancy beside it what explains half may be worth nearly as much: they are held against each other with what a name may leave.
-TEST(Verdict, LeadsByWhatANameMayLeave) {
+// With any discrepancy beside it, an explanation of half the effect may have nearly as much evidence. Explanations are compared with what a name may leave.
+TEST(Verdict, ComparesExplanationsByWhatANameMayLeave) {
   Explanation half = weaker(beam(), 0.5 * Gates{}.lead);
   half.name = "rear_reflection";
   half.by_scale = with_and_without(60, 98);
@@ -395,7 +396,7 @@ TEST(Verdict, LeadsByWhatANameMayLeave) {
   EXPECT_THAT(judge(poor(), {half, beam()}).mechanisms, ElementsAre("beam_profile"));
 }
 
-// What the tool does not believe itself is no name.
+// An explanation that is not probable enough is no name.
 TEST(Verdict, ANameIsNineTimesAsProbableAsAllElseTogether) {
   Explanation x = beam();
   x.by_scale = with_and_without(100, 96);  // likelier without anything beside it
@@ -404,6 +405,42 @@ TEST(Verdict, ANameIsNineTimesAsProbableAsAllElseTogether) {
   const Verdict v = judge(poor(), {x});
   EXPECT_EQ(v.kind, VerdictKind::unknown);
   EXPECT_EQ(v.reason.gate, Gate::probability);
+}
+
+// gate_not_passed repeats the gates of judge(); over random evidences the two must agree.
+TEST(Verdict, TheGateThatIsNotPassedAgreesWithIt) {
+  RandomStream random(3, 0);
+  int named = 0, unknown = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const auto by_scale = [&] {
+      return EvidenceByScale{{0, 0.2, 60 * random.uniform()}, {0.02, 0.3, 60 * random.uniform()}, {0.08, 0.5, 60 * random.uniform()}};
+    };
+    const BaseEvidence base{.values = 100,
+                            .chi2 = 150 + 400 * random.uniform(),
+                            .misfit = 0.1,
+                            .held_out = 0.1,
+                            .by_scale = by_scale(),
+                            .base_prior_deviation = 2 * random.uniform()};
+    std::vector<Explanation> all;
+    for (int i = 0; i < 3; ++i)
+      all.push_back({.name = std::string(1, char('a' + i)),
+                     .numerical = random.uniform() < 0.2,
+                     .log_bayes_factor = 150 * random.uniform(),
+                     .by_scale = by_scale(),
+                     .chi2 = 60 + 200 * random.uniform(),
+                     .misfit = 0.12 * random.uniform(),
+                     .farthest = 4 * random.uniform(),
+                     .base_prior_deviation = 2 * random.uniform(),
+                     .fitted = true});
+    sort_by_evidence(base, all);
+    const Verdict v = judge(base, all);
+    const Gate gate = gate_not_passed(base, all, 0);
+    EXPECT_EQ(gate == Gate::passed, v.kind == VerdictKind::named || v.kind == VerdictKind::ambiguous);
+    named += gate == Gate::passed;
+    unknown += v.kind == VerdictKind::unknown;
+  }
+  EXPECT_GT(named, 100);
+  EXPECT_GT(unknown, 100);
 }
 
 }  // namespace

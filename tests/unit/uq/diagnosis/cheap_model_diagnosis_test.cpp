@@ -18,8 +18,8 @@ using ::testing::ElementsAre;
 using ::testing::Field;
 using ::testing::IsEmpty;
 
-/// A quick model, one mesh and no noise: amplitude and speed, and a tone of its own frequency that may be missing, or a gauge that fades.
-struct Quick {
+/// A model with cheap runs, one mesh and no noise: amplitude and speed, and a tone of its own frequency that may be missing, or a gauge that fades.
+struct CheapModel {
   struct Truth {
     double tone = 0, frequency = 0, fade = 0, foreign = 0;
   };
@@ -36,7 +36,7 @@ struct Quick {
   Recordings recordings;
   RecordingOptions recording_options;
   Problem problem;
-  explicit Quick(const Truth& truth)
+  explicit CheapModel(const Truth& truth)
       : model({handbook("amplitude", 1, 0.03), handbook("speed", 1, 0.03)}, functions(truth), times, 1e-6, "strain"),
         recordings(pulses_of(model, {1.02, 0.985}, {.pulses = 12, .noise = 2e-6, .noise_time = 3e-6}, 5)),
         problem(make_problem(model.shape(), recordings, {})) {}
@@ -113,46 +113,46 @@ struct Quick {
 };
 
 TEST(Diagnosis, ANumberThatDoesNothingAloneIsFittedWithTheOthers) {
-  const Quick quick({.tone = 0.2, .frequency = 0.63});
-  const auto groups = with_idle_numbers_as_shapes(Quick::groups(), Quick::runs(), std::vector{1.0, 1.0});
+  const CheapModel cheap({.tone = 0.2, .frequency = 0.63});
+  const auto groups = with_idle_numbers_as_shapes(CheapModel::groups(), CheapModel::runs(), std::vector{1.0, 1.0});
   ASSERT_EQ(groups[0].added.size(), 1u);
   ASSERT_EQ(groups[0].shapes.size(), 1u);
   EXPECT_EQ(groups[0].shapes[0].parameter.name, "tone.frequency");
   EXPECT_EQ(groups[1].added.size(), 2u);  // both of a gauge act alone
-  const Diagnosis d = quick.diagnosed(groups);
+  const Diagnosis d = cheap.diagnosed(groups);
   ASSERT_THAT(d.verdict.mechanisms, ElementsAre("tone")) << described(d.verdict);
   ASSERT_EQ(d.candidates[0].numbers.size(), 2u);
   EXPECT_NEAR(d.candidates[0].numbers[0].mean, 0.2, 4 * d.candidates[0].numbers[0].sd);
   EXPECT_NEAR(d.candidates[0].numbers[1].mean, 0.63, 4 * d.candidates[0].numbers[1].sd);
   EXPECT_LT(d.candidates[0].numbers[1].sd, 0.02);
   // The control: held at what the case leaves it, the frequency is another, and the name is not given.
-  auto held = Quick::groups();
+  auto held = CheapModel::groups();
   held[0].added.pop_back();
-  EXPECT_NE(quick.diagnosed(held).verdict.kind, VerdictKind::named);
+  EXPECT_NE(cheap.diagnosed(held).verdict.kind, VerdictKind::named);
 }
 
-// The search of a cheap model itself ends within the budget, whatever it would still take, and what it ended is told.
-TEST(Diagnosis, TheFitOfAQuickModelEndsWithinTheBudget) {
-  const Quick quick({.tone = 0.2, .frequency = 0.63});
-  const Diagnosis whole = quick.diagnosed(Quick::groups());
+// The search for the fit of a model with cheap runs ends within the budget, and the diagnosis lists the search that it ended.
+TEST(Diagnosis, TheFitOfACheapModelEndsWithinTheBudget) {
+  const CheapModel cheap({.tone = 0.2, .frequency = 0.63});
+  const Diagnosis whole = cheap.diagnosed(CheapModel::groups());
   EXPECT_THAT(whole.skipped, IsEmpty());
   const auto tone = std::find_if(whole.candidates.begin(), whole.candidates.end(), [](const auto& c) { return c.explanation.name == "tone"; });
   ASSERT_NE(tone, whole.candidates.end());
   ASSERT_GT(tone->runs, 10);
   const int budget = whole.runs - tone->runs / 2;
-  const Diagnosis ended = quick.diagnosed(Quick::groups(), budget);
+  const Diagnosis ended = cheap.diagnosed(CheapModel::groups(), budget);
   EXPECT_LE(ended.runs, budget);
   ASSERT_FALSE(ended.skipped.empty());
   EXPECT_EQ(ended.skipped.back().limit, budget);
 }
 
-// Nothing is named, nor ruled out, as if what no runs were left for did not exist.
-TEST(Diagnosis, WhatTheBudgetLeavesOutKeepsItsWorthToFirstOrder) {
-  const Quick quick({.tone = 0.2, .frequency = 0.5});
-  const std::vector<ParameterGroup> tone_alone{Quick::groups()[0]};
-  const Diagnosis whole = quick.diagnosed(tone_alone);
+// An explanation for which no runs were left is neither named nor ruled out.
+TEST(Diagnosis, AnExplanationThatTheBudgetLeavesOutKeepsItsEvidenceToFirstOrder) {
+  const CheapModel cheap({.tone = 0.2, .frequency = 0.5});
+  const std::vector<ParameterGroup> tone_alone{CheapModel::groups()[0]};
+  const Diagnosis whole = cheap.diagnosed(tone_alone);
   ASSERT_THAT(whole.verdict.mechanisms, ElementsAre("tone")) << described(whole.verdict);
-  const Diagnosis d = quick.diagnosed(tone_alone, whole.runs - whole.candidates[0].runs + 5);
+  const Diagnosis d = cheap.diagnosed(tone_alone, whole.runs - whole.candidates[0].runs + 5);
   const Alternative* tone = d.alternative("tone");
   ASSERT_NE(tone, nullptr);
   ASSERT_FALSE(tone->explanation.fitted);
@@ -165,7 +165,7 @@ TEST(Diagnosis, WhatTheBudgetLeavesOutKeepsItsWorthToFirstOrder) {
 }
 
 TEST(Diagnosis, AGaugeThatFadesIsNamedInTheTrueModel) {
-  const Diagnosis d = Quick({.fade = -0.1}).diagnosed(Quick::groups());
+  const Diagnosis d = CheapModel({.fade = -0.1}).diagnosed(CheapModel::groups());
   ASSERT_THAT(d.verdict.mechanisms, ElementsAre("sensor_response")) << described(d.verdict);
   EXPECT_EQ(d.candidates[0].sensor, "S2");
   EXPECT_THAT(d.candidates[0].other_sensors, IsEmpty());
@@ -174,9 +174,9 @@ TEST(Diagnosis, AGaugeThatFadesIsNamedInTheTrueModel) {
   EXPECT_NEAR(d.candidates[0].numbers[1].mean, -0.1, 4 * d.candidates[0].numbers[1].sd);
 }
 
-TEST(Diagnosis, OfAQuickModelNothingMissingIsNoneAndWhatNobodyOffersUnknown) {
-  EXPECT_EQ(Quick({}).diagnosed(Quick::groups()).verdict.kind, VerdictKind::none);
-  EXPECT_EQ(Quick({.foreign = 0.3}).diagnosed(Quick::groups()).verdict.kind, VerdictKind::unknown);
+TEST(Diagnosis, OfACheapModelNothingMissingIsNoneAndAnEffectThatNobodyOffersUnknown) {
+  EXPECT_EQ(CheapModel({}).diagnosed(CheapModel::groups()).verdict.kind, VerdictKind::none);
+  EXPECT_EQ(CheapModel({.foreign = 0.3}).diagnosed(CheapModel::groups()).verdict.kind, VerdictKind::unknown);
 }
 
 TEST(Diagnosis, OfAnExactModelAndASingleRecordNamesWhatIsConcealed) {
