@@ -35,8 +35,8 @@ Html section_if_any(const std::string& id, const std::string& title, const Html&
 
 Html sections_html(const Study& study, const ReportInput& input) {
   return section_if_any("diagnosis", "What the simulation leaves out", diagnosis_section(study, input)) +
-         section("parameters", "Parameters", parameters_section(study, input)) +
-         section_if_any("emulator", "What the answer stands on", emulator_section(study)) + section("target", "Target and sensors", target_section(input)) +
+         section("parameters", "Parameters", parameters_section(study, input)) + section_if_any("emulator", "Emulator and its runs", emulator_section(study)) +
+         section("target", "Target and sensors", target_section(input)) +
          section("histories", "Measured and simulated histories", histories_section(study, input)) +
          section("scores", "Accuracy and error by sensor", scores_section(study, input)) +
          section("convergence", "Convergence of the optimisers", convergence_section(study, input)) +

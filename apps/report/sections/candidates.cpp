@@ -92,7 +92,7 @@ Html candidates_section(const Study& study, const ReportInput& input) {
   } else {
     s += plot("ridge-plot",
               "Every round\u2019s best density and sound speed, coloured by the objective on the surrogate. The line is \u03c1c = const through the calibrated "
-              "point: rounds that lie along it are told apart poorly by these records.",
+              "point: these records hardly distinguish rounds along it.",
               "Scatter of density and sound speed with the line of constant impedance");
   }
   const Table rounds = round_table(study, input);

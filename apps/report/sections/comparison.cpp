@@ -42,7 +42,7 @@ Table agreement_table(const Study& study) {
 }
 
 Table effort_table(const Study& study) {
-  Table t{.id = "effort", .caption = "What each calibration took, beside the campaign and the training."};
+  Table t{.id = "effort", .caption = "Cost of each calibration, without the campaign and the training."};
   if (study.calibrations.size() < 2) return t;
   t.columns = {{"method", "Method", 4, true},
                {"evaluations", "Evaluations of surrogates", 6},
@@ -67,7 +67,7 @@ Table place_table(const Study& study) {
 
 Table hypothesis_table(const Study& study) {
   Table t{.id = "hypotheses", .caption = "The model with the added parameters against the one without, on one emulator and under one covariance."};
-  t.columns = {{"with", "Held against", 4, true},
+  t.columns = {{"with", "Compared with", 4, true},
                {"added", "Added parameters", 4, true},
                {"log_bayes_factor", "Log Bayes factor", -1},
                {"low", "Least by the prior\u2019s width", -1},

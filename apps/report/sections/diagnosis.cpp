@@ -38,11 +38,10 @@ std::string meaning(const std::string& verdict) {
        "One explanation passes every test: it accounts for most of the mismatch, leads all others, is as strong as is plausible, and leaves the material's "
        "properties no farther from the handbook."},
       {"none",
-       "The simulation as it is passes: it differs from the records by no more than is known of their errors. Effects too small to show may be there all the "
-       "same."},
-      {"ambiguous", "Two explanations or more do equally well with these gauges. None of them may be taken for the cause before a further measurement."},
+       "The base simulation passes: it differs from the records by no more than their known errors. Effects that are too small to be seen remain possible."},
+      {"ambiguous", "Two explanations or more do equally well with these gauges. None of them should be taken for the cause before a further measurement."},
       {"unknown",
-       "The simulation as it is does not explain the records, and nothing that was tried passes every test. No cause is named, on purpose: a wrong name costs "
+       "The base simulation does not explain the records, and no explanation that was tried passes every test. No cause is named, because a wrong name costs "
        "more than none."}};
   const auto found = all.find(verdict);
   return found == all.end() ? "" : found->second;
@@ -52,7 +51,7 @@ std::string meaning(const std::string& verdict) {
 std::string where_and_when(const Study& study) {
   const Json& location = diagnosis_location(study);
   const Json& region = part_at(location, "region");
-  std::string s = "No single stretch of time of one gauge stands out.";
+  std::string s = "No single interval of time at one gauge stands out.";
   if (const auto gauge = text_at(region, "first_sensor"); !gauge.empty()) {
     const double from = number_at(region, "first_time_s").value_or(0);
     s = from > 0 ? fmt::format("The mismatch is first seen at gauge {} from {} {} on.", gauge, time_number(from, study.time), study.time.name)
@@ -68,7 +67,7 @@ std::string where_and_when(const Study& study) {
       }
     return fmt::format("{} of {}", shows, recorded);
   };
-  return s + fmt::format(" Over the whole record it shows at {} gauges; over all gauges in {} stretches of time and in {} bands of frequency.",
+  return s + fmt::format(" Over the whole record it shows at {} gauges; over all gauges in {} intervals of time and in {} bands of frequency.",
                          share("sensors"), share("windows"), share("bands"));
 }
 
@@ -99,10 +98,10 @@ Html where_part(const Study& study, const ReportInput& input) {
                         {"class", "target-view"},
                         {"role", "img"},
                         {"aria-label", "The target, its gauges and the walls about them coloured by mismatch; the table below gives the numbers"}});
-    const Html note = element(
-        "p", {{"class", "note"}, {"id", "mismatch-note"}},
-        "Gauges and the wall about them are coloured by how far simulation and record are apart there; walls far from any gauge stay grey, for nothing is "
-        "known of them. A label gives the mismatch in times the errors. Drag to turn, scroll to zoom.");
+    const Html note =
+        element("p", {{"class", "note"}, {"id", "mismatch-note"}},
+                "Gauges and the wall about them are coloured by how far simulation and record are apart there; walls far from any gauge stay grey, because "
+                "nothing is known there. A label gives the mismatch in units of the errors. Drag to turn, scroll to zoom.");
     s += element("div", {{"class", "target"}}, view, place("mismatch-scale"), note) + "\n";
   }
   return s + sentence_paragraph(where_and_when(study)) + mismatch_table(study).html() + shown(condition_table(study));
@@ -111,7 +110,7 @@ Html where_part(const Study& study, const ReportInput& input) {
 Html when_part(const Study& study) {
   return heading("When, and at which frequencies") +
          plot("mismatch-map",
-              "Mismatch in times the errors, by gauge and stretch of time. Framed and bold: more than chance (q below 0.05). What is not framed may be chance.",
+              "Mismatch in units of the errors, by gauge and interval of time. Framed and bold: significant (q below 0.05). What is not framed may be chance.",
               "Map of the mismatch by gauge and time") +
          plot("mismatch-bands", "The same by gauge and band of frequencies.", "Map of the mismatch by gauge and frequency") +
          folded("The map as a table", mismatch_map_table(study)) + folded("The bands as a table", band_table(study));
@@ -119,15 +118,17 @@ Html when_part(const Study& study) {
 
 Html what_part(const Study& study) {
   constexpr std::size_t most_rows = 8;  // a longer table is folded
-  Html s = heading("What") +
-           plot("probability-bars",
-                "Probability of each explanation among all that are listed. Dark: the verdict, which asks for more than to lead; the reasons are below.",
-                "Bars of the probabilities") +
-           explanation_table(study).html() + reason_table(study).html();
+  Html s =
+      heading("What") +
+      plot(
+          "probability-bars",
+          "Probability of each explanation among all that are listed. Dark: the verdict, which needs more than the highest probability; the reasons are below.",
+          "Bars of the probabilities") +
+      explanation_table(study).html() + reason_table(study).html();
   const Table effects = effect_table(study);
   s += effects.rows.size() > most_rows ? folded(fmt::format("All {} numbers that were found", effects.rows.size()), effects) : shown(effects);
   if (const auto sentence = text_at(part_at(diagnosis_summary(study), "missing"), "sentence"); !sentence.empty())
-    s += heading("What is missing acts like this") + paragraph(sentence) + shown(missing_table(study));
+    s += heading("How what is missing behaves") + paragraph(sentence) + shown(missing_table(study));
   return s;
 }
 
@@ -138,9 +139,9 @@ Html records_part(const Study& study, const ReportInput& input) {
                            fragment("Make it with ", command(input, "diagnose"), "; runs that were made are taken from the journal."));
   return title +
          paragraph(
-             "\u201cFitted without this gauge\u201d is a prediction: this gauge and those on its face took no part in the fit. An explanation that is right "
-             "brings "
-             "it nearer to the record, too. Drag across a plot to zoom in time.") +
+             "\u201cFitted without this gauge\u201d is a prediction: this gauge and those on its face took no part in the fit. A correct explanation also "
+             "brings it nearer to the "
+             "record. Drag across a plot to zoom in time.") +
          place("diagnosis-controls", "controls") + "\n" + place("diagnosis-plots", "plots") + "\n";
 }
 
@@ -151,23 +152,23 @@ Html handbook_part(const Study& study, const ReportInput& input) {
     names += (names.empty() ? "" : ", ") +
              fmt::format("{} by {:.1f} standard deviations", text_at(a, "parameter"), std::abs(number_at(a, "prior_sigmas").value_or(0)));
   if (names.empty()) return table;
-  return table + paragraph("The simulation as it is pushes away from the handbook: " + names +
+  return table + paragraph("The fit of the base simulation moves these parameters away from the handbook: " + names +
                            ". Values that were calibrated with it should not be read as properties of the material.");
 }
 
 Html alike_part(const Study& study) {
   const Json& d = diagnosis_summary(study);
-  Html s = heading("What could not be told apart, and what would tell");
+  Html s = heading("What could not be distinguished, and which measurement would");
   Html alike;
   for (const auto& r : list_at(d, "ranking"))
     for (const auto& other : list_at(r, "same_as"))
       if (other.is_string() && text_at(r, "name") < other.get<std::string>()) alike += list_item(text_at(r, "name") + " and " + other.get<std::string>());
-  s += alike.empty() ? paragraph("No two explanations that were fitted do the same to these gauges.")
-                     : paragraph("These do the same to these gauges, whichever is the cause:") + element("ul", "\n", alike) + "\n";
+  s += alike.empty() ? paragraph("No two fitted explanations have the same effect on these gauges.")
+                     : paragraph("These explanations have the same effect on these gauges:") + element("ul", "\n", alike) + "\n";
   if (const auto separating = text_at(d, "separating_measurement"); !separating.empty())
-    s += paragraph("The measurement that would tell most: " + separating + ".");
+    s += paragraph("The most informative measurement: " + separating + ".");
   const Json& skipped = list_at(d, "skipped");
-  if (skipped.empty()) return s + paragraph("Nothing that was offered was left untried.");
+  if (skipped.empty()) return s + paragraph("Every offered explanation was tried.");
   Html items;
   for (const auto& x : skipped) items += list_item(x.is_string() ? x.get<std::string>() : x.dump());
   return s + paragraph("Not tried:") + element("ul", "\n", items) + "\n";
@@ -190,9 +191,11 @@ Html diagnosis_section(const Study& study, const ReportInput& input) {
   Html s = paragraph("Verdict: ", strong(verdict), ". ", meaning(verdict));
   if (text_at(d, "status", "done") != "done") s += missing(fragment(strong("Not to be trusted:"), " ", unsettled_fit(d), "."));
   if (const Json* nearest = nearest_refused(d))
-    s += paragraph("What comes nearest of what was tried, ", explanation_title(*nearest), ", is not named: ", first_letter_small(text_at(*nearest, "why")));
+    s += paragraph("The best of the explanations that were tried, ", explanation_title(*nearest),
+                   ", is not named: ", first_letter_small(text_at(*nearest, "why")));
   s += where_part(study, input) + when_part(study) + what_part(study) + records_part(study, input) + handbook_part(study, input) + alike_part(study);
-  if (const auto runs = number_at(d, "runs")) s += paragraph("It cost ", number_html(*runs, 6), " runs of the model (each the mean over the pulse energies).");
+  if (const auto runs = number_at(d, "runs"))
+    s += paragraph("The diagnosis took ", number_html(*runs, 6), " runs of the model (each is the mean over the pulse energies).");
   return s + paragraph_of("note", "When not to trust a verdict: docs/how-to/read_a_verdict.md.");
 }
 

@@ -72,15 +72,15 @@ void add_map_rows(Table& t, const Study& study, const char* parts_key, const cha
 }  // namespace
 
 Table mismatch_table(const Study& study) {
-  Table t{.id = "diagnosis_gauges", .caption = "How far simulation and record are apart, by gauge."};
+  Table t{.id = "diagnosis_gauges", .caption = "Difference of simulation and record, by gauge."};
   t.columns = {{"gauge", "Gauge", 4, true},
-               {"mismatch", "Mismatch [times the errors]", -1},
+               {"mismatch", "Mismatch [units of the errors]", -1},
                {"q_value", "q-value", 2},
-               {"seen", "More than chance", 4, true},
-               {"before", "Misfit as it is [%]", -1, false, percent},
-               {"after", "Misfit with what is named [%]", -1, false, percent},
-               {"heldout_before", "Left out of the fit, as it is [%]", -1, false, percent},
-               {"heldout_after", "Left out of the fit, with what is named [%]", -1, false, percent}};
+               {"seen", "Significant", 4, true},
+               {"before", "Misfit, base [%]", -1, false, percent},
+               {"after", "Misfit, explained [%]", -1, false, percent},
+               {"heldout_before", "Left out of the fit, base [%]", -1, false, percent},
+               {"heldout_after", "Left out of the fit, explained [%]", -1, false, percent}};
   const Json& sensors = list_at(diagnosis_location(study), "sensors");
   const Json& gauges = list_at(diagnosis_summary(study), "gauges");
   const bool named = !list_at(diagnosis_summary(study), "mechanisms").empty();
@@ -92,7 +92,7 @@ Table mismatch_table(const Study& study) {
                       named ? Cell(number_at(g, "after")) : Cell(), number_at(g, "heldout_before"), named ? Cell(number_at(g, "heldout_after")) : Cell()});
   }
   t.note =
-      "Mismatch 1 is what errors alone make; 3 is three times as far apart. The q-value is the share of false alarms among parts as striking as this one; "
+      "Mismatch 1 is the size of the errors alone; 3 is three times that. The q-value is the share of false alarms among parts as striking as this one; "
       "below 0.05 it is bold. Misfit is the distance from the record "
       "over the record\u2019s own size, at the frequencies that are compared; left out of the fit: as the fit to the other faces\u2019 gauges predicts it.";
   return t;
@@ -101,22 +101,20 @@ Table mismatch_table(const Study& study) {
 Table condition_table(const Study& study) {
   Table t{.id = "diagnosis_conditions", .caption = "Misfit of each condition by the fit to the other conditions."};
   const bool named = !list_at(diagnosis_summary(study), "mechanisms").empty();
-  t.columns = {{"condition", "Condition", 4, true},
-               {"heldout_before", "As it is [%]", -1, false, percent},
-               {"heldout_after", "With what is named [%]", -1, false, percent}};
+  t.columns = {{"condition", "Condition", 4, true}, {"heldout_before", "Base [%]", -1, false, percent}, {"heldout_after", "Explained [%]", -1, false, percent}};
   for (const auto& c : list_at(diagnosis_summary(study), "conditions"))
     t.rows.push_back({text_at(c, "name"), number_at(c, "heldout_before"), named ? Cell(number_at(c, "heldout_after")) : Cell()});
   return t;
 }
 
 Table mismatch_map_table(const Study& study) {
-  Table t{.id = "diagnosis_map", .caption = "Mismatch by gauge and stretch of time."};
+  Table t{.id = "diagnosis_map", .caption = "Mismatch by gauge and interval of time."};
   t.columns = {{"gauge", "Gauge", 4, true},
                {"begin_s", "From [" + study.time.name + "]", 4, false, study.time.factor},
                {"end_s", "To [" + study.time.name + "]", 4, false, study.time.factor},
-               {"mismatch", "Mismatch [times the errors]", -1},
+               {"mismatch", "Mismatch [units of the errors]", -1},
                {"q_value", "q-value", 2},
-               {"seen", "More than chance", 4, true}};
+               {"seen", "Significant", 4, true}};
   add_map_rows(t, study, "windows", "map", {"begin_s", "end_s"});
   return t;
 }
@@ -127,9 +125,9 @@ Table band_table(const Study& study) {
   t.columns = {{"gauge", "Gauge", 4, true},
                {"low_hz", "From [" + f.name + "]", 3, false, f.factor},
                {"high_hz", "To [" + f.name + "]", 3, false, f.factor},
-               {"mismatch", "Mismatch [times the errors]", -1},
+               {"mismatch", "Mismatch [units of the errors]", -1},
                {"q_value", "q-value", 2},
-               {"seen", "More than chance", 4, true}};
+               {"seen", "Significant", 4, true}};
   add_map_rows(t, study, "bands", "band_map", {"low_hz", "high_hz"});
   return t;
 }

@@ -121,7 +121,7 @@ std::vector<std::string> all_warnings(const Study& study, const ReportInput& inp
   if (study.diagnosis) add(study.diagnosis->summary, "diagnosis");
   for (const auto& [from, text] : raised) list.push_back(from + ": " + text);
   if (study.diagnosis && text_at(study.diagnosis->summary, "status", "done") != "done")
-    list.push_back("diagnosis: a fit on which the verdict hangs has not settled, so it is not to be trusted");
+    list.push_back("diagnosis: a fit that decides the verdict has not settled, so the verdict is not to be trusted");
   if (study.sensitivity && text_at(study.sensitivity->summary, "status", "done") != "done")
     list.push_back("sensitivity: not to be trusted: " + text_at(study.sensitivity->summary, "message", "see sensitivity.json"));
   if (study.sample && part_at(*study.sample, "converged") == Json(false)) list.push_back("sampling: " + text_at(*study.sample, "message"));

@@ -54,7 +54,7 @@ TEST(ReportDiagnosis, ExplanationsHaveTheirPlainNamesAndTheVerdictIsBold) {
   const Study study = read_study(dir);
   EXPECT_EQ(reason_table(study).rows.size(), 4u);
   // The explanation that leads without being named is mentioned once.
-  const char* leads = "What comes nearest of what was tried, the proton beam&#39;s profile (beam_profile), is not named: named: it accounts";
+  const char* leads = "The best of the explanations that were tried, the proton beam&#39;s profile (beam_profile), is not named: named: it accounts";
   EXPECT_THAT(diagnosis_section(study, input()).str(), HasSubstr(leads));
   EXPECT_THAT(diagnosis_section(diagnosed(dir, "named"), input()).str(), Not(HasSubstr("is not named")));
   const Table effects = effect_table(study);

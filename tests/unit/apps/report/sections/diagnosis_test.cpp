@@ -32,7 +32,7 @@ TEST(ReportDiagnosis, ItsSentencesComeFirstAndItsSectionBeforeAllOthers) {
     EXPECT_THAT(text, HasSubstr("first seen at gauge F from 100 \u00b5s on"));
     EXPECT_THAT(text, HasSubstr("over all gauges in 6 of 8 stretches of time and in 1 of 6 bands of frequency."));
     EXPECT_THAT(text, HasSubstr("previous_pulses: no room"));
-    EXPECT_THAT(text, HasSubstr("It cost 412 runs"));
+    EXPECT_THAT(text, HasSubstr("The diagnosis took 412 runs"));
     EXPECT_THAT(text, HasSubstr("<li>beam_profile and interface</li>"));
     EXPECT_THAT(text, HasSubstr("differ most at gauge C."));
     EXPECT_THAT(text, Not(HasSubstr("<i>because")));
