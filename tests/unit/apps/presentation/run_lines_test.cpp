@@ -56,6 +56,7 @@ TEST(RunLines, WhatIsFoundAndWhatIsMadeFirst) {
   EXPECT_EQ(made_first_line("finished campaign", "a.out", "running"), "no finished campaign in a.out: running it first");
   EXPECT_EQ(resumed_line("", 120, false), "simulate: goes on from step 120");
   EXPECT_EQ(resumed_line("low", 120, true), "simulate: condition low is finished and kept");
-  EXPECT_EQ(simulate_line({.elements = 1200, .steps = 160, .wall = 0.5, .element_steps = 384000}),
+  EXPECT_EQ(simulate_line({.values = {}, .steps = 160, .elements = 1200, .wall_s = 0.5, .element_steps_per_s = 384000}, 2),
             "simulate: 1200 elements, 160 steps, 0.5 s, 0.384 million element-steps a second");
+  EXPECT_EQ(simulate_line({.values = {}, .wall_s = 0.01}, 300), "simulate: 300 values in 0.01 s");
 }

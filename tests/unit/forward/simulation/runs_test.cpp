@@ -54,7 +54,7 @@ class Quotient final : public Simulator {
   mutable std::atomic<bool> answered_ = false;
 };
 
-RunRequest run_at(double a, double size = 1, Outputs wanted = {}) {
+RunRequest run_of_size(double a, double size = 1, Outputs wanted = {}) {
   RunRequest r;
   r.numbers = {{"number.a", a}};
   r.element_size = size;
@@ -65,7 +65,7 @@ RunRequest run_at(double a, double size = 1, Outputs wanted = {}) {
 TEST(Runs, MakeARunOnceInThisLifeAndTheNext) {
   const Provenance of_test{.stage = "runs", .seed = 3};
   const auto path = scratch("runs_once") / "runs.journal";
-  const std::vector<RunRequest> requests{run_at(3, 0.5), run_at(3), run_at(3, 0.5), run_at(-1)};
+  const std::vector<RunRequest> requests{run_of_size(3, 0.5), run_of_size(3), run_of_size(3, 0.5), run_of_size(-1)};
   const ThreadExecutor two(2);
   const Quotient model;
   {
@@ -91,18 +91,18 @@ TEST(Runs, MakeARunOnceInThisLifeAndTheNext) {
 TEST(Runs, OneThatIsRequestedTwiceIsMadeOnceWithAllThatIsWanted) {
   const Quotient model;
   RunsInMemory runs(model);
-  const auto records = runs->get(std::vector{run_at(3), run_at(3, 1, {.mean = true, .pulses = true})});
+  const auto records = runs->get(std::vector{run_of_size(3), run_of_size(3, 1, {.mean = true, .pulses = true})});
   EXPECT_EQ(model.sizes.size(), 1u);
   EXPECT_TRUE(records[0].pulses.empty());
   EXPECT_EQ(records[1].pulses, std::vector<float>{3});
-  (void)runs->get(std::vector{run_at(3)});
+  (void)runs->get(std::vector{run_of_size(3)});
   EXPECT_EQ(model.sizes.size(), 1u);
 }
 
 TEST(Runs, TheExpensiveOnesAreBegunFirst) {
   const Quotient model;
   RunsInMemory runs(model);
-  runs->make(std::vector{run_at(1, 2), run_at(1, 0.5), run_at(1, 1)});
+  runs->make(std::vector{run_of_size(1, 2), run_of_size(1, 0.5), run_of_size(1, 1)});
   EXPECT_THAT(model.sizes, testing::ElementsAre(0.5, 1, 2));
 }
 
@@ -110,28 +110,28 @@ TEST(Runs, StoppedKeepsWhatWasFinished) {
   Quotient model;
   model.stop_at = 1;
   RunsInMemory runs(model, 1, &model.stop);
-  EXPECT_THROW(runs->make(std::vector{run_at(1), run_at(2)}), Interrupted);
+  EXPECT_THROW(runs->make(std::vector{run_of_size(1), run_of_size(2)}), Interrupted);
   EXPECT_EQ(runs->store().size(), 1u);
   model.stop_at = 0;
   model.stop = false;
-  runs->make(std::vector{run_at(1), run_at(2)});
+  runs->make(std::vector{run_of_size(1), run_of_size(2)});
   EXPECT_EQ(model.sizes.size(), 2u);
 }
 
 TEST(Runs, ProgressCountsTheRunsThatAreMade) {
   const Quotient model;
   RunsInMemory runs(model);
-  runs->make(std::vector{run_at(1)});
+  runs->make(std::vector{run_of_size(1)});
   std::vector<std::pair<std::size_t, std::size_t>> seen;
-  runs->make(std::vector{run_at(1), run_at(2), run_at(3)}, [&](std::size_t done, std::size_t total) { seen.emplace_back(done, total); });
+  runs->make(std::vector{run_of_size(1), run_of_size(2), run_of_size(3)}, [&](std::size_t done, std::size_t total) { seen.emplace_back(done, total); });
   EXPECT_EQ(seen, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}, {1, 2}, {2, 2}}));
 }
 
 TEST(Runs, AnAnswerThatDidNotComeIsReportedAndNotRequestedAgainInThisLife) {
   const Quotient model;
   RunsInMemory runs(model);
-  EXPECT_TRUE(runs->get(std::vector{run_at(99)})[0].lost);
-  EXPECT_TRUE(runs->get(std::vector{run_at(99)})[0].lost);
+  EXPECT_TRUE(runs->get(std::vector{run_of_size(99)})[0].lost);
+  EXPECT_TRUE(runs->get(std::vector{run_of_size(99)})[0].lost);
   EXPECT_EQ(runs->store().size(), 0u);
   EXPECT_EQ(runs->store().lost(), 1u);
 }
