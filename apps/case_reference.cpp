@@ -56,13 +56,15 @@ std::string case_reference() {
   s += reference_table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
   s += reference_table<MapOptions>("[map]", "map", "Maximum a posteriori, the mode of the posterior, see [theory/map.md](theory/map.md).");
   s += reference_table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
-  s += reference_table<PosteriorOptions>("[posterior]", "posterior", "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
+  s += reference_table<PosteriorOptions>("[posterior]", "posterior",
+                                         "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
   s += reference_table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");
   s += reference_table<DiagnosisOptions>("[diagnosis]", "diagnosis",
-                               "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
-  s += reference_table<SensitivityOptions>("[sensitivity]", "sensitivity", "Which parameters the records depend on, see [theory/sensitivity.md](theory/sensitivity.md).");
+                                         "The search for omitted physics of `calomel diagnose`, see [theory/diagnosis.md](theory/diagnosis.md).");
+  s += reference_table<SensitivityOptions>("[sensitivity]", "sensitivity",
+                                           "Which parameters the records depend on, see [theory/sensitivity.md](theory/sensitivity.md).");
   s += reference_table<PowerOptions>("[power]", "power",
-                           "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
+                                     "The experiment that `calomel diagnose --power` plans, see [how-to/plan_an_experiment.md](how-to/plan_an_experiment.md).");
   s += reference_table<SamplerOptions>("[sampler]", "sampler", "Markov chains of `calomel sample`, see [theory/sampling.md](theory/sampling.md).");
   s += reference_table<StudyOptions>("[study]", "study", "What `calomel study` does.");
   s += "\n## Catalogues\n\nThe same lists as `calomel list` prints.\n";

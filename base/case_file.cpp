@@ -276,7 +276,10 @@ InputError CaseFile::located(const InputError& error) const {
     const auto& source = !of_override && key && key->source().begin.line ? key->source() : node->source();
     parts.line = int(source.begin.line);
     parts.column = int(source.begin.column);
-    if (source.path && *source.path != path_.string()) parts.file = *source.path, parts.line = 0;
+    if (source.path && *source.path != path_.string()) {
+      parts.file = *source.path;
+      parts.line = 0;
+    }
   }
   return InputError(parts);
 }

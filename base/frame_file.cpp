@@ -39,7 +39,9 @@ bool read_at(int file, std::uint64_t offset, char* into, std::uint64_t bytes) {
     const auto got = ::pread(file, into, bytes, off_t(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return false;
-    into += got, offset += std::uint64_t(got), bytes -= std::uint64_t(got);
+    into += got;
+    offset += std::uint64_t(got);
+    bytes -= std::uint64_t(got);
   }
   return true;
 }

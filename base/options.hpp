@@ -106,10 +106,16 @@ class NumberVisitor {
     const std::string full = prefix_ + key;
     if constexpr (std::is_same_v<T, double>) {
       known.push_back(full);
-      if (full == path_) number = &value, info = field;
+      if (full == path_) {
+        number = &value;
+        info = field;
+      }
     } else if constexpr (std::is_same_v<T, std::optional<double>>) {
       known.push_back(full);
-      if (full == path_) optional = &value, info = field;
+      if (full == path_) {
+        optional = &value;
+        info = field;
+      }
     } else if constexpr (requires {
                            value.size();
                            requires std::is_same_v < std::decay_t<decltype(value[0])>,
@@ -117,7 +123,10 @@ class NumberVisitor {
                          }) {
       for (std::size_t i = 0; i < value.size(); ++i) {
         known.push_back(full + '.' + std::to_string(i));
-        if (known.back() == path_) number = &value[i], info = field;
+        if (known.back() == path_) {
+          number = &value[i];
+          info = field;
+        }
       }
     }
   }

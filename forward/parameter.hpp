@@ -23,7 +23,9 @@ struct Parameter {
 
   template <class V>
   void visit(V& v) {
-    v("key", key, {.doc = "dotted path of the number in the case that this parameter is; default: the number of its name in the model's main table, material.mercury or line"});
+    v("key", key,
+      {.doc = "dotted path of the number in the case that this parameter is; default: the number of its name in the model's main table, material.mercury or "
+              "line"});
     v("min", min, {.doc = "lower bound", .required = true});
     v("max", max, {.doc = "upper bound", .required = true});
     v("prior", prior, {.doc = "kind of prior", .choices = {"uniform", "normal", "lognormal", "truncated_normal", "half_cauchy", "beta"}});

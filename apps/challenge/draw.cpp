@@ -75,7 +75,8 @@ struct Target {
 
   Target(RandomStream& r, const TargetRanges& of) {
     const auto within = [&](std::pair<double, double> range) { return r.uniform(range.first, range.second); };
-    length = on_grid(within(of.length)), height = on_grid(within(of.height));
+    length = on_grid(within(of.length));
+    height = on_grid(within(of.height));
     for (double* wall : {&front, &top, &bottom}) *wall = on_grid(within(of.wall));
     const auto place = [](double x) { return rounded(x, 1e-4); };
     int count = 0;
@@ -94,10 +95,15 @@ struct Target {
   /// A stretch of a wall, away from the corners.
   Stretch stretch(RandomStream& r, const std::string& wall, double least, double most) const {
     double extent, low, high;
-    if (wall == "front")
-      extent = on_grid(r.uniform(0.3, 0.6) * (height - top - bottom)), low = bottom + 0.002, high = height - top - 0.002;
-    else
-      extent = on_grid(r.uniform(least, most)), low = front + 0.004, high = length - 0.008;
+    if (wall == "front") {
+      extent = on_grid(r.uniform(0.3, 0.6) * (height - top - bottom));
+      low = bottom + 0.002;
+      high = height - top - 0.002;
+    } else {
+      extent = on_grid(r.uniform(least, most));
+      low = front + 0.004;
+      high = length - 0.008;
+    }
     const double begin = on_grid(r.uniform(low, high - extent));
     return {begin, extent, (high - begin) / extent};
   }

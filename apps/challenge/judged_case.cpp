@@ -49,12 +49,16 @@ Finding finding_of(const Json& json) {
   const std::string verdict = json.at("verdict");
   bool known = false;
   for (const VerdictKind k : {VerdictKind::none, VerdictKind::named, VerdictKind::ambiguous, VerdictKind::unknown})
-    if (calomel::text(k) == verdict) f.verdict = k, known = true;
+    if (calomel::text(k) == verdict) {
+      f.verdict = k;
+      known = true;
+    }
   if (!known) throw std::runtime_error("no verdict is called \"" + verdict + '"');
   f.mechanisms = json.at("mechanisms").get<std::vector<std::string>>();
   const bool names = f.verdict == VerdictKind::named || f.verdict == VerdictKind::ambiguous;
   if (names == f.mechanisms.empty()) throw std::runtime_error("the verdict \"" + verdict + "\" does not go with its mechanisms");
-  f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse"), f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
+  f.heldout_before = number_or_nan(json.at("fit").at("before"), "heldout_nrmse");
+  f.heldout_after = number_or_nan(json.at("fit").at("after"), "heldout_nrmse");
   for (const auto& entry : json.at("ranking")) {
     if (names && entry.at("name") == f.mechanisms[0] && !entry.value("heldout_tried", true))
       f.heldout_before = f.heldout_after = std::numeric_limits<double>::quiet_NaN();  // of a fault of one gauge, say
@@ -64,7 +68,8 @@ Finding finding_of(const Json& json) {
     for (const auto& p : entry.at("parameters")) r.numbers[p.at("name").get<std::string>()] = {number_or_nan(p, "mean"), number_or_nan(p, "sd")};
     f.ranking.push_back(std::move(r));
   }
-  f.before = intervals(json.at("base_parameters").at("before")), f.after = intervals(json.at("base_parameters").at("after"));
+  f.before = intervals(json.at("base_parameters").at("before"));
+  f.after = intervals(json.at("base_parameters").at("after"));
   f.runs = json.at("runs");
   f.wall = number_or_nan(json, "wall_s");
   f.settled = json.value("status", "done") == "done";
@@ -132,11 +137,14 @@ double noise_floor(const Recordings& r, const std::string& gauge) {
       for (std::size_t p = 0; p < r.pulses.size(); ++p) {
         double value = 0;
         for (std::size_t k = 0; k < window.size(); ++k) value += window[k] / weight * r.values[r.at(0, s, p, middle + k + 1 - factor)];
-        mean += value / pulses, square += value * value / pulses;
+        mean += value / pulses;
+        square += value * value / pulses;
       }
-      error += std::max(0.0, square - mean * mean) / (pulses - 1), size += mean * mean;
+      error += std::max(0.0, square - mean * mean) / (pulses - 1);
+      size += mean * mean;
     }
-    sum += std::sqrt(error / size), ++gauges;
+    sum += std::sqrt(error / size);
+    ++gauges;
   }
   if (gauges == 0) throw InputError({.problem = "no gauge of this name is recorded", .value = '"' + gauge + '"', .range = join(r.sensors), .file = r.source});
   return sum / gauges;

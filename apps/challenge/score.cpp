@@ -111,7 +111,8 @@ void count_coverage(const std::vector<JudgedCase>& cases, Score& s) {
       count_interval(inverse ? reciprocal(found->second) : found->second, inverse ? 1 / truth : truth, s.numbers_covered, numbers);
     }
   }
-  s.base_pull = root_mean(base, s.base_covered.of), s.numbers_pull = root_mean(numbers, s.numbers_covered.of);
+  s.base_pull = root_mean(base, s.base_covered.of);
+  s.numbers_pull = root_mean(numbers, s.numbers_covered.of);
 }
 
 void count_recovery(const std::vector<JudgedCase>& cases, Score& s) {
@@ -121,7 +122,9 @@ void count_recovery(const std::vector<JudgedCase>& cases, Score& s) {
     if (c.finding.verdict != VerdictKind::named) continue;
     if (std::isfinite(c.finding.heldout_before) && std::isfinite(c.finding.heldout_after)) {
       s.heldout_improved.add(c.finding.heldout_after < c.finding.heldout_before);
-      s.heldout_before += c.finding.heldout_before, s.heldout_after += c.finding.heldout_after, ++held;
+      s.heldout_before += c.finding.heldout_before;
+      s.heldout_after += c.finding.heldout_after;
+      ++held;
     }
     double before = 0, after = 0;
     bool any = false;
@@ -130,17 +133,29 @@ void count_recovery(const std::vector<JudgedCase>& cases, Score& s) {
       if (b == c.finding.before.end() || a == c.finding.after.end() || !std::isfinite(b->second.mean) || !std::isfinite(a->second.mean) || truth == 0) continue;
       const double off_before = b->second.mean / truth - 1, off_after = a->second.mean / truth - 1;
       auto& e = s.base_errors[name];
-      e.before += off_before * off_before, e.after += off_after * off_after, ++e.cases;
-      before += std::pow(off_before / handbook_sd(name), 2), after += std::pow(off_after / handbook_sd(name), 2), ++compared;
+      e.before += off_before * off_before;
+      e.after += off_after * off_after;
+      ++e.cases;
+      before += std::pow(off_before / handbook_sd(name), 2);
+      after += std::pow(off_after / handbook_sd(name), 2);
+      ++compared;
       any = true;
     }
     if (!any) continue;
     s.base_nearer.add(after < before);
-    before_square += before, after_square += after;
+    before_square += before;
+    after_square += after;
   }
-  if (held > 0) s.heldout_before /= double(held), s.heldout_after /= double(held);
-  for (auto& [name, e] : s.base_errors) e.before = root_mean(e.before, e.cases), e.after = root_mean(e.after, e.cases);
-  s.error_before = root_mean(before_square, compared), s.error_after = root_mean(after_square, compared);
+  if (held > 0) {
+    s.heldout_before /= double(held);
+    s.heldout_after /= double(held);
+  }
+  for (auto& [name, e] : s.base_errors) {
+    e.before = root_mean(e.before, e.cases);
+    e.after = root_mean(e.after, e.cases);
+  }
+  s.error_before = root_mean(before_square, compared);
+  s.error_after = root_mean(after_square, compared);
 }
 
 void count_probabilities(const std::vector<JudgedCase>& cases, Score& s) {
@@ -149,7 +164,8 @@ void count_probabilities(const std::vector<JudgedCase>& cases, Score& s) {
     const double b = brier_of(c);
     s.brier += b / double(cases.size());
     auto& [sum, n] = s.brier_by_family[text(c.truth.family)];
-    sum += b, ++n;
+    sum += b;
+    ++n;
     for (const auto& r : c.finding.ranking) {
       auto& bin = s.reliability[std::size_t(std::clamp(int(r.probability * reliability_bins), 0, reliability_bins - 1))];
       bin.claimed += r.probability;
@@ -168,8 +184,14 @@ void count_effort(const std::vector<JudgedCase>& cases, Score& s) {
     if (std::isfinite(c.finding.wall)) walls.push_back(c.finding.wall);
   }
   s.walls = walls.size();
-  s.runs_mean = mean(runs), s.runs_median = median(runs), s.runs_most = *std::max_element(runs.begin(), runs.end());
-  if (!walls.empty()) s.wall_mean = mean(walls), s.wall_median = median(walls), s.wall_most = *std::max_element(walls.begin(), walls.end());
+  s.runs_mean = mean(runs);
+  s.runs_median = median(runs);
+  s.runs_most = *std::max_element(runs.begin(), runs.end());
+  if (!walls.empty()) {
+    s.wall_mean = mean(walls);
+    s.wall_median = median(walls);
+    s.wall_most = *std::max_element(walls.begin(), walls.end());
+  }
 }
 
 GateResult gate_of(const std::string& name, const Share& share, double threshold, bool at_most) {

@@ -62,8 +62,10 @@ NestedFit read_nested_fit(const std::filesystem::path& directory, const std::vec
 void expect_nested(const NestedFit& nested, const RunRecord& record, const MapOptions& options) {
   double apart = 0, size = 0;
   const bool comparable = record.done && record.mean.size() == nested.history.size();
-  for (std::size_t i = 0; comparable && i < nested.history.size(); ++i)
-    apart += std::pow(record.mean[i] - nested.history[i], 2), size += std::pow(nested.history[i], 2);
+  for (std::size_t i = 0; comparable && i < nested.history.size(); ++i) {
+    apart += std::pow(record.mean[i] - nested.history[i], 2);
+    size += std::pow(nested.history[i], 2);
+  }
   if (!comparable || apart > same_model * same_model * size)
     refuse(
         options,

@@ -19,7 +19,10 @@ Provenance of_model(const StudyInputs& inputs, const std::string& stage) {
 
 Json posterior_options(const StudyCase& study) {
   Json options{{"product", study.map.product}, {"sampler", identity_options(study.sampler)}};
-  if (!study.capabilities().log_density) options["emulator"] = echo(study.emulator), options["errors"] = echo(study.errors);
+  if (!study.capabilities().log_density) {
+    options["emulator"] = echo(study.emulator);
+    options["errors"] = echo(study.errors);
+  }
   if (study.recordings) options["recordings"] = echo(*study.recordings);
   for (const auto& p : study.parameters()) options["parameter"][p.name] = echo(p);
   return options;
@@ -32,7 +35,10 @@ void add_basin(Provenance& provenance, const StudyInputs& inputs) {
 
 Provenance map_provenance(const StudyInputs& inputs) {
   Provenance p = posterior_provenance(inputs);
-  p.stage = "map", p.options["map"] = echo(inputs.study().map), p.options.erase("sampler"), p.options.erase("posterior");
+  p.stage = "map";
+  p.options["map"] = echo(inputs.study().map);
+  p.options.erase("sampler");
+  p.options.erase("posterior");
   if (inputs.study().map.compare_with.empty()) return p;
   const auto nested = nested_directory(inputs) / "map.json";
   if (std::filesystem::exists(nested)) p.inputs["map.compare_with"] = hash_file(nested);
@@ -67,9 +73,7 @@ Provenance train_provenance(const StudyInputs& inputs) {
           .inputs = {{"campaign.nc", hash_file(inputs.artefact("campaign.nc"))}}};
 }
 
-Provenance runs_provenance(const StudyCase& study) {
-  return runs_provenance(study, *study.simulator);
-}
+Provenance runs_provenance(const StudyCase& study) { return runs_provenance(study, *study.simulator); }
 
 Provenance runs_provenance(const StudyCase& study, const Simulator& simulator) {
   SimulatorIdentity model = simulator.identity();
@@ -111,10 +115,12 @@ Provenance sensitivity_provenance(const StudyInputs& inputs, bool by_surrogate) 
   const auto& study = inputs.study();
   Provenance p{.stage = "sensitivity", .options = {{"sensitivity", identity_options(study.sensitivity)}}, .seed = inputs.command().seed, .inputs = {}};
   for (const auto& q : study.parameters()) p.options["parameter"][q.name] = echo(q);
-  if (by_surrogate)
-    p.inputs["surrogate.nc"] = hash_file(inputs.artefact("surrogate.nc")), p.inputs["campaign.nc"] = hash_file(inputs.artefact("campaign.nc"));
-  else
+  if (by_surrogate) {
+    p.inputs["surrogate.nc"] = hash_file(inputs.artefact("surrogate.nc"));
+    p.inputs["campaign.nc"] = hash_file(inputs.artefact("campaign.nc"));
+  } else {
     p.inputs["model"] = runs_provenance(study).identity();
+  }
   return p;
 }
 
@@ -161,7 +167,8 @@ bool basin_on_surrogate(const StudyCase& study) { return calomel::basin_on_surro
 
 bool takes_emulator(const StudyCase& study, const std::string& method) {
   if (method == "map") return true;
-  return (method == "spe" ? study.spe.mesh_correction : study.enc.mesh_correction) && emulator_meshes(*study.simulator, study.emulator) == EmulatorMeshes::several;
+  return (method == "spe" ? study.spe.mesh_correction : study.enc.mesh_correction) &&
+         emulator_meshes(*study.simulator, study.emulator) == EmulatorMeshes::several;
 }
 
 std::filesystem::path nested_directory(const StudyInputs& inputs) { return inputs.command().case_file.parent_path() / inputs.study().map.compare_with; }

@@ -12,9 +12,9 @@ namespace calomel {
 
 const std::vector<std::string>& known_tables() {
   static const std::vector<std::string> tables = [] {
-    std::vector<std::string> all{"case",      "model",   "parameter",   "mechanism", "recordings", "campaign", "floor",     "surrogate", "enc",   "spe",
-                                 "map",       "sampler", "sensitivity", "diagnosis", "power",      "report",   "study",     "fields",    "emulator",
-                                 "errors",    "posterior"};
+    std::vector<std::string> all{"case",      "model",  "parameter", "mechanism", "recordings", "campaign",    "floor",
+                                 "surrogate", "enc",    "spe",       "map",       "sampler",    "sensitivity", "diagnosis",
+                                 "power",     "report", "study",     "fields",    "emulator",   "errors",      "posterior"};
     for (const auto& kind : simulator_kinds().rows())
       for (const auto& table : kind.entry.tables)
         if (std::find(all.begin(), all.end(), table) == all.end()) all.push_back(table);
@@ -44,8 +44,7 @@ StudyCase StudyCase::read(const std::filesystem::path& path, std::span<const std
   StudyCase study{.file = CaseFile(path, overrides), .simulator = nullptr};
   study.file.expect_all_read(known_tables());  // a misspelt table is reported before the keys that it leaves missing
   study.file.read("campaign", study.campaign);
-  study.simulator =
-      make_simulator(study.file, {.pulses = study.campaign.pulses, .energy_sd = study.campaign.pulse_energy_sd, .stop = stop});
+  study.simulator = make_simulator(study.file, {.pulses = study.campaign.pulses, .energy_sd = study.campaign.pulse_energy_sd, .stop = stop});
   const Capabilities& can = study.capabilities();
   study.file.read("floor", study.floor);
   study.file.read("surrogate", study.surrogate);

@@ -29,8 +29,12 @@ void expect_strain(const StudyCase& study, const Recordings& recordings) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < recordings.values.size(); ++i)
     if (const double v = recordings.values[i]; std::isfinite(v)) {
-      squares += v * v, ++samples;
-      if (std::abs(v) > most) most = std::abs(v), at = i;
+      squares += v * v;
+      ++samples;
+      if (std::abs(v) > most) {
+        most = std::abs(v);
+        at = i;
+      }
     }
   if (squares <= no_strain * no_strain * samples) return;
   const std::size_t n = recordings.time.size(), sensor = at / n / recordings.pulses.size() % recordings.sensors.size();

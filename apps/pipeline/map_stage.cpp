@@ -13,8 +13,7 @@ std::optional<NestedFit> compared_fit(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.map.compare_with.empty()) return std::nullopt;
   return study.file.locating([&] {
-    return read_nested_fit(nested_directory(inputs), posterior_parameters(*study.simulator, study.posterior_settings()), study.parameters().size(),
-                           study.map,
+    return read_nested_fit(nested_directory(inputs), posterior_parameters(*study.simulator, study.posterior_settings()), study.parameters().size(), study.map,
                            hash_file(study.recordings_file()));
   });
 }

@@ -23,8 +23,12 @@ namespace {
 /// Records of a model: its mean, its answer to each pulse's energy, and noise.
 Recordings planned_records(const ModelShape& shape, const RunRecord& run, const PowerOptions& o, std::uint64_t seed) {
   Recordings r;
-  r.conditions = shape.conditions, r.sensors = shape.sensors, r.time = shape.times, r.unit = shape.unit;
-  r.source = "[power]", r.sensor_lines.assign(shape.sensors.size(), 0);
+  r.conditions = shape.conditions;
+  r.sensors = shape.sensors;
+  r.time = shape.times;
+  r.unit = shape.unit;
+  r.source = "[power]";
+  r.sensor_lines.assign(shape.sensors.size(), 0);
   for (int p = 0; p < o.pulses; ++p) r.pulses.push_back(p);
   r.values.resize(shape.values() * r.pulses.size());
   const double memory = o.noise_time > 0 ? std::exp(-(shape.times[1] - shape.times[0]) / o.noise_time) : 0;

@@ -28,8 +28,7 @@ ReportSensor report_sensor(const LocatedGauge& gauge, const Vec3& declared, doub
 void add_target(ReportInput& input, const TargetView& target, const Description& description) {
   input.outer = report_surface(*target.mesh, target.mesh->outer);
   input.wetted = report_surface(*target.mesh, target.mesh->wetted);
-  for (std::size_t i = 0; i < target.gauges.size(); ++i)
-    input.sensors.push_back(report_sensor(target.gauges[i], target.declared[i], target.gauge_lengths[i]));
+  for (std::size_t i = 0; i < target.gauges.size(); ++i) input.sensors.push_back(report_sensor(target.gauges[i], target.declared[i], target.gauge_lengths[i]));
   input.load_policy = target.load_policy;
   if (target.deposited_energy > 0) input.deposited_energy = target.deposited_energy;
   if (target.slice_thickness > 0) input.slice_thickness = target.slice_thickness;
@@ -48,8 +47,7 @@ ReportInput report_input(StudyInputs& inputs) {
   input.unit = shape.unit;
   input.time_end = shape.times.back();
   input.seed = inputs.command().seed;
-  if (const auto target = inputs.study().file.locating([&] { return inputs.simulator().target(); }))
-    add_target(input, *target, inputs.simulator().describe());
+  if (const auto target = inputs.study().file.locating([&] { return inputs.simulator().target(); })) add_target(input, *target, inputs.simulator().describe());
   return input;
 }
 

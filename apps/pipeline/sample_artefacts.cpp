@@ -25,8 +25,11 @@ Json hyperparameters_json(const std::vector<DrawnNoise>& drawn, const NoiseWiden
   Json ratios = Json::array(), scales = Json::array(), weights = Json::array(), sds = Json::object(), alike = Json::object(), shifts = Json::object();
   for (const auto& d : drawn) ratios.push_back(d.noise_ratio), scales.push_back(number(d.scale));
   for (const double w : widening.weights) weights.push_back(number(w));
-  for (std::size_t k = 0; k < names.size(); ++k)
-    sds[names[k]] = number(widening.sd_ratio[k]), alike[names[k]] = number(widening.sd_ratio_alike[k]), shifts[names[k]] = number(widening.shift[k]);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    sds[names[k]] = number(widening.sd_ratio[k]);
+    alike[names[k]] = number(widening.sd_ratio_alike[k]);
+    shifts[names[k]] = number(widening.shift[k]);
+  }
   return {{"draws", drawn.size()},
           {"noise_ratio", ratios},
           {"noise_scale", scales},

@@ -169,9 +169,11 @@ ExitStatus sample_model_stage(StageCall& call) {
     json.update(judged.told);
     warnings = judged.warnings;
   }
-  json["final"] = convergence.converged && warnings.empty() && alarms.empty(), json["chains_converged"] = convergence.converged;
+  json["final"] = convergence.converged && warnings.empty() && alarms.empty();
+  json["chains_converged"] = convergence.converged;
   json["true_model_check"] = {{"needed", false}, {"holds", true}, {"sentence", "every draw is by the model itself"}};
-  json["absorption"] = alarms, json["warnings"] = warnings;
+  json["absorption"] = alarms;
+  json["warnings"] = warnings;
   json["modes"] = modes_json(density, modes);
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
   write_sample(call, groups, json, provenance);

@@ -77,7 +77,8 @@ ExitStatus sample_stage(StageCall& call) {
   json["product"] = study.physical() ? "physical" : "tuned";
   json["final"] = trusted && warnings.empty() && alarms.empty();  // a warning says what would move the answer: finer meshes, for one
   // What was drawn is the posterior when the chains have converged, on an emulator that has settled, where the true model lies where the emulator says.
-  json["chains_converged"] = convergence.converged, json["converged"] = trusted;
+  json["chains_converged"] = convergence.converged;
+  json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);
   json["mode"] = fit_json(fit, parameters);
   json["modes"] = modes_json(density, modes);
@@ -90,8 +91,10 @@ ExitStatus sample_stage(StageCall& call) {
   for (const auto& form : study.posterior.compare)
     json["compared"][form] = sample_compared(form, *made.inputs, fit, own, study.sampler,
                                              {.seed = command.seed, .threads = command.threads, .journal = {}, .provenance = {}, .stop = &stop_requested()});
-  json["adequate"] = goodness.adequate, json["adequacy"] = goodness_sentence(goodness);
-  json["absorption"] = alarms, json["warnings"] = warnings;
+  json["adequate"] = goodness.adequate;
+  json["adequacy"] = goodness_sentence(goodness);
+  json["absorption"] = alarms;
+  json["warnings"] = warnings;
   json["runs"] = {{"made", inputs.runs().made()},
                   {"reused", inputs.runs().reused()},
                   {"held", inputs.runs().store().size()},

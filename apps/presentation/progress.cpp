@@ -28,7 +28,10 @@ ProgressDisplay::~ProgressDisplay() {
 void ProgressDisplay::update(std::size_t done, std::size_t total, const std::string& note) {
   if (style_ == Style::silent) return;
   const double now = clock_();
-  if (!began_) began_ = now, first_ = done;
+  if (!began_) {
+    began_ = now;
+    first_ = done;
+  }
   const bool last = done >= total;
   if (shown_ && !last && now - *shown_ < (style_ == Style::bar ? 0.1 : 10.0)) return;
   shown_ = now;

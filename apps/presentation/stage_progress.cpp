@@ -18,7 +18,9 @@ class StageDisplay {
     if (stop_requested()) throw Interrupted();
     const bool another = what != what_ || done < done_ || total != total_;  // the next batch of runs is timed by itself
     if (another) display_.reset(), display_.emplace(stage_, what, style_, std::cerr);
-    what_ = what, done_ = done, total_ = total;
+    what_ = what;
+    done_ = done;
+    total_ = total;
     display_->update(done, total);
   }
 

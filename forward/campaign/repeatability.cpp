@@ -23,7 +23,9 @@ struct Scatter {
     double mean = 0, squares = 0;
     for (const auto* h : histories) mean += double((*h)[at]) / double(histories.size());
     for (const auto* h : histories) squares += square(double((*h)[at]) - mean);
-    variance += squares / double(histories.size() - 1), signal += mean * mean, ++samples;
+    variance += squares / double(histories.size() - 1);
+    signal += mean * mean;
+    ++samples;
   }
   void add(const Scatter& part) { variance += part.variance, signal += part.signal, samples += part.samples; }
   [[nodiscard]] double relative() const { return signal > 0 ? std::sqrt(variance / signal) : 0; }
@@ -127,7 +129,10 @@ std::vector<double> difference(const ModelShape& shape, const Values& own, const
 }
 
 void summarise(const std::vector<double>& relative, double& mean, double& worst) {
-  for (const double r : relative) worst = std::max(worst, r), mean += r / double(relative.size());
+  for (const double r : relative) {
+    worst = std::max(worst, r);
+    mean += r / double(relative.size());
+  }
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-/// The repeatability floor: how far the mean moves when what the physics does not fix changes, namely the places of the mesh nodes, the regularising viscosity and
-/// the set of pulse energies. No misfit below the floor may be called physics.
+/// The repeatability floor: how far the mean moves when what the physics does not fix changes, namely the places of the mesh nodes, the regularising viscosity
+/// and the set of pulse energies. No misfit below the floor may be called physics.
 #include <cstdint>
 
 #include "forward/campaign/repeatability_floor.hpp"

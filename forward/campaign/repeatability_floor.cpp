@@ -24,12 +24,15 @@ void FloorOptions::validate() const {
 
 Json floor_json(const RepeatabilityFloor& floor) {
   Json j;
-  j["mean"] = floor.mean, j["worst"] = floor.worst;
+  j["mean"] = floor.mean;
+  j["worst"] = floor.worst;
   j["members"] = Json::array();
   for (const auto& m : floor.members)
     j["members"].push_back({{"viscosity_factor", m.viscosity_factor}, {"energy_shift", m.energy_shift}, {"ok", m.ok}, {"message", m.message}});
-  j["window_begin_s"] = floor.window_begin, j["window_end_s"] = floor.window_end;
-  j["sensors"] = Json::array(), j["comparisons"] = Json::array();
+  j["window_begin_s"] = floor.window_begin;
+  j["window_end_s"] = floor.window_end;
+  j["sensors"] = Json::array();
+  j["comparisons"] = Json::array();
   const std::size_t windows = floor.window_begin.size();
   const auto each_record = [&](auto&& f) {
     for (std::size_t c = 0, row = 0; c < floor.conditions.size(); ++c)
@@ -45,7 +48,8 @@ Json floor_json(const RepeatabilityFloor& floor) {
   for (const auto& c : floor.comparisons) {
     Json comparison{{"name", c.name}, {"what", c.what}, {"message", c.message}};
     if (!c.relative.empty()) {
-      comparison["mean"] = c.mean, comparison["worst"] = c.worst;
+      comparison["mean"] = c.mean;
+      comparison["worst"] = c.worst;
       each_record([&](Json record, std::size_t row) {
         record["relative"] = c.relative[row];
         comparison["sensors"].push_back(std::move(record));
@@ -58,9 +62,11 @@ Json floor_json(const RepeatabilityFloor& floor) {
 
 RepeatabilityFloor read_floor(const Json& json) try {
   RepeatabilityFloor floor;
-  floor.mean = json.at("mean"), floor.worst = json.at("worst");
+  floor.mean = json.at("mean");
+  floor.worst = json.at("worst");
   for (const auto& m : json.at("members")) floor.members.push_back({m.at("viscosity_factor"), m.at("energy_shift"), m.at("ok"), m.at("message")});
-  floor.window_begin = json.at("window_begin_s").get<std::vector<double>>(), floor.window_end = json.at("window_end_s").get<std::vector<double>>();
+  floor.window_begin = json.at("window_begin_s").get<std::vector<double>>();
+  floor.window_end = json.at("window_end_s").get<std::vector<double>>();
   for (const auto& row : json.at("sensors")) {
     for (auto [list, name] : {std::pair{&floor.conditions, row.at("condition").get<std::string>()}, {&floor.sensors, row.at("name").get<std::string>()}})
       if (std::find(list->begin(), list->end(), name) == list->end()) list->push_back(name);

@@ -6,8 +6,8 @@
 
 namespace calomel {
 
-/// The totals of runs at the columns of thetas (n_parameters, n): (conditions x run_total_count, n), a condition's totals one after another, NaN columns where a
-/// run failed. Errors: as Runs::get.
+/// The totals of runs at the columns of thetas (n_parameters, n): (conditions x run_total_count, n), a condition's totals one after another, NaN columns where
+/// a run failed. Errors: as Runs::get.
 [[nodiscard]] Eigen::MatrixXd totals_at(Runs& runs, const Eigen::MatrixXd& thetas, const Runs::Progress& progress = {});
 
 }  // namespace calomel

@@ -28,7 +28,10 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
       const Eigen::VectorXd u = draws.col(k);
       if (of_level.cols() > 0 && (of_level.colwise() - u).colwise().norm().minCoeff() < apart) continue;
       const double v = now.variance(now.level_features(u, level));
-      if (v > most) most = v, best = k;
+      if (v > most) {
+        most = v;
+        best = k;
+      }
     }
     if (best < 0) continue;  // every draw has a run beside it: there is nothing more to learn here
     now = now.with_run(draws.col(best), level);

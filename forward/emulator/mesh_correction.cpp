@@ -59,8 +59,7 @@ Prediction CorrectedModel::evaluate(std::span<const double> theta) const { retur
 
 std::vector<Prediction> CorrectedModel::predictions(const Eigen::MatrixXd& thetas, int threads, const Predicted& predicted) const {
   auto all = model_.predictions(thetas, threads, predicted);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    all[i] = corrected(std::move(all[i]), {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())});
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = corrected(std::move(all[i]), {thetas.col(Eigen::Index(i)).data(), std::size_t(thetas.rows())});
   return all;
 }
 

@@ -24,7 +24,8 @@ EmulatorBox::EmulatorBox(std::vector<Parameter> parameters, std::span<const doub
   for (std::size_t k = 0; k < parameters_.size(); ++k) {
     const double a = parameters_[k].coordinate(low[k]), b = parameters_[k].coordinate(high[k]);
     expect(b > a, "a box is wider than a point");
-    centre_[Eigen::Index(k)] = 0.5 * (a + b), half_width_[Eigen::Index(k)] = 0.5 * (b - a);
+    centre_[Eigen::Index(k)] = 0.5 * (a + b);
+    half_width_[Eigen::Index(k)] = 0.5 * (b - a);
   }
 }
 
@@ -53,11 +54,15 @@ std::vector<double> EmulatorBox::nearest(std::span<const double> t) const { retu
 Eigen::VectorXd MultilevelRegression::features(const Eigen::VectorXd& u, double beyond) const {
   const Eigen::Index d = u.size();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(coefficients(d, levels_));
-  x[0] = 1, x.segment(1, d) = u;
+  x[0] = 1;
+  x.segment(1, d) = u;
   Eigen::Index at = d + 1;
   for (Eigen::Index i = 0; i < d; ++i)
     for (Eigen::Index j = i; j < d; ++j) x[at++] = u[i] * u[j];
-  if (levels_ > 1) x[at] = -beyond, x.segment(at + 1, d) = -beyond * u;
+  if (levels_ > 1) {
+    x[at] = -beyond;
+    x.segment(at + 1, d) = -beyond * u;
+  }
   return x;
 }
 
@@ -69,7 +74,8 @@ Eigen::MatrixXd MultilevelRegression::features_slope(const Eigen::VectorXd& u, d
   for (Eigen::Index i = 0; i < d; ++i)
     for (Eigen::Index j = i; j < d; ++j, ++at) s(at, i) += u[j], s(at, j) += u[i];
   if (levels_ > 1) {
-    s(at, d) = -1, s.col(d).segment(at + 1, d) = -u;
+    s(at, d) = -1;
+    s.col(d).segment(at + 1, d) = -u;
     for (Eigen::Index k = 0; k < d; ++k) s(at + 1 + k, k) = -beyond;
   }
   return s;
@@ -80,7 +86,8 @@ Eigen::VectorXd MultilevelRegression::level_features(const Eigen::VectorXd& u, i
   Eigen::VectorXd x = features(u, 0);
   if (level > 0) {
     const Eigen::Index at = coefficients(d, level);
-    x[at] = 1, x.segment(at + 1, d) = u;
+    x[at] = 1;
+    x.segment(at + 1, d) = u;
   }
   return x;
 }
@@ -125,7 +132,8 @@ std::vector<double> MultilevelRegression::level_noise(const Eigen::VectorXd& run
   std::vector<double> squares(std::size_t(levels_), 0.0), left(std::size_t(levels_), 0.0), out(squares.size());
   for (Eigen::Index i = 0; i < size(); ++i) {
     const auto l = std::size_t(level_[std::size_t(i)]);
-    squares[l] += run_squares[i], left[l] += run_left[i];
+    squares[l] += run_squares[i];
+    left[l] += run_left[i];
   }
   double all_squares = 0, all_left = 0;
   for (std::size_t l = 0; l < squares.size(); ++l) all_squares += squares[l], all_left += left[l];

@@ -45,13 +45,15 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
     const std::string at = path + ".parameter." + p;
     MechanismParameter one;
     file.read(at, one);
-    one.parameter.name = name + '.' + p, one.parameter.key = at;
+    one.parameter.name = name + '.' + p;
+    one.parameter.key = at;
     if (!(one.parameter.min < one.parameter.max))
       throw file.located(InputError({.problem = "the upper bound must exceed the lower one, min = " + number_text(one.parameter.min),
                                      .key = at + ".max",
                                      .value = number_text(one.parameter.max)}));
     if (!one.parameter.nominal) one.parameter.nominal = one.off;
-    one.parameter.min = std::min(one.parameter.min, one.off), one.parameter.max = std::max(one.parameter.max, one.off);
+    one.parameter.min = std::min(one.parameter.min, one.off);
+    one.parameter.max = std::max(one.parameter.max, one.off);
     try {
       one.parameter.validate();
     } catch (const InputError& e) {
@@ -123,7 +125,8 @@ ExternalCase ExternalCase::read(CaseFile& file) {
       if (file.has(of_records)) throw file.located(InputError({.problem = "a log density has no records", .key = of_records, .suggestion = "take it out"}));
     if (file.has("recordings"))
       throw file.located(InputError({.problem = "a log density holds its own data", .key = "recordings", .suggestion = "take the table out"}));
-    c.output.sensors = {"log_density"}, c.time = {.start = 0, .step = 1, .count = 1};
+    c.output.sensors = {"log_density"};
+    c.time = {.start = 0, .step = 1, .count = 1};
   } else {
     if (!file.has("output.time"))
       throw file.located(InputError(
@@ -179,7 +182,8 @@ Json ExternalCase::echo() const {
     j["mechanism"][m.name]["enabled"] = m.enabled;
     for (std::size_t i = 0; i < m.parameters.size(); ++i) {
       Json& p = j["mechanism"][m.name]["parameter"][short_name(m, i)];
-      p = calomel::echo(m.parameters[i]), p["off"] = m.off[i];
+      p = calomel::echo(m.parameters[i]);
+      p["off"] = m.off[i];
     }
   }
   return j;
@@ -198,7 +202,8 @@ Json ExternalCase::model_options() const {
   for (const auto& m : mechanisms)
     for (std::size_t i = 0; i < m.parameters.size(); ++i) order.push_back(m.parameters[i].key), off[m.parameters[i].key] = m.off[i];
   j.erase("mechanism");
-  j["inputs"] = std::move(order), j["off"] = std::move(off);
+  j["inputs"] = std::move(order);
+  j["off"] = std::move(off);
   return j;
 }
 
@@ -220,9 +225,13 @@ std::vector<ParameterGroup> offered_groups(const ExternalCase& external) {
   for (const auto& sensor : external.output.sensors) {
     AddedParameter gain, drift;
     gain.parameter = {.name = reading_gain, .key = reading_gain + '.' + sensor, .min = 1 - widest_gain, .max = 1 + widest_gain};
-    gain.parameter.nominal = 1, gain.strengths = {1.1}, gain.doc = "reading per true value";
+    gain.parameter.nominal = 1;
+    gain.strengths = {1.1};
+    gain.doc = "reading per true value";
     drift.parameter = {.name = reading_drift, .key = reading_drift + '.' + sensor, .min = -widest_gain, .max = widest_gain};
-    drift.parameter.nominal = 0, drift.strengths = {0.1}, drift.doc = "by which the gain rises over the record";
+    drift.parameter.nominal = 0;
+    drift.strengths = {0.1};
+    drift.doc = "by which the gain rises over the record";
     groups.push_back({.name = "sensor_response",
                       .place = sensor,
                       .added = {gain, drift},

@@ -43,7 +43,8 @@ ExternalModel::ExternalModel(ExternalCase external) : case_(std::move(external))
   }
   support_ = client_.support();
   if (!support_.evaluate) throw NumericsError(fmt::format("the model \"{}\" at {} does not support Evaluate", server.name, server.url));
-  input_sizes_ = client_.input_sizes(), output_sizes_ = client_.output_sizes();
+  input_sizes_ = client_.input_sizes();
+  output_sizes_ = client_.output_sizes();
   const std::size_t taken = std::accumulate(input_sizes_.begin(), input_sizes_.end(), std::size_t(0));
   if (taken != case_.inputs())
     throw InputError({.problem = fmt::format("the model takes {} numbers in blocks of {}, the case has {} parameters and {} parameters of mechanisms", taken,
@@ -87,7 +88,10 @@ std::vector<double> ExternalModel::inputs(std::span<const double> theta, const s
 Blocks ExternalModel::blocks(const std::vector<double>& all) const {
   Blocks out;
   auto at = all.begin();
-  for (const std::size_t n : input_sizes_) out.emplace_back(at, at + std::ptrdiff_t(n)), at += std::ptrdiff_t(n);
+  for (const std::size_t n : input_sizes_) {
+    out.emplace_back(at, at + std::ptrdiff_t(n));
+    at += std::ptrdiff_t(n);
+  }
   return out;
 }
 

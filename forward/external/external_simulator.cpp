@@ -34,10 +34,9 @@ Description ExternalSimulator::describe(int) const {
   add("case", fmt::format("{}, an external model", case_.name));
   add("model", fmt::format("\"{}\" at {}, input blocks {}, output blocks {}, gradients: {}", case_.server.name, case_.server.url, m.input_sizes(),
                            m.output_sizes(), m.has_gradient() ? "yes" : "no"));
-  add("output", case_.is_log_density()
-                    ? std::string("a log density")
-                    : fmt::format("{} sensors at {} times, {:.4g} to {:.4g} s, values in {}", shape_.sensors.size(), shape_.times.size(), shape_.times.front(),
-                                  shape_.times.back(), case_.unit));
+  add("output", case_.is_log_density() ? std::string("a log density")
+                                       : fmt::format("{} sensors at {} times, {:.4g} to {:.4g} s, values in {}", shape_.sensors.size(), shape_.times.size(),
+                                                     shape_.times.front(), shape_.times.back(), case_.unit));
   std::vector<std::string> enabled, offered, names;
   for (const auto& each : case_.mechanisms) (each.enabled ? enabled : offered).push_back(each.name);
   add("mechanisms", (enabled.empty() ? "none" : join(enabled)) + (offered.empty() ? "" : "; offered to a diagnosis: " + join(offered)));

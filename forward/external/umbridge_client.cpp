@@ -86,7 +86,10 @@ class Deadlines {
       const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
       const std::lock_guard guard(deadlines_.lock_);
       deadlines_.ends_[client_] = end;
-      if (end < deadlines_.next_) deadlines_.next_ = end, deadlines_.changed_.notify_one();
+      if (end < deadlines_.next_) {
+        deadlines_.next_ = end;
+        deadlines_.changed_.notify_one();
+      }
     }
     ~Watched() { (void)over(); }
     Watched(const Watched&) = delete;
@@ -110,10 +113,13 @@ class Deadlines {
       next_ = Clock::now() + std::chrono::hours(1);
       std::vector<Client> late;
       for (auto at = ends_.begin(); at != ends_.end();) {
-        if (at->second <= Clock::now())
-          late.push_back(at->first), at = ends_.erase(at);
-        else
-          next_ = std::min(next_, at->second), ++at;
+        if (at->second <= Clock::now()) {
+          late.push_back(at->first);
+          at = ends_.erase(at);
+        } else {
+          next_ = std::min(next_, at->second);
+          ++at;
+        }
       }
       if (!late.empty()) {  // without the lock: a client that is connecting answers late
         guard.unlock();
@@ -145,7 +151,10 @@ class UmbridgeClient::Connections {
     httplib::Request request;
     request.method = body ? "POST" : "GET";
     request.path = path;
-    if (body) request.body = body->dump(), request.headers.emplace("Content-Type", "application/json");
+    if (body) {
+      request.body = body->dump();
+      request.headers.emplace("Content-Type", "application/json");
+    }
     bool large = false;
     request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t, std::uint64_t) {
       large = reply.body.size() + size > largest_answer;

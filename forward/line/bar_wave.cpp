@@ -32,7 +32,8 @@ std::vector<double> BarWave::at(double distance, std::span<const std::complex<do
       u[i] *= c;
     } else {
       const double a = u[i], b = u[n - i];
-      u[i] = a * c - b * s, u[n - i] = a * s + b * c;
+      u[i] = a * c - b * s;
+      u[n - i] = a * s + b * c;
     }
   }
   gsl_fft_halfcomplex_radix2_inverse(u.data(), 1, n);

@@ -29,7 +29,9 @@ std::vector<LineMechanism> read_line_mechanisms(CaseFile& file, const Registry<L
     });
     auto& m = *std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == name; });
     auto table = read_mechanism_table(file, name, m.entry->keys, m.entry->per_station, stations);
-    m.listed = true, m.enabled = table.enabled, m.values = std::move(table.values);
+    m.listed = true;
+    m.enabled = table.enabled;
+    m.values = std::move(table.values);
     if (m.enabled) continue;
     for (const auto& k : m.entry->keys)  // offered, not part of the model: what decides stands at off, what describes as the table has it
       if (k.decides) {

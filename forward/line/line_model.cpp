@@ -96,7 +96,10 @@ std::vector<double> LineModel::pipe_histories(const LineCase& at) const {
       const double x = std::clamp((shape_.times[i] - s.delay) / flow.time_step(), 0.0, double(steps));
       auto j = std::size_t(x);
       double w = x - double(j);
-      if (w > 1 - 1e-9) ++j, w = 0;
+      if (w > 1 - 1e-9) {
+        ++j;
+        w = 0;
+      }
       const double value = w < 1e-9 ? p[j] : (1 - w) * p[j] + w * p[j + 1];
       out[k * times + i] = s.gain * value / at.pascals_per_unit + s.offset;
     }
@@ -146,12 +149,18 @@ LineDescription LineModel::describe() const {
     double longest = std::max(0.0, case_.time.end - case_.record.end());
     for (const auto& s : case_.stations) longest = std::max(longest, s.distance / case_.bar.wave_speed + std::abs(s.delay));
     const BarWave wave(case_.record, longest);
-    d.cells = wave.omega().size(), d.nodes = wave.samples(), d.steps = 1, d.time_step = case_.record.interval;
+    d.cells = wave.omega().size();
+    d.nodes = wave.samples();
+    d.steps = 1;
+    d.time_step = case_.record.interval;
   } else {
     const PipeFlow flow(pipe_setup(case_), case_.time.end);
-    d.cells = std::size_t(case_.pipe.cells), d.nodes = flow.nodes(), d.time_step = flow.time_step();
+    d.cells = std::size_t(case_.pipe.cells);
+    d.nodes = flow.nodes();
+    d.time_step = flow.time_step();
     d.steps = std::size_t(std::ceil(case_.time.end / d.time_step * (1 - 1e-12)));
-    d.friction_factor = case_.friction_factor(), d.steady_pressure = flow.pressure(d.nodes - 1);
+    d.friction_factor = case_.friction_factor();
+    d.steady_pressure = flow.pressure(d.nodes - 1);
     if (case_.time.output_interval < d.time_step)
       d.notes.push_back(fmt::format("a step of the grid, {:.4g} s, is longer than output_interval: histories are linear in between; more cells make it shorter",
                                     d.time_step));

@@ -30,7 +30,8 @@ void first_order_lag(double tau, double interval, std::span<double> y) {
   for (std::size_t i = 1; i < y.size(); ++i) {
     const double now = y[i];
     value = decay * value + (mean - decay) * before + (1 - mean) * now;
-    before = now, y[i] = value;
+    before = now;
+    y[i] = value;
   }
 }
 

@@ -46,10 +46,11 @@ Description LineSimulator::describe(int) const {
                                            : fmt::format("{} cells, {} steps of {:.4g} s", d.cells, d.steps, d.time_step);
   add("model", fmt::format("{}, {} stations at {} times, readings in {}", grid, shape().sensors.size(), shape().times.size(), c.unit));
   if (c.kind == "pipe")
-    add("pipe", fmt::format("Joukowsky's pressure rho a V {:.5g} kPa, period 4 L / a {:.5g} s, steady pressure at the valve {:.5g} kPa, Darcy's friction factor "
-                            "{:.4g}",
-                            1e-3 * c.pipe.density * c.pipe.wave_speed * c.pipe.velocity, 4 * c.pipe.length / c.pipe.wave_speed, 1e-3 * d.steady_pressure,
-                            d.friction_factor));
+    add("pipe",
+        fmt::format("Joukowsky's pressure rho a V {:.5g} kPa, period 4 L / a {:.5g} s, steady pressure at the valve {:.5g} kPa, Darcy's friction factor "
+                    "{:.4g}",
+                    1e-3 * c.pipe.density * c.pipe.wave_speed * c.pipe.velocity, 4 * c.pipe.length / c.pipe.wave_speed, 1e-3 * d.steady_pressure,
+                    d.friction_factor));
   add("mechanisms", (d.active.empty() ? "none" : join(d.active)) + (d.offered.empty() ? "" : "; offered to a diagnosis: " + join(d.offered)));
   std::vector<std::string> names;
   for (const auto& p : c.parameters) names.push_back(fmt::format("{} {:.4g} to {:.4g}", p.name, p.min, p.max));

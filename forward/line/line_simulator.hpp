@@ -15,8 +15,8 @@ class LineSimulator final : public Simulator {
   [[nodiscard]] const ModelShape& shape() const override { return model_.shape(); }
   [[nodiscard]] const Capabilities& capabilities() const override { return capabilities_; }
   [[nodiscard]] Prediction evaluate(const RunRequest& request) const override;
-  /// The mechanisms that the line offers (LineModel::offered). The response of a single station is a group like any other; with several stations it acts on each
-  /// of them alone.
+  /// The mechanisms that the line offers (LineModel::offered). The response of a single station is a group like any other; with several stations it acts on
+  /// each of them alone.
   [[nodiscard]] std::vector<ParameterGroup> offered() const override;
   [[nodiscard]] Description describe(int threads = 1) const override;
   [[nodiscard]] SimulatorIdentity identity() const override;

@@ -39,7 +39,8 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
   expect_number(s_.retarded_compliance >= 0, "the retarded compliance must be at least 0, it is", s_.retarded_compliance);
   expect(s_.cells >= 2, "a pipe has two cells or more");
   const auto n = std::size_t(s_.cells) + 1;
-  dx_ = s_.length / s_.cells, dt_ = dx_ / s_.wave_speed;
+  dx_ = s_.length / s_.cells;
+  dt_ = dx_ / s_.wave_speed;
   area_ = std::numbers::pi / 4 * s_.diameter * s_.diameter;
   impedance_ = s_.density * s_.wave_speed;
   const double loss = resistance(s_.velocity) * s_.velocity;
@@ -51,7 +52,8 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
           fmt::format("the steady pressure {:.4g} Pa at {:.3g} m is below the vapour pressure {:.4g} Pa", pressure(i), dx_ * double(i), s_.vapour_pressure));
   }
   steady_ = pressure_;
-  upstream_.assign(n, s_.velocity), downstream_ = upstream_;
+  upstream_.assign(n, s_.velocity);
+  downstream_ = upstream_;
   valve_drop_ = pressure(n - 1) - s_.outlet_pressure;
   if (s_.velocity > 0 && !(valve_drop_ > 0))
     throw NumericsError(
@@ -69,7 +71,9 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
   if (wall_) {  // q after a step in which P runs linearly: E q + chi (c0 P' before + c1 P' after)
     expect_number(s_.retardation_time > 0, "the retardation time of the wall must be above 0, it is", s_.retardation_time);
     const double tau = s_.retardation_time, decay = std::exp(-dt_ / tau), mean = -std::expm1(-dt_ / tau) * tau / dt_;
-    wall_decay_ = decay, wall_old_ = s_.retarded_compliance * (mean - decay), wall_new_ = s_.retarded_compliance * (1 - mean);
+    wall_decay_ = decay;
+    wall_old_ = s_.retarded_compliance * (mean - decay);
+    wall_new_ = s_.retarded_compliance * (1 - mean);
     stiffness_ = 1 + 0.5 * dt_ * (s_.retarded_compliance - wall_new_) / tau;
   }
   retarded_.assign(n, 0.0), rate_.assign(n, 0.0);
@@ -93,8 +97,12 @@ PipeFlow::PipeFlow(const PipeSetup& setup, double longest) : s_(setup) {
     for (; u < end; u += h) add(h * std::exp(u / 2), std::exp(u));
     decay_.push_back(0), weight_.push_back(2 * std::exp(-(u - 0.5 * h) / 2) / tick / (2 * std::numbers::pi));
     const double force = s_.unsteady_friction * 16 * s_.viscosity / (s_.diameter * s_.diameter);
-    for (auto& w : weight_) w *= force, fresh_ += w;
-    past_up_.assign(n * weight_.size(), 0.0), past_down_ = past_up_;
+    for (auto& w : weight_) {
+      w *= force;
+      fresh_ += w;
+    }
+    past_up_.assign(n * weight_.size(), 0.0);
+    past_down_ = past_up_;
   }
 }
 

@@ -56,7 +56,8 @@ std::optional<double> root_near(double Omega, double middle, double poisson) {
 
 PochhammerChreeMode::PochhammerChreeMode(double poisson, double greatest) {
   expect(poisson >= 0 && poisson < 0.5 && greatest >= 0, "Poisson's ratio is 0 to below 0.5");
-  Omega_ = {0}, speed_ = {1};
+  Omega_ = {0};
+  speed_ = {1};
   // From the line through the last two roots outwards in small steps to the next change of sign; the second mode is at least a twelfth of the speed away. Of a
   // small ratio the speed falls within a short stretch: where no root is near, the step is halved.
   constexpr double slow = 0.02, fast = 0.1, bend = 4, shortest = 1e-5;

@@ -6,8 +6,10 @@ namespace {
 
 void change_source(const MechanismValues& v, const Mesh&, LoadOptions& load) {
   auto& p = load.profile;
-  p.center[0] += v["offset_y"], p.center[1] += v["offset_z"];
-  p.widths[0] *= v["width_ratio_y"], p.widths[1] *= v["width_ratio_z"];
+  p.center[0] += v["offset_y"];
+  p.center[1] += v["offset_z"];
+  p.widths[0] *= v["width_ratio_y"];
+  p.widths[1] *= v["width_ratio_z"];
   load.factor *= v["energy_ratio"];
   load.pulse_length = v["pulse_length"];
 }

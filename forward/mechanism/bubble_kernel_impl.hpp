@@ -123,7 +123,8 @@ CALOMEL_INLINE BubbleFailure advance_groups(const BubblyNumbers& b, const GasNea
     V left[N], h[N], a1[N], a2[N], a3[N], a4[N], v2[N], v3[N], v4[N];
     for (int k = 0; k < N; ++k) {
       left[k] = dt - t[k];
-      gas[k] = gas_pressure(b, r[k]), per_r[k] = 1 / r[k];
+      gas[k] = gas_pressure(b, r[k]);
+      per_r[k] = 1 / r[k];
       const V p = pressure_at(k, t[k], r[k]), rate_squared = bubble_rate_squared(b, r[k], v[k], p, gas[k]) + b.coupling * r[k];
       h[k] = left[k];
       if (any((left[k] * left[k] * rate_squared > 0.16) | (left[k] > b.greatest_step)))  // more than one
@@ -147,7 +148,8 @@ CALOMEL_INLINE BubbleFailure advance_groups(const BubblyNumbers& b, const GasNea
     }
     if (more) continue;
     for (int k = 0; k < N; ++k) {
-      radius[k] = r[k], rate[k] = v[k];
+      radius[k] = r[k];
+      rate[k] = v[k];
       const auto too_much = share_of_gas(b, r[k]) > b.greatest_alpha;
       if (any(too_much)) return {BubbleFailure::too_much_gas, std::size_t(k * width) + first_lane(too_much), r[k][first_lane(too_much)]};
     }
@@ -182,9 +184,14 @@ CALOMEL_INLINE BubbleFailure advance_points(const BubblyNumbers& b, const GasNea
   decltype(V{} != 0) moves[N];
   bool some_move = false;
   for (int k = 0; k < N; ++k) {
-    strain[k] = load(k, points.strain), heating[k] = load(k, points.heating), radius[k] = now[k] = load(k, radii), rate[k] = rate_now[k] = load(k, rates);
-    g[k].strain_before = load(k, points.strain_before), g[k].heating_before = load(k, heating_before);
-    g[k].strain_rate = (strain[k] - g[k].strain_before) * per_step, g[k].heating_rate = (heating[k] - g[k].heating_before) * per_step;
+    strain[k] = load(k, points.strain);
+    heating[k] = load(k, points.heating);
+    radius[k] = now[k] = load(k, radii);
+    rate[k] = rate_now[k] = load(k, rates);
+    g[k].strain_before = load(k, points.strain_before);
+    g[k].heating_before = load(k, heating_before);
+    g[k].strain_rate = (strain[k] - g[k].strain_before) * per_step;
+    g[k].heating_rate = (heating[k] - g[k].heating_before) * per_step;
     moves[k] = (strain[k] != 0) | (g[k].strain_before != 0) | (heating[k] != 0) | (g[k].heating_before != 0) | (radius[k] != b.radius) | (rate[k] != 0);
     some_move |= any(moves[k]);
   }

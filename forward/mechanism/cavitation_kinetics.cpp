@@ -37,7 +37,10 @@ void NucleatedLiquid::advance(const LiquidPoints& points) const {
     const double before = radius * radius * radius, moved = step * std::sqrt(std::abs(x - before));
     radius = x > before ? radius + moved : std::max(0.0, radius - moved);
     double alpha = radius * radius * radius;
-    if (x > before ? alpha > x : alpha < x) alpha = std::max(0.0, x), radius = std::cbrt(alpha);  // never past the balance
+    if (x > before ? alpha > x : alpha < x) {  // never past the balance
+      alpha = std::max(0.0, x);
+      radius = std::cbrt(alpha);
+    }
     return alpha;
   });
 }

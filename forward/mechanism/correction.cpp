@@ -33,7 +33,11 @@ void CorrectedLiquid::advance(const LiquidPoints& points) const {
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       if (points.state[(2 + k) * points.stride + i] == 0) continue;
       const MercuryTerms& t = parts_[k].terms;
-      sum.stiffness += t.stiffness, sum.cutoff += t.cutoff, sum.viscosity += t.viscosity, sum.quadratic_viscosity += t.quadratic_viscosity, sum.lag += t.lag;
+      sum.stiffness += t.stiffness;
+      sum.cutoff += t.cutoff;
+      sum.viscosity += t.viscosity;
+      sum.quadratic_viscosity += t.quadratic_viscosity;
+      sum.lag += t.lag;
       stays = std::max(stays, stay[k]);
     }
     double &late = points.state[i], &alpha = points.state[points.stride + i];

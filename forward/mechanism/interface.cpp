@@ -32,7 +32,10 @@ void weaken(const MechanismValues& v, const Mesh& mesh, const LoadOptions&, RunS
   for (const PairAtWall& p : pairs) {
     // Where the stretch ends within what a pair stands for, the rest of it holds as the mercury does.
     const double rest = p.share < 1 ? (1 - p.share) * s.wetted_cutoff : 0, strength = p.share * v["strength"] + rest;
-    if (strength < s.slip_strength[p.pair]) s.slip_strength[p.pair] = strength, s.slip_hold[p.pair] = rest;
+    if (strength < s.slip_strength[p.pair]) {
+      s.slip_strength[p.pair] = strength;
+      s.slip_hold[p.pair] = rest;
+    }
   }
 }
 

@@ -56,7 +56,8 @@ MechanismEntry structural_damping() {
       .like_the_mesh = true,
       .cost = 2.2,
       .setup = [](const MechanismValues& v, RunSetup& s) {
-        s.steel_mass_damping += v["mass"], s.steel_stiffness_damping += v["stiffness"];
+        s.steel_mass_damping += v["mass"];
+        s.steel_stiffness_damping += v["stiffness"];
         if (v["loss"] != 0) s.steel_branches = branches(v["loss"], v["frequency"]);
       }};
 }

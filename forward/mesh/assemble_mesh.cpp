@@ -47,7 +47,10 @@ void renumber_nodes(Mesh& mesh, std::vector<std::pair<NodeId, NodeId>>& pairs) {
   mesh.nodes = std::move(nodes);
   for (auto& e : mesh.elements)
     for (auto& n : e) n = number[std::size_t(n)];
-  for (auto& [steel, mercury] : pairs) steel = number[std::size_t(steel)], mercury = number[std::size_t(mercury)];
+  for (auto& [steel, mercury] : pairs) {
+    steel = number[std::size_t(steel)];
+    mercury = number[std::size_t(mercury)];
+  }
 }
 
 /// Gives mercury its own node wherever it shares one with steel: (steel, mercury) pairs.

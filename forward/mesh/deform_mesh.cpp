@@ -49,7 +49,10 @@ std::vector<NodeId> opposite_in_y(const Mesh& mesh, const std::vector<std::array
   for (const auto& e : tied)
     for (const auto& edge : hexahedron::edges) {
       const NodeId a = e[std::size_t(edge[0])], b = e[std::size_t(edge[1])];
-      if ((mesh.nodes[std::size_t(a)][1] < 0) != (mesh.nodes[std::size_t(b)][1] < 0)) opposite[std::size_t(a)] = b, opposite[std::size_t(b)] = a;
+      if ((mesh.nodes[std::size_t(a)][1] < 0) != (mesh.nodes[std::size_t(b)][1] < 0)) {
+        opposite[std::size_t(a)] = b;
+        opposite[std::size_t(b)] = a;
+      }
     }
   return opposite;
 }
@@ -154,7 +157,8 @@ std::vector<double> shares_within(const Mesh& mesh, const std::vector<std::array
     for (const NodeId n : nodes) middle += along(n) / double(nodes.size());
     for (const NodeId n : nodes) {
       Extent& e = extent[std::size_t(n)];
-      e.low = std::min({e.low, middle, along(n)}), e.high = std::max({e.high, middle, along(n)});
+      e.low = std::min({e.low, middle, along(n)});
+      e.high = std::max({e.high, middle, along(n)});
     }
   });
   std::vector<double> shares(extent.size(), 0.0);
@@ -195,7 +199,8 @@ Mesh jittered(Mesh mesh, double fraction, RandomStream& random) {
       const auto i = std::size_t(e[std::size_t(a)]), j = std::size_t(e[std::size_t(b)]);
       const Point d = hexahedron::point(mesh.nodes[i]) - hexahedron::point(mesh.nodes[j]);
       if (mesh.plane_strain && std::abs(d.y()) > 0.7 * d.norm()) continue;
-      edge[i] = std::min(edge[i], d.norm()), edge[j] = std::min(edge[j], d.norm());
+      edge[i] = std::min(edge[i], d.norm());
+      edge[j] = std::min(edge[j], d.norm());
     }
   std::vector<Point> move(mesh.nodes.size(), Point::Zero());
   for (std::size_t n = 0; n < move.size(); ++n) {

@@ -121,7 +121,8 @@ class ExodusReader {
     std::vector<std::int64_t> connectivity;
     for (const auto id : ids(EX_ELEM_BLOCK, sizes.num_elem_blk)) {
       ex_block block{};
-      block.id = id, block.type = EX_ELEM_BLOCK;
+      block.id = id;
+      block.type = EX_ELEM_BLOCK;
       check(ex_get_block_param(id_, &block), fmt::format("block {}", id));
       if (block.num_entry == 0) continue;
       const std::string called = name(EX_ELEM_BLOCK, id, "block"), type = lower_case(block.topology);

@@ -66,7 +66,10 @@ class Marker {
   Marker(const MeshFile& mesh, std::span<const FaceId> match) : mesh_(mesh), place_(match.size(), -1), tolerance_(1e-6 * extent(mesh)) {
     out_.symmetric.assign(match.size(), false);
     for (FaceId f = 0; f < FaceId(match.size()); ++f)
-      if (match[std::size_t(f)] == no_face) place_[std::size_t(f)] = std::int32_t(out_.face.size()), out_.face.push_back(f);
+      if (match[std::size_t(f)] == no_face) {
+        place_[std::size_t(f)] = std::int32_t(out_.face.size());
+        out_.face.push_back(f);
+      }
     out_.kind.assign(out_.face.size(), BoundaryKind::free_end);
     key_.assign(out_.face.size(), nullptr);
   }
@@ -108,7 +111,8 @@ class Marker {
       if (key_[i])
         throw InputError({.problem = fmt::format("a side of {} is in sets.{} as well", mesh_.element_text(std::size_t(element_of(f))), key_[i]),
                           .key = std::string("sets.") + key});
-      key_[i] = key, out_.kind[i] = kind;
+      key_[i] = key;
+      out_.kind[i] = kind;
     }
   }
 
@@ -123,8 +127,10 @@ class Marker {
     for (const FaceId f : all) {
       out_.symmetric[std::size_t(f)] = true;
       (normal(f)[axis] > 0 ? above : below) = true;
-      for (const NodeId n : face_nodes(mesh_.elements, f))
-        low = std::min(low, mesh_.nodes[std::size_t(n)][std::size_t(axis)]), high = std::max(high, mesh_.nodes[std::size_t(n)][std::size_t(axis)]);
+      for (const NodeId n : face_nodes(mesh_.elements, f)) {
+        low = std::min(low, mesh_.nodes[std::size_t(n)][std::size_t(axis)]);
+        high = std::max(high, mesh_.nodes[std::size_t(n)][std::size_t(axis)]);
+      }
     }
     if (axis == 1 && above && below) out_.plane_strain = is_one_layer(all);
     if (above && below) return;

@@ -159,7 +159,10 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   plan.flat_count = flat > 1e-9 * R ? g.layer_count(flat, false) : 0;
 
   plan.wall = g.layer_count(wall, true);
-  if (plates) plan.channel = g.layer_count(g.jet.channel, false), plan.plate = g.layer_count(g.jet.thickness, true);
+  if (plates) {
+    plan.channel = g.layer_count(g.jet.channel, false);
+    plan.plate = g.layer_count(g.jet.thickness, true);
+  }
   plan.transition = g.layer_count(0.45 * (R - layers), false);
   return plan;
 }

@@ -25,7 +25,8 @@ class Joined {
     return a;
   }
   void join(NodeId a, NodeId b) {
-    a = root(a), b = root(b);
+    a = root(a);
+    b = root(b);
     parent_[std::size_t(std::max(a, b))] = std::min(a, b);
   }
 
@@ -38,7 +39,10 @@ std::vector<std::pair<NodeId, NodeId>> near_pairs(const std::vector<Vec3>& nodes
   using Cell = std::array<std::int64_t, 3>;
   const auto hash = [](const Cell& c) {
     std::uint64_t h = 0;
-    for (const auto k : c) h = (h ^ std::uint64_t(k)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+    for (const auto k : c) {
+      h = (h ^ std::uint64_t(k)) * 0x9e3779b97f4a7c15ull;
+      h ^= h >> 29;
+    }
     return h;
   };
   const double size = 16 * distance;
@@ -70,8 +74,12 @@ void renumber(MeshFile& mesh, const std::vector<NodeId>& to) {
   std::vector<Vec3> nodes(std::size_t(to.empty() ? 0 : *std::max_element(to.begin(), to.end()) + 1));
   std::vector<std::int64_t> labels(nodes.size());
   for (std::size_t n = to.size(); n-- > 0;)
-    if (to[n] >= 0) nodes[std::size_t(to[n])] = mesh.nodes[n], labels[std::size_t(to[n])] = mesh.node_label[n];
-  mesh.nodes = std::move(nodes), mesh.node_label = std::move(labels);
+    if (to[n] >= 0) {
+      nodes[std::size_t(to[n])] = mesh.nodes[n];
+      labels[std::size_t(to[n])] = mesh.node_label[n];
+    }
+  mesh.nodes = std::move(nodes);
+  mesh.node_label = std::move(labels);
   for (auto& e : mesh.elements)
     for (auto& n : e) n = to[std::size_t(n)];
   for (auto& [name, set] : mesh.node_sets) {
@@ -116,7 +124,10 @@ void expect_shared(const MeshFile& mesh, std::span<const Region> region) {
 
 double extent(const MeshFile& mesh) {
   Point low = Point::Constant(1e300), high = Point::Constant(-1e300);
-  for (const auto& x : mesh.nodes) low = low.cwiseMin(hexahedron::point(x)), high = high.cwiseMax(hexahedron::point(x));
+  for (const auto& x : mesh.nodes) {
+    low = low.cwiseMin(hexahedron::point(x));
+    high = high.cwiseMax(hexahedron::point(x));
+  }
   return (high - low).norm();
 }
 
@@ -162,7 +173,10 @@ void expect_sound_elements(const MeshFile& mesh) {
     const auto x = corners(mesh, e);
     const double jacobian = hexahedron::scaled_jacobian(x);
     if (jacobian > 0) continue;
-    if (bad++ == 0) first = e, worst = jacobian;
+    if (bad++ == 0) {
+      first = e;
+      worst = jacobian;
+    }
     left_handed += hexahedron::volume(x) < 0;
     twice += names_a_node_twice(mesh.elements[e]);
   }

@@ -45,7 +45,8 @@ std::int32_t SurfaceTree::build(std::int32_t begin, std::int32_t end) {
   for (auto i = begin; i < end; ++i)
     for (const NodeId n : faces_[std::size_t(order_[std::size_t(i)])].nodes) {
       const Point p = hexahedron::point(mesh_.nodes[std::size_t(n)]);
-      box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
+      box.low = box.low.cwiseMin(p);
+      box.high = box.high.cwiseMax(p);
     }
   boxes_.push_back(box);
   if (end - begin <= 4) return self;
@@ -71,7 +72,8 @@ SurfacePoint SurfaceTree::project(std::int32_t f, const Point& p) const {
   Point t1, t2;
   for (int step = 0; step < 30; ++step) {
     const auto d = bilinear_derivatives(xi, eta);
-    t1 = at(d.xi), t2 = at(d.eta);
+    t1 = at(d.xi);
+    t2 = at(d.eta);
     const Point r = p - at(bilinear_weights(xi, eta));
     double g1 = t1.dot(r), g2 = t2.dot(r);
     const double a = t1.squaredNorm(), b = t1.dot(t2), c = t2.squaredNorm();
@@ -79,7 +81,8 @@ SurfacePoint SurfaceTree::project(std::int32_t f, const Point& p) const {
     double s1 = 0, s2 = 0;
     if (!held1 && !held2) {
       const double det = a * c - b * b;
-      s1 = (c * g1 - b * g2) / det, s2 = (a * g2 - b * g1) / det;
+      s1 = (c * g1 - b * g2) / det;
+      s2 = (a * g2 - b * g1) / det;
     } else if (!held1) {
       s1 = g1 / a;
     } else if (!held2) {
@@ -87,7 +90,8 @@ SurfacePoint SurfaceTree::project(std::int32_t f, const Point& p) const {
     }
     const double xi1 = std::clamp(xi + s1, -1.0, 1.0), eta1 = std::clamp(eta + s2, -1.0, 1.0);
     const double moved = std::abs(xi1 - xi) + std::abs(eta1 - eta);
-    xi = xi1, eta = eta1;
+    xi = xi1;
+    eta = eta1;
     if (moved < 1e-14) break;
   }
   SurfacePoint s{.face = f, .xi = xi, .eta = eta, .weights = bilinear_weights(xi, eta), .position = {}, .normal = {}, .distance = 0};

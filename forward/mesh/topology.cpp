@@ -55,7 +55,8 @@ std::vector<FaceId> matching_faces(std::span<const std::array<NodeId, 8>> elemen
         const bool alone = match[std::size_t(f)] == no_face && match[std::size_t(g)] == no_face;
         expect(alone || crowded, "a face belongs to at most two elements");
         if (!alone) crowded(f, g);
-        match[std::size_t(f)] = g, match[std::size_t(g)] = f;
+        match[std::size_t(f)] = g;
+        match[std::size_t(g)] = f;
       }
     }
   return match;

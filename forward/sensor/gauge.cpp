@@ -45,8 +45,11 @@ Mirrored mirror(const Mesh& mesh, const Point& p) {
   Mirrored m{p};
   if (mesh.plane_strain) m.position.y() = 0;
   for (const auto& plane : mesh.mirrors)
-    if (const int k = plane.axis; (p[k] < plane.at) == plane.above && p[k] != plane.at)
-      m.position[k] = 2 * plane.at - p[k], m.sign[k] = -1, m.shift[k] = 2 * plane.at;
+    if (const int k = plane.axis; (p[k] < plane.at) == plane.above && p[k] != plane.at) {
+      m.position[k] = 2 * plane.at - p[k];
+      m.sign[k] = -1;
+      m.shift[k] = 2 * plane.at;
+    }
   return m;
 }
 
@@ -93,7 +96,8 @@ struct Site {
     Point t1 = Point::Zero(), t2 = Point::Zero();
     for (std::size_t i = 0; i < 4; ++i) {
       const Point x = hexahedron::point(mesh.nodes[std::size_t(nodes[i])]);
-      t1 += b.xi[i] * x, t2 += b.eta[i] * x;
+      t1 += b.xi[i] * x;
+      t2 += b.eta[i] * x;
     }
     const Point n = t1.cross(t2).normalized();
     const Point d = (direction - n * n.dot(direction)).normalized();

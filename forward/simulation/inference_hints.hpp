@@ -49,9 +49,9 @@ struct InferenceHints {
   };
   Start start = Start::basin;
   Errors errors = Errors::strain_gauges;
-  double time_step = 0;        ///< of a model with even times of its own [s]; 0: the model has values wherever records have
-  bool any_prior = false;      ///< uniform priors are allowed beside a discrepancy, with a warning
-  bool idle_numbers = false;   ///< which numbers of a mechanism act alone is not known beforehand and is found by runs
+  double time_step = 0;       ///< of a model with even times of its own [s]; 0: the model has values wherever records have
+  bool any_prior = false;     ///< uniform priors are allowed beside a discrepancy, with a warning
+  bool idle_numbers = false;  ///< which numbers of a mechanism act alone is not known beforehand and is found by runs
   std::vector<UncertainNumber> nuisances;
   std::vector<HandbookPrior> handbook;
   std::map<std::string, double> half_widths;  ///< of the emulator's first box, by key, in the coordinate of the parameter

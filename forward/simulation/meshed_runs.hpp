@@ -37,9 +37,9 @@ class MeshedRuns {
 /// mesh has `numbers` set.
 std::vector<RunRequest> meshes_of(const std::vector<double>& element_sizes, const std::map<std::string, double>& numbers);
 
-/// Changes of the mean at theta by one standard deviation of each gauge's place along its direction, (values, gauges). The derivative is a central difference of
-/// half an element or `sd`, whichever is more, on the next to finest mesh of element size `element_size` [m]; it is one-sided where a gauge cannot be moved to
-/// the other side, and a column is 0 where no run succeeds. Two runs, or two a gauge and one where one of them cannot be moved.
+/// Changes of the mean at theta by one standard deviation of each gauge's place along its direction, (values, gauges). The derivative is a central difference
+/// of half an element or `sd`, whichever is more, on the next to finest mesh of element size `element_size` [m]; it is one-sided where a gauge cannot be moved
+/// to the other side, and a column is 0 where no run succeeds. Two runs, or two a gauge and one where one of them cannot be moved.
 Eigen::MatrixXd gauge_place_effects(const MeshedRuns& runs, std::span<const double> theta, double sd, double element_size, const Runs::Progress& progress = {});
 
 /// The effect at theta of each number that the simulator lists for score tests, by finite differences on the next to finest mesh. Numbers that change nothing

@@ -27,10 +27,10 @@ std::unique_ptr<Simulator> make_simulator(CaseFile& file, const SimulatorSetting
     for (const auto& row : simulator_kinds().rows())
       for (const auto& table : row.entry.tables)
         if (file.has(table) && std::find(kind.tables.begin(), kind.tables.end(), table) == kind.tables.end())
-          throw file.located(InputError({.problem = fmt::format("this table belongs to a model of kind \"{}\", and the model of this case is of kind \"{}\"",
-                                                                row.name, name),
-                                         .key = table,
-                                         .suggestion = fmt::format("remove the table, or set model.kind = \"{}\"", row.name)}));
+          throw file.located(
+              InputError({.problem = fmt::format("this table belongs to a model of kind \"{}\", and the model of this case is of kind \"{}\"", row.name, name),
+                          .key = table,
+                          .suggestion = fmt::format("remove the table, or set model.kind = \"{}\"", row.name)}));
     return kind.make(file, settings);
   });
 }

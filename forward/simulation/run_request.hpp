@@ -41,8 +41,8 @@ struct RunRequest {
   std::optional<double> energy_shift;     ///< the energies are the quantiles (i + shift) / pulses; 0.5 by default
   double viscosity_factor = 1;            ///< times the viscosity of the numerics, the mesh's own part included
   std::optional<MeshJitter> jitter;
-  int refine = 1;                         ///< every element of the case's own mesh is divided into so many along each edge
-  std::string precision;                  ///< "single" or "double"; empty: that of the case
+  int refine = 1;         ///< every element of the case's own mesh is divided into so many along each edge
+  std::string precision;  ///< "single" or "double"; empty: that of the case
   Outputs wanted;
   bool operator==(const RunRequest&) const = default;
 };

@@ -46,14 +46,14 @@ class RunStore {
   /// A frame of a run: where it is, and which outputs it has.
   struct Held {
     Outputs outputs;
-    FrameFile::Place place;                      ///< of a journal
-    std::optional<RunRecord> record;             ///< of a store in memory
+    FrameFile::Place place;           ///< of a journal
+    std::optional<RunRecord> record;  ///< of a store in memory
   };
   [[nodiscard]] RunRecord read(const std::string& text, const Held& held) const;
   mutable std::mutex lock_;
   std::map<std::string, std::vector<Held>> held_;  ///< by run_text, oldest first
   std::map<std::string, RunRecord> lost_;
-  std::optional<FrameFile> file_;                  ///< after held_, which its constructor fills
+  std::optional<FrameFile> file_;  ///< after held_, which its constructor fills
 };
 
 }  // namespace calomel

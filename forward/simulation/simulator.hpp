@@ -48,13 +48,13 @@ struct Fact {
 
 /// What a run costs.
 struct RunCost {
-  double run_s = 0;              ///< one pulse of every condition, on one thread [s]
-  double mean_s = 0;             ///< one mean over the pulse energies of every condition, on one thread [s]
-  int run_threads = 1;           ///< threads that a single run gains by
-  double run_gain = 1;           ///< speed of a single run on these threads, over one thread
-  std::size_t elements = 0;      ///< of the case's own mesh
-  int refinement_exponent = 4;   ///< work grows as (1 / element size) to this power: 3 in plane strain, 4 in three dimensions
-  std::string precision;         ///< "single" or "double"
+  double run_s = 0;             ///< one pulse of every condition, on one thread [s]
+  double mean_s = 0;            ///< one mean over the pulse energies of every condition, on one thread [s]
+  int run_threads = 1;          ///< threads that a single run gains by
+  double run_gain = 1;          ///< speed of a single run on these threads, over one thread
+  std::size_t elements = 0;     ///< of the case's own mesh
+  int refinement_exponent = 4;  ///< work grows as (1 / element size) to this power: 3 in plane strain, 4 in three dimensions
+  std::string precision;        ///< "single" or "double"
 };
 
 /// A model as `check` shows it and `simulate` records it.
@@ -112,14 +112,14 @@ struct TargetView {
 
 /// One mesh of the model.
 struct MeshScale {
-  Eigen::MatrixXd outermost;    ///< (2, 3): least and greatest coordinates of the whole target [m], NaN across a slice; or empty
+  Eigen::MatrixXd outermost;       ///< (2, 3): least and greatest coordinates of the whole target [m], NaN across a slice; or empty
   double liquid_element_size = 0;  ///< [m]
   double numerical_viscosity = 0;  ///< that acts on this mesh [Pa s]
 };
 
 /// A number of a mechanism between two values, for a score test.
 struct KeyDifference {
-  std::string mechanism, key;  ///< "beam_profile", "offset_z"
+  std::string mechanism, key;         ///< "beam_profile", "offset_z"
   double off = 0, low = 0, high = 0;  ///< the value that switches it off and the two at which it is run; `low` may be `off`
   bool like_the_mesh = false;         ///< a coarse mesh has the same effect
 };

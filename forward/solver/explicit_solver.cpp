@@ -19,7 +19,9 @@ namespace calomel {
 
 SolveOptions solve_options(const SolverOptions& o) {
   SolveOptions s;
-  s.precision = o.precision, s.kinematics = o.kinematics, s.steel_element = o.steel_element;
+  s.precision = o.precision;
+  s.kinematics = o.kinematics;
+  s.steel_element = o.steel_element;
   s.time_step_safety = o.time_step_safety;
   s.subcycles = o.subcycles;
   s.heated_rear = o.rear_reference == "heated";

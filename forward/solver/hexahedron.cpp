@@ -114,9 +114,12 @@ ModeStiffness b_bar_stiffness(const Corners& x, const LinearElastic& steel) {
         b(axis, axis * 7 + m) += d(axis);
         for (int row = 0; row < 3; ++row) b(row, axis * 7 + m) += dilatation(axis);
       }
-      b(3, m) = d(1), b(3, 7 + m) = d(0);
-      b(4, 7 + m) = d(2), b(4, 14 + m) = d(1);
-      b(5, m) = d(2), b(5, 14 + m) = d(0);
+      b(3, m) = d(1);
+      b(3, 7 + m) = d(0);
+      b(4, 7 + m) = d(2);
+      b(4, 14 + m) = d(1);
+      b(5, m) = d(2);
+      b(5, 14 + m) = d(0);
     }
     k += j.determinant() * b.transpose() * c * b;
   }
@@ -132,9 +135,18 @@ double steel_eigenvalue(const HexGeometry& g, const LinearElastic& steel, const 
       if (fixed[std::size_t(corner)] & (1 << c)) continue;
       Eigen::Matrix<double, 6, 1> s = Eigen::Matrix<double, 6, 1>::Zero();  // xx yy zz xy yz zx, engineering shear
       s(c) = d(c);
-      if (c == 0) s(3) = d(1), s(5) = d(2);
-      if (c == 1) s(3) = d(0), s(4) = d(2);
-      if (c == 2) s(4) = d(1), s(5) = d(0);
+      if (c == 0) {
+        s(3) = d(1);
+        s(5) = d(2);
+      }
+      if (c == 1) {
+        s(3) = d(0);
+        s(4) = d(2);
+      }
+      if (c == 2) {
+        s(4) = d(1);
+        s(5) = d(0);
+      }
       gram += s * s.transpose();
     }
   }

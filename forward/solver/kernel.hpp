@@ -48,8 +48,16 @@ struct EnergyTerms {
   double damped_after = 0;                         ///< taken from the motion after this instant
   double apart = 0;                                ///< stored between faces that are apart; part of what `dissipated` has taken so far
   void add(const EnergyTerms& t) {
-    kinetic += t.kinetic, liquid += t.liquid, hourglass += t.hourglass, steel += t.steel, dissipated += t.dissipated, heat += t.heat;
-    boundary_before += t.boundary_before, boundary_after += t.boundary_after, damped_after += t.damped_after, apart += t.apart;
+    kinetic += t.kinetic;
+    liquid += t.liquid;
+    hourglass += t.hourglass;
+    steel += t.steel;
+    dissipated += t.dissipated;
+    heat += t.heat;
+    boundary_before += t.boundary_before;
+    boundary_after += t.boundary_after;
+    damped_after += t.damped_after;
+    apart += t.apart;
   }
 };
 

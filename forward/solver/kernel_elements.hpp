@@ -103,14 +103,16 @@ template <Keep K, class V>
 CALOMEL_INLINE Motion<V> motion(V w, const LiquidStep<V>& s, const V* state) {
   const V one = V{} + 1;
   Motion<V> m;
-  m.strain = (w + s.ratio * state[0]) / (one + s.ratio), m.change = m.strain - state[0];
+  m.strain = (w + s.ratio * state[0]) / (one + s.ratio);
+  m.change = m.strain - state[0];
   V opened;
   if constexpr (K == Keep::energies)
     opened = select(state[state_time_at_cutoff] > 0, one, V{});
   else
     opened = state[1];
   const V rate = m.change * s.rate_factor;
-  m.quadratic = select(rate < 0, s.quadratic * rate * rate, V{}), m.collapse = select(rate < 0, s.collapse * opened * rate, V{});
+  m.quadratic = select(rate < 0, s.quadratic * rate * rate, V{});
+  m.collapse = select(rate < 0, s.collapse * opened * rate, V{});
   return m;
 }
 
@@ -125,14 +127,16 @@ CALOMEL_INLINE void count_riemer(V p, const Motion<V>& m, V volume, const Liquid
   sums.heat += (elastic + elastic_before) * (s.p0 - s.p0_before) / s.bulk_modulus * volume * half;
   const V stretch = m.strain - s.p0 / s.bulk_modulus, limit = s.cutoff / s.bulk_modulus;
   sums.liquid += volume * select(stretch <= limit, half * s.bulk_modulus * stretch * stretch, s.cutoff * (stretch - half * limit));
-  state[0] = m.strain, state[1] = viscous;
+  state[0] = m.strain;
+  state[1] = viscous;
 }
 
 /// Work done on a liquid with a law of its own, stored and dissipated together.
 template <class V>
 CALOMEL_INLINE void count_work(V p, const Motion<V>& m, V volume, V* state, Sums<V>& sums) {
   sums.dissipated -= (p + state[1]) * m.change * volume * (V{} + Scalar<V>(0.5));
-  state[0] = m.strain, state[1] = p;
+  state[0] = m.strain;
+  state[1] = p;
 }
 
 /// Pressure of a liquid element: Riemer's, or that of a law of its own; above the cutoff with the resistance of liquid that has been there.
@@ -146,7 +150,8 @@ CALOMEL_INLINE V liquid_pressure(V w, V volume, const LiquidStep<V>& s, V* state
     const V at_cutoff = select(p <= s.minus_cutoff, V{} + 1, V{});
     p -= select(p > s.minus_cutoff, m.collapse, V{});
     if constexpr (K == Keep::rate) {
-      state[0] = m.strain, state[1] = greater(state[1], at_cutoff);
+      state[0] = m.strain;
+      state[1] = greater(state[1], at_cutoff);
     } else {
       Given ? count_work(p, m, volume, state, sums) : count_riemer(p, m, volume, s, state, sums);
       state[state_time_at_cutoff] += s.dt * at_cutoff;

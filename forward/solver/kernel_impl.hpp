@@ -132,16 +132,30 @@ template <class R, bool Runs>
 CALOMEL_INLINE LiquidStep<typename Lanes<R, Runs>::V> liquid_step(const StepData<R>& s) {
   using V = typename Lanes<R, Runs>::V;
   LiquidStep<V> l;
-  l.bulk_modulus = V{} + s.bulk_modulus, l.minus_cutoff = V{} - s.cutoff, l.cutoff = V{} + s.cutoff, l.hourglass = V{} + s.hourglass;
-  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0)), l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0)), l.quadratic = V{} + s.quadratic, l.dt = V{} + s.dt;
+  l.bulk_modulus = V{} + s.bulk_modulus;
+  l.minus_cutoff = V{} - s.cutoff;
+  l.cutoff = V{} + s.cutoff;
+  l.hourglass = V{} + s.hourglass;
+  l.ratio = V{} + (s.dt > 0 ? s.beta / s.dt : R(0));
+  l.rate_factor = V{} + (s.dt > 0 ? 1 / s.dt : R(0));
+  l.quadratic = V{} + s.quadratic;
+  l.dt = V{} + s.dt;
   return l;
 }
 
 template <class R, bool Runs>
 CALOMEL_INLINE void report_sums(const Sums<typename Lanes<R, Runs>::V>& sums, EnergyTerms* energy) {
   constexpr int W = Lanes<R, Runs>::width;
-  energy->liquid += lane_sum<R, W>(sums.liquid), energy->dissipated += lane_sum<R, W>(sums.dissipated), energy->heat += lane_sum<R, W>(sums.heat);
-  energy->hourglass += 0.5 * lane_sum<R, W>(sums.hourglass), energy->steel += 0.5 * lane_sum<R, W>(sums.steel);
+  energy->liquid += lane_sum < R;
+  W > (sums.liquid);
+  energy->dissipated += lane_sum < R;
+  W > (sums.dissipated);
+  energy->heat += lane_sum < R;
+  W > (sums.heat);
+  energy->hourglass += 0.5 * lane_sum < R;
+  W > (sums.hourglass);
+  energy->steel += 0.5 * lane_sum < R;
+  W > (sums.steel);
 }
 
 /// Stressed: the block has a stress before the run, or heat in the steel.
@@ -182,7 +196,8 @@ void elements(const BlockData<R>& b, const StepData<R>& s, const R* w, R* force,
       if constexpr (balance) state = reinterpret_cast<V*>(b.state) + std::size_t(g) * steel_state;
       if constexpr (Stressed) {
         FreeStrain<V> free;
-        free.thermal = L::heating(b.thermal, g, s.load), free.thermal_before = L::heating(b.thermal, g, s.load_before);
+        free.thermal = L::heating(b.thermal, g, s.load);
+        free.thermal_before = L::heating(b.thermal, g, s.load_before);
         const auto initial = L::coefficients(b.initial + std::size_t(g) * 6 * L::per_group);
         for (int k = 0; k < 6; ++k) free.initial[k] = initial(k);
         free.trace = balance && b.trace ? reinterpret_cast<V*>(b.trace) + std::size_t(g) : nullptr;
@@ -318,7 +333,9 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
   unstressed.initial = nullptr;
   forces<R, false, Keep::energies>(unstressed, s, w, force, &of_v);
   const double rate = double(s.steel_beta) / double(s.dt);
-  energy->steel += of_u.steel - 0.5 * rate * of_v.steel, energy->dissipated += 2 * rate * of_v.steel, energy->heat += of_u.heat;
+  energy->steel += of_u.steel - 0.5 * rate * of_v.steel;
+  energy->dissipated += 2 * rate * of_v.steel;
+  energy->heat += of_u.heat;
   for (int k = 0; k < s.branch_count; ++k) {
     StepData<R> in_branch = s;
     in_branch.u = s.branches[k].x;
@@ -326,7 +343,8 @@ void book_damped_steel(const BlockData<R>& b, const StepData<R>& s, R* w, R* for
     copy_in<R, false>(b, in_branch, R(1), R(0), w, force);
     forces<R, false, Keep::energies>(unstressed, s, w, force, &of_x);
     const double stored = s.branches[k].share * of_x.steel, lost = 2 * stored * double(s.dt) / s.branches[k].time;
-    energy->steel += stored - 0.5 * lost, energy->dissipated += lost;
+    energy->steel += stored - 0.5 * lost;
+    energy->dissipated += lost;
   }
 }
 

@@ -117,18 +117,23 @@ CALOMEL_INLINE void advance_opening_pair(const SpecialData<R>& r, std::size_t ru
   if constexpr (Balance && !Runs) {
     const double half_way = 0.5 * double(s.dt) * double(mass_node) / double(s.kick) * double(change);
     double rel_before = 0, rel_after = 0;
-    for (int c = 0; c < 3; ++c)
-      rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c])), rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    for (int c = 0; c < 3; ++c) {
+      rel_before += double(n[c]) * (double(steel_before[c]) - double(before[c]));
+      rel_after += double(n[c]) * (double(steel[c]) - double(v[c]));
+    }
     if constexpr (Filmed) {
       double vn_before = 0, vn_after = 0, sn_before = 0, sn_after = 0;
       for (int c = 0; c < 3; ++c) {
-        vn_before += double(n[c]) * double(before[c]), vn_after += double(n[c]) * double(v[c]);
-        sn_before += double(n[c]) * double(steel_before[c]), sn_after += double(n[c]) * double(steel[c]);
+        vn_before += double(n[c]) * double(before[c]);
+        vn_after += double(n[c]) * double(v[c]);
+        sn_before += double(n[c]) * double(steel_before[c]);
+        sn_after += double(n[c]) * double(steel[c]);
       }
       energy->kinetic += 0.5 * double(film) * (sn_before * sn_after - vn_before * vn_after);
     }
-    energy->dissipated += half_way * rel_before, energy->damped_after += half_way * rel_after,
-        energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
+    energy->dissipated += half_way * rel_before;
+    energy->damped_after += half_way * rel_after;
+    energy->apart += double(s.extras.hold[rule]) * double(now) * double(gap);
   }
 }
 
@@ -139,10 +144,13 @@ void special(const Layout& layout, const SpecialData<R>* rules, std::size_t begi
   using L = typename Row<R, Runs>::Lane;
   constexpr int width = Row<R, Runs>::width;
   L share, stress;
-  if constexpr (Runs)
-    share = load<L>(s.load), stress = load<L>(s.end_stress);
-  else
-    share = s.load[0], stress = s.end_stress[0];
+  if constexpr (Runs) {
+    share = load<L>(s.load);
+    stress = load<L>(s.end_stress);
+  } else {
+    share = s.load[0];
+    stress = s.end_stress[0];
+  }
   for (std::size_t i = begin; i < end; ++i) {
     const SpecialData<R>& r = rules[i];
     L force[3], v[3], before[3];

@@ -4,12 +4,17 @@
 template <class V>
 CALOMEL_INLINE void to_plane_modes(const V* n, V* m) {
   const V d0 = n[1] - n[0], d1 = n[3] - n[2], s0 = n[0] + n[1], s1 = n[2] + n[3];
-  m[0] = d0 + d1, m[1] = s1 - s0, m[2] = d1 - d0;
+  m[0] = d0 + d1;
+  m[1] = s1 - s0;
+  m[2] = d1 - d0;
 }
 template <class V>
 CALOMEL_INLINE void to_plane_corners(const V* m, V* n) {
   const V d0 = m[0] - m[2], d1 = m[0] + m[2];
-  n[0] = -m[1] - d0, n[1] = d0 - m[1], n[2] = m[1] - d1, n[3] = m[1] + d1;
+  n[0] = -m[1] - d0;
+  n[1] = d0 - m[1];
+  n[2] = m[1] - d1;
+  n[3] = m[1] + d1;
 }
 
 inline constexpr int plane_volume = 6, plane_x = 7, plane_last = 9;  ///< where volume, X, and h or K stand in the terms
@@ -55,12 +60,15 @@ CALOMEL_INLINE void steel_element(const V (&u)[2][3], V (&f)[2][3], Geometry g, 
   plane_gradients(u, g, grad), plane_hourglass(u, grad, g, q);
   V xx = 2 * grad[0][0], zz = 2 * grad[1][1], zx = grad[0][1] + grad[1][0], trace = xx + zz;  // twice the strain
   if constexpr (Stressed) {
-    xx += 2 * (free->initial[0] - free->thermal), zz += 2 * (free->initial[2] - free->thermal), zx += 2 * free->initial[5];
+    xx += 2 * (free->initial[0] - free->thermal);
+    zz += 2 * (free->initial[2] - free->thermal);
+    zx += 2 * free->initial[5];
     trace = xx + zz + 2 * (free->initial[1] - free->thermal);
   }
   const V minus_volume = -g(plane_volume), pressure = lambda * (V{} + Scalar<V>(0.5)) * trace, shear = minus_volume * (mu * zx);
   V t[2][2] = {{minus_volume * (pressure + mu * xx), shear}, {shear, minus_volume * (pressure + mu * zz)}};
-  spring[0] = g(plane_last) * q[0] + g(plane_last + 1) * q[1], spring[1] = g(plane_last + 1) * q[0] + g(plane_last + 2) * q[1];
+  spring[0] = g(plane_last) * q[0] + g(plane_last + 1) * q[1];
+  spring[1] = g(plane_last + 1) * q[0] + g(plane_last + 2) * q[1];
   spread_plane(t, spring, g, f);
 }
 

@@ -96,8 +96,13 @@ CALOMEL_INLINE void to_modes(const V* n, V* m) {
   const V s2 = n[4] + n[5], d2 = n[5] - n[4], s3 = n[6] + n[7], d3 = n[7] - n[6];
   const V ss0 = s0 + s1, ts0 = s1 - s0, sd0 = d0 + d1, td0 = d1 - d0;
   const V ss1 = s2 + s3, ts1 = s3 - s2, sd1 = d2 + d3, td1 = d3 - d2;
-  m[1] = sd0 + sd1, m[2] = ts0 + ts1, m[3] = td0 + td1;
-  m[4] = ss1 - ss0, m[5] = sd1 - sd0, m[6] = ts1 - ts0, m[7] = td1 - td0;
+  m[1] = sd0 + sd1;
+  m[2] = ts0 + ts1;
+  m[3] = td0 + td1;
+  m[4] = ss1 - ss0;
+  m[5] = sd1 - sd0;
+  m[6] = ts1 - ts0;
+  m[7] = td1 - td0;
 }
 template <class V>
 CALOMEL_INLINE void to_corners(const V* m, V* n) {
@@ -105,8 +110,14 @@ CALOMEL_INLINE void to_corners(const V* m, V* n) {
   const V ss1 = m[4], sd1 = m[1] + m[5], ts1 = m[2] + m[6], td1 = m[3] + m[7];
   const V s0 = ss0 - ts0, s1 = ss0 + ts0, d0 = sd0 - td0, d1 = sd0 + td0;
   const V s2 = ss1 - ts1, s3 = ss1 + ts1, d2 = sd1 - td1, d3 = sd1 + td1;
-  n[0] = s0 - d0, n[1] = s0 + d0, n[2] = s1 - d1, n[3] = s1 + d1;
-  n[4] = s2 - d2, n[5] = s2 + d2, n[6] = s3 - d3, n[7] = s3 + d3;
+  n[0] = s0 - d0;
+  n[1] = s0 + d0;
+  n[2] = s1 - d1;
+  n[3] = s1 + d1;
+  n[4] = s2 - d2;
+  n[5] = s2 + d2;
+  n[6] = s3 - d3;
+  n[7] = s3 + d3;
 }
 
 CALOMEL_INLINE constexpr int linear_mode(int j) { return 1 << j; }

@@ -128,7 +128,10 @@ Layout make_layout(const Mesh& mesh, const std::vector<std::uint8_t>& parallelep
     std::vector<NodeId> mine;
     for (const auto e : block.elements)
       for (const NodeId n : mesh.elements[std::size_t(e)])
-        if (owner[leader(n)] == std::int32_t(b)) mine.push_back(NodeId(leader(n))), owner[leader(n)] = -3 - std::int32_t(b);
+        if (owner[leader(n)] == std::int32_t(b)) {
+          mine.push_back(NodeId(leader(n)));
+          owner[leader(n)] = -3 - std::int32_t(b);
+        }
     std::stable_sort(mine.begin(), mine.end(), [&](NodeId a, NodeId c) { return mesh.fixed[std::size_t(a)] < mesh.fixed[std::size_t(c)]; });
     for (const NodeId n : mine) {
       const auto bits = mesh.fixed[std::size_t(n)];

@@ -72,7 +72,9 @@ HeatingShape heating_shape(const Mesh& mesh, const ProfileOptions& profile) {
         const double f[3] = {1 + s[0] * xi[0], 1 + s[1] * xi[1], 1 + s[2] * xi[2]};
         for (std::size_t c = 0; c < 3; ++c) {
           x[c] += 0.125 * f[0] * f[1] * f[2] * p[c];
-          j[c][0] += 0.125 * s[0] * f[1] * f[2] * p[c], j[c][1] += 0.125 * s[1] * f[0] * f[2] * p[c], j[c][2] += 0.125 * s[2] * f[0] * f[1] * p[c];
+          j[c][0] += 0.125 * s[0] * f[1] * f[2] * p[c];
+          j[c][1] += 0.125 * s[1] * f[0] * f[2] * p[c];
+          j[c][2] += 0.125 * s[2] * f[0] * f[1] * p[c];
         }
       }
       const double det = j[0][0] * (j[1][1] * j[2][2] - j[1][2] * j[2][1]) - j[0][1] * (j[1][0] * j[2][2] - j[1][2] * j[2][0]) +

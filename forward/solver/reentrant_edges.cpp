@@ -35,7 +35,8 @@ std::vector<std::uint8_t> reentrant_elements(const Mesh& mesh) {
       const hexahedron::Point along = (point(edge[1]) - point(edge[0])).normalized();
       hexahedron::Point p = point(edge[0] ^ first) - point(edge[0]) + point(edge[1] ^ first) - point(edge[1]);
       hexahedron::Point q = point(edge[0] ^ second) - point(edge[0]) + point(edge[1] ^ second) - point(edge[1]);
-      p -= p.dot(along) * along, q -= q.dot(along) * along;
+      p -= p.dot(along) * along;
+      q -= q.dot(along) * along;
       Around& around = edges[std::minmax(a, b)];
       around.angle += std::atan2(p.cross(q).norm(), p.dot(q));
       around.elements.push_back(std::int32_t(e));

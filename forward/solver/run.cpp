@@ -37,7 +37,8 @@ StepPair<R> Run<R>::step(std::int64_t n, R* scratch) const {
   }
   // A slow block's forces act once in m steps, m times as strong; what it shares with fast ones it leaves in the outbox so.
   pair.slow = s;
-  pair.slow.dt = R(subcycles_ * dt_), pair.slow.kick = R(subcycles_ * (n == 0 ? dt_ / 2 : dt_));
+  pair.slow.dt = R(subcycles_ * dt_);
+  pair.slow.kick = R(subcycles_ * (n == 0 ? dt_ / 2 : dt_));
   pair.slow.outbox_scale = R(subcycles_);
   set_loads(pair.slow, n, n - subcycles_);
   return pair;
@@ -119,7 +120,8 @@ void Run<R>::drag_slip() {
       }
       for (std::size_t c = 0; c < 3; ++c) {
         const double impulse = taken * together * along[c];
-        of_steel[c * stride] += R(impulse / mass_[steel]), of_mercury[c * stride] -= R(impulse / mass_[mercury]);
+        of_steel[c * stride] += R(impulse / mass_[steel]);
+        of_mercury[c * stride] -= R(impulse / mass_[mercury]);
         dragged_ += along[c] * impulse * (1 - 0.5 * taken);
       }
     }
@@ -171,9 +173,17 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   AlignedArray<R> u(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) u[i] = scale * x[i], result[i] = rate * x[i];
   StepData<R> s = base_;
-  s.u = u.data(), s.v = result.data();
-  s.bulk_modulus = R(setup_.liquid_stiffness()), s.extras = {}, s.relaxing = nullptr;
-  s.dt = 0, s.kick = 1, s.quadratic = 0, s.cutoff = R(unlimited_cutoff), s.rear_give = 1, s.rear_push = 0;
+  s.u = u.data();
+  s.v = result.data();
+  s.bulk_modulus = R(setup_.liquid_stiffness());
+  s.extras = {};
+  s.relaxing = nullptr;
+  s.dt = 0;
+  s.kick = 1;
+  s.quadratic = 0;
+  s.cutoff = R(unlimited_cutoff);
+  s.rear_give = 1;
+  s.rear_push = 0;
   parallel_for(blocks_.size(), threads, [&](std::size_t b) {
     if (liquid_alone && !blocks_[b].liquid) {
       const std::size_t width = packed_.width();
@@ -185,8 +195,12 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
     own.scratch = scratch.data();
     BlockData<R> block = blocks_[b];
     // All of the liquid closing at once: b rho c h 2 / dt of stiffness beside K (1 + 2 beta / dt).
-    if (block.liquid && base_.collapse > 0) block.size = packed_.size[b].data(), own.collapse = R(double(base_.collapse) / (0.5 * dt_ + double(base_.beta)));
-    block.law = {}, block.initial = nullptr;
+    if (block.liquid && base_.collapse > 0) {
+      block.size = packed_.size[b].data();
+      own.collapse = R(double(base_.collapse) / (0.5 * dt_ + double(base_.beta)));
+    }
+    block.law = {};
+    block.initial = nullptr;
     EnergyTerms unused;
     packed_.runs ? kernel_.run_block(block, own, Keep::nothing) : kernel_.element_block(block, own, Keep::nothing, &unused);
   });
@@ -197,8 +211,11 @@ void Run<R>::apply_operator(const AlignedArray<R>& x, AlignedArray<R>& result, i
   std::vector<SpecialData<R>> rules = rules_;
   if (faces_may_part(setup_))
     for (auto& r : rules)
-      if (r.normals == 1)
-        r.normals = 0, r.mass_node = R(parted_mass_[std::size_t(r.node)]), r.mass_partner = r.partner >= 0 ? R(parted_mass_[std::size_t(r.partner)]) : R(0);
+      if (r.normals == 1) {
+        r.normals = 0;
+        r.mass_node = R(parted_mass_[std::size_t(r.node)]);
+        r.mass_partner = r.partner >= 0 ? R(parted_mass_[std::size_t(r.partner)]) : R(0);
+      }
   packed_.runs ? kernel_.run_special(layout, rules.data(), 0, rules.size(), s)
                : kernel_.element_special(layout, rules.data(), 0, rules.size(), s, false, &unused);
   for (std::size_t i = 0; i < x.size(); ++i) result[i] = (rate * x[i] - result[i]) / scale;

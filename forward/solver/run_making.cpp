@@ -47,30 +47,44 @@ Run<R>::Run(const PackedMesh<R>& packed, const Mesh& mesh, const NodalVolumes& v
          "what is held apart is given for every slip pair, where strengths are");
   const std::size_t nodes = std::size_t(packed.layout.nodes), width = packed.width();
   make_masses(volumes);
-  u_ = AlignedArray<R>(nodes * width), v_ = AlignedArray<R>(nodes * width), outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
+  u_ = AlignedArray<R>(nodes * width);
+  v_ = AlignedArray<R>(nodes * width);
+  outbox_ = AlignedArray<R>(packed.layout.outbox_size * width);
   start_from(setup.initial_displacement, u_);
   start_from(setup.initial_velocity, v_);
   make_blocks();
   if (!setup.initial_displacement.empty() || !setup.initial_velocity.empty()) remember_strain();
   make_rules(options.heated_rear);
   make_extras();
-  plain_chunks_ = node_chunks(packed.layout.first_slow_plain), rule_chunks_ = node_chunks(rules_.size());
+  plain_chunks_ = node_chunks(packed.layout.first_slow_plain);
+  rule_chunks_ = node_chunks(rules_.size());
   slow_chunks_ = node_chunks(packed.layout.plain.size() - packed.layout.first_slow_plain);
   for (auto& e : energies_) e.resize(blocks_.size() + chunk_count(true));
 
   const double k = setup.liquid.bulk_modulus, h = mesh.liquid_element_size, r = setup.rear_coefficient;
-  base_.u = u_.data(), base_.v = v_.data(), base_.inverse_mass = inverse_mass_.data(), base_.outbox = outbox_.data();
-  base_.outbox_end = packed.layout.outbox_begin.data() + 1, base_.outbox_scale = 1;
-  base_.dt = R(dt_), base_.kick = R(dt_);
-  base_.bulk_modulus = R(k), base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited_cutoff)), base_.hourglass = R(setup.hourglass * k);
+  base_.u = u_.data();
+  base_.v = v_.data();
+  base_.inverse_mass = inverse_mass_.data();
+  base_.outbox = outbox_.data();
+  base_.outbox_end = packed.layout.outbox_begin.data() + 1;
+  base_.outbox_scale = 1;
+  base_.dt = R(dt_);
+  base_.kick = R(dt_);
+  base_.bulk_modulus = R(k);
+  base_.cutoff = R(std::min(setup.liquid.tensile_cutoff, unlimited_cutoff));
+  base_.hourglass = R(setup.hourglass * k);
   base_.beta = R(k > 0 ? setup.liquid.viscosity / k : 0);
   base_.collapse = R(setup.collapse_resistance());
   base_.quadratic = R(setup.liquid_density * setup.quadratic_viscosity * setup.quadratic_viscosity * h * h);
-  base_.rear_give = R(1 - r), base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
+  base_.rear_give = R(1 - r);
+  base_.rear_push = R((1 + r) * std::sqrt(k * setup.liquid_density));
   const double late = 0.5 + 0.5 * std::max(r, 0.0);
   base_.extras = {strength_.data(), hold_.data(), open_.data(), rear_initial_.data(), resistance_.size() ? resistance_.data() : nullptr, setup.wall_film != 0};
-  base_.rear_late = R(late), base_.rear_early = R((1 - late) / late);
-  base_.lambda = R(setup.steel.lambda), base_.mu = R(setup.steel.mu), base_.steel_beta = R(setup.steel_stiffness_damping);
+  base_.rear_late = R(late);
+  base_.rear_early = R((1 - late) / late);
+  base_.lambda = R(setup.steel.lambda);
+  base_.mu = R(setup.steel.mu);
+  base_.steel_beta = R(setup.steel_stiffness_damping);
   make_branches();
 }
 
@@ -90,7 +104,8 @@ void Run<R>::make_masses(const NodalVolumes& volumes) {
     mass_[s] += of_steel + setup_.liquid_density * volumes.liquid[n] + by_node(setup_.node_mass, n);
   }
   for (std::size_t s = 0; s < mass_.size(); ++s) {
-    parted_mass_[s] = mass_[s], inverse_mass_[s] = R(1 / mass_[s]);
+    parted_mass_[s] = mass_[s];
+    inverse_mass_[s] = R(1 / mass_[s]);
     if (damped) motion_factor_[s] = std::exp(-dt_ * drag[s] / mass_[s]);
   }
 }
@@ -139,10 +154,15 @@ void Run<R>::make_rules(bool heated_rear) {
   const Layout& layout = packed_.layout;
   for (const auto& s : layout.special) {
     SpecialData<R> r{};
-    r.node = s.node, r.partner = s.partner, r.normals = s.normals;
+    r.node = s.node;
+    r.partner = s.partner;
+    r.normals = s.normals;
     r.fixed_node = layout.fixed[std::size_t(s.node)];
     r.mass_node = R(mass_[std::size_t(s.node)]);
-    if (s.partner >= 0) r.fixed_partner = layout.fixed[std::size_t(s.partner)], r.mass_partner = R(mass_[std::size_t(s.partner)]);
+    if (s.partner >= 0) {
+      r.fixed_partner = layout.fixed[std::size_t(s.partner)];
+      r.mass_partner = R(mass_[std::size_t(s.partner)]);
+    }
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t c = 0; c < 3; ++c) r.normal[k][c] = R(s.normal[k][c]);
     if (s.rear >= 0) {
@@ -168,7 +188,9 @@ void Run<R>::make_branches() {
     branch_.emplace_back(u_.size());
     branches_.push_back({branch_.back().data(), b.share, b.time});
   }
-  base_.relaxing = relaxing_.data(), base_.branches = branches_.data(), base_.branch_count = int(branches_.size());
+  base_.relaxing = relaxing_.data();
+  base_.branches = branches_.data();
+  base_.branch_count = int(branches_.size());
 }
 
 template <class R>
@@ -192,7 +214,8 @@ void Run<R>::make_stress(std::size_t b) {
   }
   const double lambda = setup_.steel.lambda, mu = setup_.steel.mu, three_k = 3 * lambda + 2 * mu;
   const bool balanced = keep_ == Keep::energies;
-  initial_[b] = AlignedArray<R>(slots * 6), thermal_[b] = AlignedArray<R>(slots);
+  initial_[b] = AlignedArray<R>(slots * 6);
+  thermal_[b] = AlignedArray<R>(slots);
   if (balanced) trace_[b] = AlignedArray<R>(slots);
   for (std::size_t i = 0; i < slots; ++i) {
     if (elements[i] < 0) continue;
@@ -205,7 +228,9 @@ void Run<R>::make_stress(std::size_t b) {
     }
     if (balanced) trace_[b][i] = R(-3 * initial_pressure(e) + three_k * steel_strain(e).trace());
   }
-  blocks_[b].initial = initial_[b].data(), blocks_[b].thermal = thermal_[b].data(), blocks_[b].trace = trace_[b].data();
+  blocks_[b].initial = initial_[b].data();
+  blocks_[b].thermal = thermal_[b].data();
+  blocks_[b].trace = trace_[b].data();
 }
 
 template <class R>
@@ -213,7 +238,9 @@ void Run<R>::make_extras() {
   const bool parting = !setup_.slip_strength.empty() || setup_.wetted_cutoff < unlimited_cutoff;
   if (!parting && setup_.initial_stress.empty()) return;
   const std::size_t copies = packed_.runs ? run_lanes : 1;
-  strength_ = AlignedArray<R>(rules_.size()), hold_ = AlignedArray<R>(rules_.size()), open_ = AlignedArray<R>(rules_.size() * copies),
+  strength_ = AlignedArray<R>(rules_.size());
+  hold_ = AlignedArray<R>(rules_.size());
+  open_ = AlignedArray<R>(rules_.size() * copies);
   rear_initial_ = AlignedArray<R>(rules_.size());
   const bool resisting = setup_.parting_time > 0 || setup_.meeting_time > 0;
   if (resisting) resistance_ = AlignedArray<R>(2 * rules_.size());
@@ -241,14 +268,16 @@ void Run<R>::make_extras() {
       if (weak && !setup_.slip_hold.empty()) hold_[rule] = R(setup_.slip_hold[pair->second] * std::abs(area));
       if (resisting && !weak) {
         const double stiffness = setup_.liquid.bulk_modulus * std::abs(area) / thickness;
-        resistance_[2 * rule] = R(stiffness * setup_.parting_time), resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);
+        resistance_[2 * rule] = R(stiffness * setup_.parting_time);
+        resistance_[2 * rule + 1] = R(stiffness * setup_.meeting_time);
       }
       for (std::size_t l = 0; l < copies; ++l) {  // what starts apart is apart
         double gap = 0, moved = 0;
         for (std::size_t c = 0; c < 3; ++c) {
           const std::size_t at = c * packed_.stride() + l;
           const double partner = double(u_[std::size_t(r.partner) * packed_.width() + at]), node = double(u_[std::size_t(r.node) * packed_.width() + at]);
-          gap += double(r.normal[0][c]) * (partner - node), moved = std::max({moved, std::abs(partner), std::abs(node)});
+          gap += double(r.normal[0][c]) * (partner - node);
+          moved = std::max({moved, std::abs(partner), std::abs(node)});
         }
         open_[rule * copies + l] = R(r.normals == 1 && gap > roundings * std::numeric_limits<R>::epsilon() * moved ? 1 : 0);
       }

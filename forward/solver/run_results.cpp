@@ -44,7 +44,8 @@ FieldSnapshot Run<R>::snapshot(std::int64_t n, bool motion_alone) const {
   for (std::size_t i = 0; i < nodes; ++i)
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = std::size_t(packed_.layout.to_solver[i]) * width + c * stride;
-      f.displacement[i][c] = double(u_[at]), f.velocity[i][c] = double(v_[at]);
+      f.displacement[i][c] = double(u_[at]);
+      f.velocity[i][c] = double(v_[at]);
     }
   if (!motion_alone) fill_elements(f, ramp(f.time) * setup_.energies[0]);
   return f;
@@ -148,7 +149,8 @@ double Run<R>::time_at_cutoff() const {
     for (std::size_t slot = 0; slot < packed_.elements[b].size(); ++slot) {
       if (packed_.elements[b][slot] < 0) continue;
       const double own = hex_geometry(corners_of(mesh_, std::size_t(packed_.elements[b][slot]))).volume;
-      volume += own, sum += own * time_at_cutoff(b, slot);
+      volume += own;
+      sum += own * time_at_cutoff(b, slot);
     }
   }
   return volume > 0 ? sum / volume : 0;

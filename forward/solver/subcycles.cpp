@@ -36,7 +36,10 @@ Stepping cheapest_stepping(const Layout& layout, bool own_law, int least, int le
   for (int m = 2; m <= most && slow > 0; ++m) {
     const int periods = std::max((least + m - 1) / m, least_slow);
     const double cost = periods * (m * fast + slow);
-    if (cost < least_cost * (1 - 1e-9)) least_cost = cost, best = {.per_output = periods * m, .subcycles = m, .work = (m * fast + slow) / (m * (fast + slow))};
+    if (cost < least_cost * (1 - 1e-9)) {
+      least_cost = cost;
+      best = {.per_output = periods * m, .subcycles = m, .work = (m * fast + slow) / (m * (fast + slow))};
+    }
   }
   return best;
 }

@@ -41,9 +41,13 @@ struct Balance {
 
   /// `first`: of the steps at which slow blocks are at work too, the second or an earlier one.
   void add(const EnergyTerms& sum, bool all_at_work, bool first, bool has_initial_state) {
-    dissipated += sum.dissipated, heat += sum.heat, boundary += sum.boundary_before;
+    dissipated += sum.dissipated;
+    heat += sum.heat;
+    boundary += sum.boundary_before;
     if (all_at_work) close(sum, first && has_initial_state);
-    boundary += sum.boundary_after, dissipated += sum.damped_after, apart = sum.apart;
+    boundary += sum.boundary_after;
+    dissipated += sum.damped_after;
+    apart = sum.apart;
   }
 
  private:
@@ -86,7 +90,8 @@ class TimeLoop {
     out_.times.resize(samples);
     out_.observations.assign(setup.energies.size() * rows.size() * samples, 0);
     const auto shares = [&](std::size_t begin, std::size_t end) { return thread_shares(layout, setup.liquid_law != nullptr, begin, end, threads_); };
-    first_fast_ = shares(0, layout.first_slow_block), first_slow_ = shares(layout.first_slow_block, run.block_count());
+    first_fast_ = shares(0, layout.first_slow_block);
+    first_slow_ = shares(layout.first_slow_block, run.block_count());
     for (int t = 0; t < threads_; ++t) scratch_.emplace_back(run.scratch_size());
   }
 
@@ -171,7 +176,10 @@ class TimeLoop {
     const bool stop = options_.stop && *options_.stop;
     if (!options_.checkpoint.path.empty() && n > first_step_ && n < steps_) {
       const auto now = std::chrono::steady_clock::now();
-      if (stop || std::chrono::duration<double>(now - last_saved_).count() >= options_.checkpoint.every_seconds) save(n), last_saved_ = now;
+      if (stop || std::chrono::duration<double>(now - last_saved_).count() >= options_.checkpoint.every_seconds) {
+        save(n);
+        last_saved_ = now;
+      }
     }
     if (stop) throw Interrupted();
   }
@@ -227,7 +235,8 @@ class TimeLoop {
     in.read(reinterpret_cast<char*>(out_.observations.data()), std::streamsize(out_.observations.size() * sizeof(double)));
     run_.restore(in);
     if (!in) fail("the checkpoint ends early");
-    first_step_ = field_due_ = numbers[0], fields_ = numbers[1];
+    first_step_ = field_due_ = numbers[0];
+    fields_ = numbers[1];
     // A snapshot of that very step was handed out before the checkpoint was written.
     if (field_every_ > 0 && (first_step_ % field_every_ == 0 || first_step_ == steps_)) ++field_due_;
     if (options_.checkpoint.on_resume) options_.checkpoint.on_resume(first_step_, fields_, first_step_ == steps_);
@@ -235,8 +244,10 @@ class TimeLoop {
 
   void finish() {
     out_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-    out_.steps = steps_, out_.resumed_from = first_step_;
-    out_.time_step = setup_.output_interval / per_output_, out_.subcycles = run_.subcycles();
+    out_.steps = steps_;
+    out_.resumed_from = first_step_;
+    out_.time_step = setup_.output_interval / per_output_;
+    out_.subcycles = run_.subcycles();
     std::size_t elements = 0;
     for (const auto& b : layout_.blocks) elements += b.elements.size();
     out_.element_steps_per_second = double(elements) * double(setup_.energies.size()) * double(steps_ - first_step_) / out_.wall_seconds;
@@ -245,7 +256,8 @@ class TimeLoop {
     out_.hourglass_share = b.scale > 0 ? b.hourglass / b.scale : 0;
     const bool end_load = !setup_.end_stress.time.empty();  // a bar has no rear face: what goes out there is the load's work
     out_.energy_in = b.heat + b.initial - (end_load ? b.boundary : 0);
-    out_.dissipated = b.dissipated - b.apart, out_.radiated = end_load ? 0 : b.boundary;
+    out_.dissipated = b.dissipated - b.apart;
+    out_.radiated = end_load ? 0 : b.boundary;
     if (options_.checkpoint.path.empty()) return;
     if (options_.checkpoint.keep) {
       if (first_step_ < steps_) save(steps_);

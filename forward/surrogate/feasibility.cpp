@@ -45,7 +45,11 @@ Feasibility::Feasibility(const std::vector<Parameter>& parameters, const Eigen::
       log_likelihood += std::log(failed_[i] > 0 ? p : 1 - p);
       right += (p >= 0.5) == (failed_[i] > 0);
     }
-    if (log_likelihood > best) best = log_likelihood, multiple_ = multiple, accuracy_ = right / double(points_.cols());
+    if (log_likelihood > best) {
+      best = log_likelihood;
+      multiple_ = multiple;
+      accuracy_ = right / double(points_.cols());
+    }
   }
 }
 
@@ -67,7 +71,8 @@ double Feasibility::probability(const Eigen::VectorXd& u, double multiple, Eigen
   double weight = base_weight, failed = base_weight * base;
   for (const auto& [square, i] : squares) {
     const double w = std::exp(-0.5 * square / h2);
-    weight += w, failed += w * failed_[i];
+    weight += w;
+    failed += w * failed_[i];
   }
   return failed / weight;
 }

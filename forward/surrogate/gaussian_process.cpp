@@ -89,7 +89,8 @@ double negative_log_posterior(const Eigen::MatrixXd& x, const Eigen::VectorXd& z
     const double inverse = std::exp(-h.log_length[f]);
     for (Eigen::Index i = 0; i < n; ++i) {
       const Warp v = warp(x(f, i), h.kappa[f]);
-      w(f, i) = v.value * inverse, by_kappa(f, i) = v.by_kappa * inverse;
+      w(f, i) = v.value * inverse;
+      by_kappa(f, i) = v.by_kappa * inverse;
     }
   }
   const Eigen::ArrayXXd r2 = squared_distances(w, w);
@@ -153,8 +154,10 @@ GaussianProcess::GaussianProcess(const Eigen::MatrixXd& x, const Eigen::VectorXd
   weights_ = factor_.solve(z);
   variance_ = z.dot(weights_) / double(z.size());
   const Eigen::Index n = x.cols(), padded = (n + matern_padding - 1) / matern_padding * matern_padding;
-  padded_points_ = Eigen::MatrixXd::Zero(padded, x.rows()), padded_weights_ = Eigen::VectorXd::Zero(padded);
-  padded_points_.topRows(n) = sqrt5 * points_.transpose(), padded_weights_.head(n) = weights_;
+  padded_points_ = Eigen::MatrixXd::Zero(padded, x.rows());
+  padded_weights_ = Eigen::VectorXd::Zero(padded);
+  padded_points_.topRows(n) = sqrt5 * points_.transpose();
+  padded_weights_.head(n) = weights_;
   stretch_ = sqrt5 * (-hyperparameters_.log_length.array()).exp();
 }
 

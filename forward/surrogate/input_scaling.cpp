@@ -61,7 +61,8 @@ InputScaling InputScaling::load(const NetcdfReader& file, const std::string& pre
   s.source_ = file.integers(prefix + "feature_source");
   s.log_ = file.integers(prefix + "feature_is_log");
   const auto interval = file.doubles(prefix + "feature_interval");
-  s.low_ = interval[0], s.high_ = interval[1];
+  s.low_ = interval[0];
+  s.high_ = interval[1];
   return s;
 }
 

@@ -29,8 +29,11 @@ class Lasso::Workspace {
       const Eigen::Index room = std::max<Eigen::Index>(now, 2 * gram_.rows());
       gram_.conservativeResize(room, room), kept_.conservativeResize(A_.rows(), room);
     }
-    for (const auto c : columns)
-      place_[std::size_t(c)] = Eigen::Index(columns_.size()), kept_.col(Eigen::Index(columns_.size())) = A_.col(c), columns_.push_back(c);
+    for (const auto c : columns) {
+      place_[std::size_t(c)] = Eigen::Index(columns_.size());
+      kept_.col(Eigen::Index(columns_.size())) = A_.col(c);
+      columns_.push_back(c);
+    }
     const auto added = kept_.middleCols(before, now - before);
     gram_.block(0, before, now, now - before).noalias() = kept_.leftCols(now).transpose() * added;
     gram_.block(before, 0, now - before, before) = gram_.block(0, before, before, now - before).transpose();
@@ -56,7 +59,8 @@ class Lasso::Workspace {
           if (c <= 0) continue;
           const double next = soft(g[j] + c * z_[j], half) / c, step = next - z_[j];
           if (step == 0) continue;
-          z_[j] = next, g.noalias() -= step * gram.col(j);
+          z_[j] = next;
+          g.noalias() -= step * gram.col(j);
           change = std::max(change, c * step * step);
         }
         if (change < 1e-26 * std::max(b_.squaredNorm(), 1e-300)) break;
@@ -114,8 +118,10 @@ Lasso::Lasso(Eigen::MatrixXd A, Eigen::VectorXd b, Eigen::Index unpenalised) : A
     const Eigen::VectorXd one = A_.col(unpenalised);
     const double norm = one.squaredNorm();
     expect(norm > 0, "the unpenalised column is not 0");
-    along_ = one.transpose() * A_ / norm, b_along_ = one.dot(b_) / norm;
-    A_ -= one * along_, b_ -= b_along_ * one;
+    along_ = one.transpose() * A_ / norm;
+    b_along_ = one.dot(b_) / norm;
+    A_ -= one * along_;
+    b_ -= b_along_ * one;
     A_.col(unpenalised).setZero();
   }
   lambda_max_ = 2 * (A_.transpose() * b_).cwiseAbs().maxCoeff();
@@ -132,13 +138,15 @@ std::vector<LassoFit> Lasso::path(std::span<const double> lambdas, double gap) c
     LassoFit fit{.lambda = lambda};
     Eigen::VectorXd r, g;
     for (;;) {
-      r = work.residual(), g.noalias() = A_.transpose() * r;
+      r = work.residual();
+      g.noalias() = A_.transpose() * r;
       // The dual point s r with the largest s <= 1 that is feasible; the gap written so that nothing cancels.
       const double s = std::min(1.0, half / std::max(g.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()));
       double penalty = 0, difference = (1 - s) * (1 - s) * r.squaredNorm();
       for (std::size_t i = 0; i < work.columns().size(); ++i) {
         const double z = work.z()[Eigen::Index(i)];
-        penalty += lambda * std::abs(z), difference += lambda * std::abs(z) - 2 * s * z * g[work.columns()[i]];
+        penalty += lambda * std::abs(z);
+        difference += lambda * std::abs(z) - 2 * s * z * g[work.columns()[i]];
       }
       fit.objective = r.squaredNorm() + penalty;
       fit.gap = fit.objective > 0 ? std::max(0.0, difference) / fit.objective : 0;

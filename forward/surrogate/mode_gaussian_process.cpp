@@ -9,10 +9,11 @@
 namespace calomel {
 
 std::unique_ptr<TrainedMap> ModeGaussianProcess::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t, int threads,
-                                                     TrainingRecord& record) {
+                                                       TrainingRecord& record) {
   InputScaling inputs(set.parameters, Coordinates::log, 0, 1);
   ModeBasis basis(set.histories, set.series, options.modes);
-  record.modes = int(basis.modes()), record.mode_energy = basis.energy();
+  record.modes = int(basis.modes());
+  record.mode_energy = basis.energy();
   const Eigen::MatrixXd x = inputs.features(set.theta), z = basis.whitened(set.histories);
   // Two starts, long and short length scales; a mode does not know of its neighbours, so threads do not matter.
   Eigen::VectorXd kappa0(x.rows());
@@ -26,7 +27,10 @@ std::unique_ptr<TrainedMap> ModeGaussianProcess::train(const TrainingSet& set, c
       const GaussianProcessHyperparameters start{Eigen::VectorXd::Constant(x.rows(), std::log(length)), kappa0, -6};
       auto h = fit_hyperparameters(x, zk, kappa0, start, options.gaussian_process.iterations);
       const double cost = negative_log_posterior(x, zk, kappa0, h.packed(), nullptr);
-      if (cost < least) least = cost, best = std::move(h);
+      if (cost < least) {
+        least = cost;
+        best = std::move(h);
+      }
     }
     if (best.kappa.size() == 0) throw NumericsError("surrogate: no Gaussian process could be fitted to mode " + std::to_string(k + 1));
     fitted[k].emplace(x, zk, std::move(best));

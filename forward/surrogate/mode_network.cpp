@@ -19,10 +19,13 @@ double chosen_decay(const std::vector<int>& widths, const ModeNetworkOptions& ow
   Eigen::MatrixXf x_in(x.rows(), n - held_out), y_in(y.rows(), n - held_out), x_out(x.rows(), held_out), y_out(y.rows(), held_out);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto from = Eigen::Index(order[std::size_t(i)]);
-    if (i < held_out)
-      x_out.col(i) = x.col(from), y_out.col(i) = y.col(from);
-    else
-      x_in.col(i - held_out) = x.col(from), y_in.col(i - held_out) = y.col(from);
+    if (i < held_out) {
+      x_out.col(i) = x.col(from);
+      y_out.col(i) = y.col(from);
+    } else {
+      x_in.col(i - held_out) = x.col(from);
+      y_in.col(i - held_out) = y.col(from);
+    }
   }
   std::vector<double> error(own.weight_decay.size());
   parallel_for(error.size(), threads, [&](std::size_t i) {
@@ -38,17 +41,22 @@ double chosen_decay(const std::vector<int>& widths, const ModeNetworkOptions& ow
 
 }  // namespace
 
-std::unique_ptr<TrainedMap> ModeNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads, TrainingRecord& record) {
+std::unique_ptr<TrainedMap> ModeNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads,
+                                               TrainingRecord& record) {
   const ModeNetworkOptions& own = options.mode_network;
   InputScaling inputs(set.parameters, Coordinates::both, -1, 1);
   ModeBasis basis(set.histories, set.series, options.modes);
-  record.modes = int(basis.modes()), record.mode_energy = basis.energy();
+  record.modes = int(basis.modes());
+  record.mode_energy = basis.energy();
   Eigen::VectorXf weight = Eigen::VectorXf::Ones(basis.modes());
   for (Eigen::Index k = 0; k < basis.modes(); ++k) weight[k] = float(std::pow(basis.deviation()[k] / basis.deviation()[0], 1 - own.whitening));
   const auto targets = [&](const Eigen::MatrixXf& histories) -> Eigen::MatrixXf { return weight.asDiagonal() * basis.whitened(histories).cast<float>(); };
   const Eigen::MatrixXf x = inputs.features(set.theta).cast<float>(), y = targets(set.histories);
   Eigen::MatrixXf x_test(x.rows(), 0), y_test(y.rows(), 0);
-  if (set.test_theta.cols() > 0) x_test = inputs.features(set.test_theta).cast<float>(), y_test = targets(set.test_histories);
+  if (set.test_theta.cols() > 0) {
+    x_test = inputs.features(set.test_theta).cast<float>();
+    y_test = targets(set.test_histories);
+  }
 
   std::vector<int> widths{int(inputs.features())};
   widths.insert(widths.end(), own.layers.begin(), own.layers.end());

@@ -72,9 +72,12 @@ template void Adam::update(double*, const double*, double*, double*, Eigen::Inde
 
 double PlateauSchedule::next(double loss) {
   if (!started_ || loss < best_) {
-    best_ = loss, waited_ = 0, started_ = true;
+    best_ = loss;
+    waited_ = 0;
+    started_ = true;
   } else if (++waited_ >= patience_) {
-    rate_ *= factor_, waited_ = 0;
+    rate_ *= factor_;
+    waited_ = 0;
   }
   return rate_;
 }
@@ -146,7 +149,8 @@ NetworkSummary train_network(Network<Scalar>& network, const typename Network<Sc
       typename Network<Scalar>::Matrix xb(x.rows(), count), yb(y.rows(), count);
       for (Eigen::Index i = 0; i < count; ++i) {
         const auto from = Eigen::Index(order[std::size_t(first + i)]);
-        xb.col(i) = x.col(from), yb.col(i) = y.col(from);
+        xb.col(i) = x.col(from);
+        yb.col(i) = y.col(from);
       }
       sum += trainer.step(xb, yb) * double(count);
     }

@@ -15,7 +15,12 @@ namespace {
 bool belongs(const PolynomialSpace& space, std::span<const int> degrees) {
   long sum = 0, product = 1, levels = 0;
   int largest = 0;
-  for (const int i : degrees) sum += i, product *= i + 1, largest = std::max(largest, i), levels += sparse_grid_level(i);
+  for (const int i : degrees) {
+    sum += i;
+    product *= i + 1;
+    largest = std::max(largest, i);
+    levels += sparse_grid_level(i);
+  }
   if (space.kind == "total_degree") return sum <= space.order;
   if (space.kind == "tensor_product") return largest <= space.order;
   if (space.kind == "sparse_grid") return levels <= space.order;
@@ -67,7 +72,10 @@ void chebyshev(double x, std::span<double> value, std::span<double> slope) {
     value[k] = k == 0 ? 1 : std::numbers::sqrt2 * t0;
     if (!slope.empty()) slope[k] = k == 0 ? 0 : std::numbers::sqrt2 * double(k) * u0;
     const double t2 = 2 * x * t1 - t0, u2 = 2 * x * u1 - u0;
-    t0 = t1, t1 = t2, u0 = u1, u1 = u2;
+    t0 = t1;
+    t1 = t2;
+    u0 = u1;
+    u1 = u2;
   }
 }
 

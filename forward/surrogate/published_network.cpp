@@ -23,7 +23,7 @@ Network<float> load_network(const NetcdfReader& file, const std::string& prefix)
 }
 
 std::unique_ptr<TrainedMap> PublishedNetwork::train(const TrainingSet& set, const SurrogateOptions& options, std::uint64_t seed, int threads,
-                                                  TrainingRecord& record) {
+                                                    TrainingRecord& record) {
   InputScaling inputs(set.parameters, Coordinates::linear, 0, 1);
   const Eigen::VectorXf mean = set.histories.cast<double>().rowwise().mean().cast<float>();
   Eigen::MatrixXf y = set.histories.colwise() - mean;
@@ -94,8 +94,8 @@ void PublishedNetwork::save(NetcdfWriter& file, const std::string& prefix) const
 
 std::unique_ptr<TrainedMap> PublishedNetwork::load(const NetcdfReader& file, const std::string& prefix) {
   return std::unique_ptr<TrainedMap>(new PublishedNetwork(InputScaling::load(file, prefix), load_network(file, prefix),
-                                                        stored_matrix<float>(file, prefix + "output_mean"),
-                                                        stored_matrix<float>(file, prefix + "output_scale")(0, 0)));
+                                                          stored_matrix<float>(file, prefix + "output_mean"),
+                                                          stored_matrix<float>(file, prefix + "output_scale")(0, 0)));
 }
 
 }  // namespace calomel

@@ -34,7 +34,7 @@ bool worth_learning(const Eigen::MatrixXf& histories, const RunSplit& split) {
 
 /// Energy slope and scatter are smooth enough companions of the mean: always Gaussian processes on modes.
 std::unique_ptr<TrainedMap> companion(const Archive& archive, const Eigen::MatrixXf& histories, const RunSplit& split, const SurrogateOptions& options,
-                                    std::uint64_t seed, int threads) {
+                                      std::uint64_t seed, int threads) {
   if (!worth_learning(histories, split)) return nullptr;
   TrainingRecord unused;
   return surrogate_kinds().get("mode_gaussian_process").train(training_set(archive, histories, split), options, seed, threads, unused);
@@ -74,7 +74,8 @@ std::unique_ptr<Surrogate> train_on_split(const SurrogateOptions& options, const
                       .suggestion = "check that the sensors see the pulse before time.end and that the parameters reach the model"});
   const auto start = std::chrono::steady_clock::now();
   summary.name = summary.kind = kind;
-  summary.n_train = int(split.train.size()), summary.n_test = int(split.test.size());
+  summary.n_train = int(split.train.size());
+  summary.n_test = int(split.test.size());
   Surrogate::Parts parts;
   parts.kind = kind;
   parts.shape = archive.shape;
@@ -162,7 +163,10 @@ void write_train_json(const std::filesystem::path& path, const TrainSummary& sum
     row["train"] = metrics_json(s.train);
     row["train_seconds"] = s.train_seconds;
     row["epochs"] = s.record.epochs;
-    if (s.record.modes > 0) row["modes"] = s.record.modes, row["mode_energy"] = s.record.mode_energy;
+    if (s.record.modes > 0) {
+      row["modes"] = s.record.modes;
+      row["mode_energy"] = s.record.mode_energy;
+    }
     row["variance_ratio"] = s.variance_ratio;
     row["run_error"] = s.run_error;
     Json sensors = Json::array();

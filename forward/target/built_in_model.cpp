@@ -136,7 +136,8 @@ RunSetup BuiltInModel::setup(const ForwardCase& at, const Mesh& mesh, std::size_
   s.collapse_viscosity = at.mercury.collapse_viscosity;
   s.wall_film = at.mercury.wall_film;
   s.energies = std::move(energies);
-  s.end = at.time.end, s.output_interval = at.time.output_interval;
+  s.end = at.time.end;
+  s.output_interval = at.time.output_interval;
   for (const auto& m : at.active_mechanisms())
     if (m.entry->setup) m.entry->setup(m.values, s);
   LoadOptions load = effective_load(at, mesh, front_);
@@ -200,16 +201,19 @@ bool BuiltInModel::start_from_what_is_left(RunSetup& s, const ForwardCase& at, c
     LeftStates left(at.time.end, at.time.output_interval);
     RunSetup one = setup(linear, mesh, condition, {1.0});
     one.slip_strength.clear(), one.slip_hold.clear();
-    one.end = left.end(), one.output_interval = left.interval();
+    one.end = left.end();
+    one.output_interval = left.interval();
     SolveOptions options = solve_options(at.solver);
     options.threads = solver.useful_threads(one, options, threads_).threads;
-    options.field_interval = left.interval(), options.motion_alone = true;
+    options.field_interval = left.interval();
+    options.motion_alone = true;
     options.on_field = [&](const FieldSnapshot& picture) { left.take(picture); };
     (void)solver.solve(one, {}, options);
     return left.states();
   });
   LeftState sum = together(*states, shares);
-  s.initial_displacement = std::move(sum.displacement), s.initial_velocity = std::move(sum.velocity);
+  s.initial_displacement = std::move(sum.displacement);
+  s.initial_velocity = std::move(sum.velocity);
   return true;
 }
 
@@ -338,10 +342,15 @@ BuiltInModel::Simulation BuiltInModel::simulate(const SolveOptions& options, con
     if (condition == 0) {
       all = std::move(s);
     } else {
-      all.wall_seconds += s.wall_seconds, all.processor_seconds += s.processor_seconds;
-      all.steps += s.steps, all.resumed_from += s.resumed_from;
+      all.wall_seconds += s.wall_seconds;
+      all.processor_seconds += s.processor_seconds;
+      all.steps += s.steps;
+      all.resumed_from += s.resumed_from;
       all.energy_balance_error = std::max(all.energy_balance_error, s.energy_balance_error);
-      if (s.greatest_stress > all.greatest_stress) all.greatest_stress = s.greatest_stress, all.greatest_stress_at = s.greatest_stress_at;
+      if (s.greatest_stress > all.greatest_stress) {
+        all.greatest_stress = s.greatest_stress;
+        all.greatest_stress_at = s.greatest_stress_at;
+      }
     }
     if (finished) finished(condition);
   }

@@ -64,8 +64,8 @@ class BuiltInModel : public ForwardModel {
 
   /// What a run tells of itself, beside the histories of its gauges; of the part that is modelled, as the energy balance is.
   struct RunTotals {
-    double dissipated = 0;      ///< by viscosity to the end of the run, SolveSummary::dissipated [J]
-    double time_at_cutoff = 0;  ///< of the mercury, the mean over its volume, SolveSummary::time_at_cutoff [s]
+    double dissipated = 0;            ///< by viscosity to the end of the run, SolveSummary::dissipated [J]
+    double time_at_cutoff = 0;        ///< of the mercury, the mean over its volume, SolveSummary::time_at_cutoff [s]
     double energy_balance_error = 0;  ///< SolveSummary::energy_balance_error [-]
   };
   /// Of one run at energy 1 with an energy balance at `theta` for each condition, (condition). Errors: NumericsError and InputError of a run that fails.

@@ -35,22 +35,27 @@ double least_extent(const Mesh& mesh) {
 
 ModelDescription BuiltInModel::describe() const {
   ModelDescription d;
-  d.elements = mesh_->elements.size(), d.nodes = mesh_->nodes.size(), d.slip_pairs = mesh_->slip.size();
+  d.elements = mesh_->elements.size();
+  d.nodes = mesh_->nodes.size();
+  d.slip_pairs = mesh_->slip.size();
   const RunSetup s = setup(case_, *mesh_, 0, {1.0});
   SolveOptions options = solve_options(case_.solver);
   options.threads = threads_;
   const Stepping stepping = solver_->stepping(s, options);
-  d.time_step = case_.time.output_interval / stepping.per_output, d.subcycles = stepping.subcycles;
+  d.time_step = case_.time.output_interval / stepping.per_output;
+  d.subcycles = stepping.subcycles;
   d.steps = std::int64_t(stepping.per_output) * std::int64_t(shape_.times.size() - 1);
   const bool single = case_.solver.precision == "single";
   d.element_steps = double(d.elements) * double(d.steps) * stepping.work;
   const ThreadChoice choice = solver_->useful_threads(s, options, threads_);
-  d.run_threads = choice.threads, d.run_gain = choice.gain;
+  d.run_threads = choice.threads;
+  d.run_gain = choice.gain;
   d.estimated_seconds = d.element_steps / measured_rate(single, d.elements, false, mesh_->plane_strain);
   const double group_seconds = run_lanes * d.element_steps / measured_rate(single, d.elements, true, mesh_->plane_strain);
   for (int left = ensemble_.pulses; left > 0;) {
     const int count = int(runs_at_once(std::size_t(left), mesh_->plane_strain));
-    d.estimated_mean_seconds += count == 1 ? d.estimated_seconds : group_seconds, left -= count;
+    d.estimated_mean_seconds += count == 1 ? d.estimated_seconds : group_seconds;
+    left -= count;
   }
   d.estimated_bytes = double(d.elements) * (single ? 300 : 550);
   d.notes = case_.notes;

@@ -94,7 +94,10 @@ FoundNumber<Self> find_number(Self& self, const std::string& key) {
       continue;
     found.number = m.values.find(rest);
     for (const auto& k : m.entry->keys)
-      if (k.name == rest.substr(own ? dot + 1 : 0)) found.info.unit = k.unit, found.info.range = between(k.least, k.greatest);
+      if (k.name == rest.substr(own ? dot + 1 : 0)) {
+        found.info.unit = k.unit;
+        found.info.range = between(k.least, k.greatest);
+      }
   }
   if (!found.number && !found.optional) {
     const auto absent = mechanism_to_enable(self, key);

@@ -20,11 +20,18 @@ namespace {
 AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
   AddedParameter a;
   Parameter& p = a.parameter;
-  p.name = mechanism + '.' + k.name, p.key = "mechanism." + p.name, p.min = k.low, p.max = k.high, p.nominal = k.off;
+  p.name = mechanism + '.' + k.name;
+  p.key = "mechanism." + p.name;
+  p.min = k.low;
+  p.max = k.high;
+  p.nominal = k.off;
   const double ratio = std::log(k.high / k.low);
-  p.prior = "lognormal", p.mu = 0.5 * std::log(k.high * k.low), p.sigma = ratio / 4;
+  p.prior = "lognormal";
+  p.mu = 0.5 * std::log(k.high * k.low);
+  p.sigma = ratio / 4;
   for (const double part : {1.0 / 6, 0.5, 5.0 / 6}) a.strengths.push_back(k.low * std::exp(part * ratio));
-  a.unit = k.unit, a.doc = k.doc;
+  a.unit = k.unit;
+  a.doc = k.doc;
   return a;
 }
 
@@ -32,9 +39,16 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
 AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high, double sd) {
   AddedParameter a;
   Parameter& p = a.parameter;
-  p.name = mechanism + '.' + key, p.key = "mechanism." + p.name, p.min = low, p.max = high, p.nominal = at;
-  p.prior = "truncated_normal", p.mean = at, p.sd = sd;
-  a.unit = "m", a.doc = "where the stretch " + key + 's';
+  p.name = mechanism + '.' + key;
+  p.key = "mechanism." + p.name;
+  p.min = low;
+  p.max = high;
+  p.nominal = at;
+  p.prior = "truncated_normal";
+  p.mean = at;
+  p.sd = sd;
+  a.unit = "m";
+  a.doc = "where the stretch " + key + 's';
   return a;
 }
 
@@ -69,7 +83,8 @@ void add_at_each_wall(std::vector<ParameterGroup>& groups, ParameterGroup group,
     const auto length = c.geometry.kind == "box" && has_stretch ? (upright ? c.geometry.height : c.geometry.length) : std::nullopt;
     for (const auto& [begin, end] : stretches(length)) {
       ParameterGroup one = group;
-      one.place = word->choices[i], one.part = end < anywhere;
+      one.place = word->choices[i];
+      one.part = end < anywhere;
       for (auto& a : one.added) a.with = {{prefix + word->name, double(i)}};
       if (length) {  // its ends are likeliest where they are looked at first, and may lie anywhere that leaves its middle within
         const double from = one.part ? begin : 0, to = one.part ? end : *length, reach = one.part ? 0.25 * (to - from) : 0.125 * *length,

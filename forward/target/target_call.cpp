@@ -199,7 +199,8 @@ Description TargetSimulator::describe(int threads) const {
   const Mesh& mesh = own->mesh();
   Description out;
   const auto add = [&](const char* label, std::string text) { out.facts.push_back({label, std::move(text)}); };
-  add("case", fmt::format("{}, {}{}{}", case_.name, case_.geometry.kind, mesh.plane_strain ? " in plane strain" : "", mesh.mirrors.empty() ? "" : ", symmetric"));
+  add("case",
+      fmt::format("{}, {}{}{}", case_.name, case_.geometry.kind, mesh.plane_strain ? " in plane strain" : "", mesh.mirrors.empty() ? "" : ", symmetric"));
   add("model", fmt::format("{} elements, {} nodes, {} steps of {:.3g} s, {} sensors at {} times, about {:.0f} MB", d.elements, d.nodes, d.steps, d.time_step,
                            shape_.sensors.size(), shape_.times.size(), d.estimated_bytes / 1e6));
   if (shape_.conditions.size() > 1) add("conditions", join(shape_.conditions));
@@ -208,9 +209,10 @@ Description TargetSimulator::describe(int threads) const {
   out.facts.insert(out.facts.end(), out.physics.begin(), out.physics.end());
   if (!case_.mechanisms.empty()) add("mechanisms", mechanisms_text(case_));
   const MeshQuality& q = mesh.quality;
-  add("mesh", fmt::format("scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted "
-                          "faces {}",
-                          q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, case_.geometry.wetted));
+  add("mesh",
+      fmt::format("scaled Jacobian at least {:.3f}, aspect ratio at most {:.2f}, shortest edge {:.3g} mm, {} elements through the thinnest wall, wetted "
+                  "faces {}",
+                  q.least_scaled_jacobian, q.greatest_aspect_ratio, 1e3 * q.shortest_edge, q.least_wall_elements, case_.geometry.wetted));
   if (!case_.parameters.empty()) add("parameters", parameters_text(case_.parameters));
   out.warnings = d.warnings;
   out.notes = d.notes;

@@ -38,19 +38,21 @@ std::string mechanism_page() {
 
 std::string target_reference() {
   std::string s = "\n# Cases of a target\n\nWithout `[model]`, or with `kind = \"built_in\"`, the model is the explicit finite-element solver.\n";
-  s += reference_table<GeometryOptions>("[geometry]", "geometry",
-                              "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). "
-                              "Required. `x` runs along the beam from the outer front face, `z` up from the "
-                              "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
-                              "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
+  s += reference_table<GeometryOptions>(
+      "[geometry]", "geometry",
+      "The target: a box, a jet-flow target, a round bar, or a mesh file ([how-to/your_own_target.md](how-to/your_own_target.md)). "
+      "Required. `x` runs along the beam from the outer front face, `z` up from the "
+      "outer bottom face, `y` is 0 in the middle.\nA key that does not belong to the kind is refused. "
+      "Default \"none\" of a dimension means: required for the box and (length, radius) the bar, else as the text says.");
   s += reference_table<SteelOptions>("[material.steel]", "material.steel", "Linear elastic steel; the defaults are 316L.");
   s += reference_table<MercuryOptions>("[material.mercury]", "material.mercury", "The liquid, see [theory/forward.md](theory/forward.md).");
   s += reference_table<LoadOptions>("[load]", "load", "What sets the target in motion. Required; a pulse needs either `peak_pressure` or `energy`.");
   s += reference_table<TimeOptions>("[time]", "time", "Samples stand at every multiple of `output_interval` from 0 to `end`.");
   s += reference_table<SolverOptions>("[solver]", "solver", "The explicit solver.");
-  s += reference_table<SensorOptions>("[[sensor]]", "sensor",
-                            "One table a strain gauge, in declared order; at least one. Or `sensors = \"FILE.csv\"` at the top of the case with the columns "
-                            "name,x,y,z,dx,dy,dz,gauge_length.");
+  s += reference_table<SensorOptions>(
+      "[[sensor]]", "sensor",
+      "One table a strain gauge, in declared order; at least one. Or `sensors = \"FILE.csv\"` at the top of the case with the columns "
+      "name,x,y,z,dx,dy,dz,gauge_length.");
   s += reference_table<ConditionOptions>(
       "[[condition]]", "condition",
       "Operating points, e.g. beam powers; each has exactly one of `peak_pressure` and `energy`. Without any there is one condition, as "

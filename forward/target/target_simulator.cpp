@@ -61,10 +61,7 @@ ModelShape shape_of(const ForwardCase& c) {
 }
 
 TargetSimulator::TargetSimulator(ForwardCase forward_case, const SimulatorSettings& settings, std::map<std::string, std::filesystem::path> files)
-    : case_(std::move(forward_case)),
-      ensemble_{.pulses = settings.pulses, .energy_sd = settings.energy_sd},
-      files_(std::move(files)),
-      shape_(shape_of(case_)) {
+    : case_(std::move(forward_case)), ensemble_{.pulses = settings.pulses, .energy_sd = settings.energy_sd}, files_(std::move(files)), shape_(shape_of(case_)) {
   const bool sizes = case_.geometry.resolved().element_size.has_value();
   capabilities_ = {.meshes = sizes ? Capabilities::Meshes::sizes : Capabilities::Meshes::fixed,
                    .cheap_runs = false,
@@ -196,7 +193,7 @@ Prediction TargetSimulator::evaluate(const RunRequest& request) const {
 
 void TargetSimulator::add_energies(const RunRequest& request, RunRecord& record) const {
   try {
-    for (const auto& t : with_model(request, [](const BuiltInModel& model, const std::vector<double>& theta) { return model.totals(theta); })) {
+    for (const auto& t : with_model(request, [](const BuiltInModel&model, const std::vector<double>&theta) { return model.totals(theta); })) {
       record.totals.insert(record.totals.end(), {t.dissipated, t.time_at_cutoff});
       record.energy_balance.push_back(t.energy_balance_error);
     }
@@ -241,13 +238,8 @@ InferenceHints TargetSimulator::hints() const {
   h.start = InferenceHints::Start::basin;
   h.errors = InferenceHints::Errors::strain_gauges;
   const auto number = [&](const char* name, const char* key, double value, bool logarithmic, double box, double widest) {
-    h.nuisances.push_back({.name = name,
-                           .key = key,
-                           .value = value,
-                           .unit = case_.about(key).unit,
-                           .logarithmic = logarithmic,
-                           .box_sds = box,
-                           .widest_sds = widest});
+    h.nuisances.push_back(
+        {.name = name, .key = key, .value = value, .unit = case_.about(key).unit, .logarithmic = logarithmic, .box_sds = box, .widest_sds = widest});
   };
   number("regularising_viscosity", viscosity_key, case_.mercury.regularising_viscosity, true, 1.8, 3);
   number("young", young_key, case_.steel.young, true, 2.5, 5);
@@ -255,14 +247,14 @@ InferenceHints TargetSimulator::hints() const {
   h.numerical_viscosity = viscosity_key;
   // Relative uncertainties of mercury's density and sound speed at an operating temperature that is known to some ten kelvin, with the effect of impurities and
   // gas. The cutoff is known to a factor of two.
-  h.handbook = {{"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
+  h.handbook = {
+      {"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
   for (const auto& p : case_.parameters) {
     // What a polynomial of order two follows over half a millisecond (boxes of 4.5 % of density, 6 % of sound speed and 0.6e5 to 3.6e5 Pa on the slice `null`:
     // left out, 3.6 % at 1 mm, of which 3.0 % are numerical noise).
     if (p.key == "material.mercury.density") h.half_widths[p.key] = 0.035;
     if (p.key == "material.mercury.sound_speed") h.half_widths[p.key] = 0.05;
-    if (p.key == "material.mercury.tensile_cutoff")
-      h.half_widths[p.key] = p.logarithmic() ? 0.7 : *p.nominal > 0 ? 0.6 * *p.nominal : 0.1 * (p.max - p.min);
+    if (p.key == "material.mercury.tensile_cutoff") h.half_widths[p.key] = p.logarithmic() ? 0.7 : *p.nominal > 0 ? 0.6 * *p.nominal : 0.1 * (p.max - p.min);
   }
   h.element_size = case_.geometry.resolved().element_size;
   if (case_.load.kind == "initial_pressure") h.resolved_length = case_.mercury.sound_speed * case_.load.pulse_length;
@@ -279,7 +271,8 @@ InferenceHints TargetSimulator::hints() const {
 MeshScale TargetSimulator::mesh_scale(const RunRequest& request) const {
   const auto model = kept_model(request, numbers_of(request).keys, 1);
   const Mesh& mesh = model->mesh();
-  MeshScale out{.outermost = Eigen::MatrixXd(2, 3), .liquid_element_size = mesh.liquid_element_size,
+  MeshScale out{.outermost = Eigen::MatrixXd(2, 3),
+                .liquid_element_size = mesh.liquid_element_size,
                 .numerical_viscosity = regularising_viscosity(model->forward_case(), mesh)};
   for (int axis = 0; axis < 3; ++axis) std::tie(out.outermost(0, axis), out.outermost(1, axis)) = extent(mesh, std::size_t(axis));
   for (const auto& m : mesh.mirrors)  // a gauge may sit on the mirror image
@@ -307,7 +300,8 @@ std::vector<KeyDifference> TargetSimulator::score_test_keys(const RunRequest& re
     for (const auto& key : row.entry.keys) {
       if (!key.decides || hidden_by_mirror(key, model->mesh())) continue;
       const double off = case_.off_value(key), range = key.high - key.low;
-      KeyDifference d{.mechanism = row.name, .key = key.name, .off = off, .low = off, .high = key.low + part_of_range * range, .like_the_mesh = row.entry.like_the_mesh};
+      KeyDifference d{
+          .mechanism = row.name, .key = key.name, .off = off, .low = off, .high = key.low + part_of_range * range, .like_the_mesh = row.entry.like_the_mesh};
       if (std::isfinite(off) && off >= key.low) d.high = off + part_of_range * (key.high - off);
       if (std::isfinite(off) && off > key.low) d.low = off - part_of_range * (off - key.low);
       all.push_back(std::move(d));

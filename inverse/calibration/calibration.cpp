@@ -105,7 +105,8 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
   for (const auto i : order) (succeeded > 0 && !tried[i].objective_model ? out.failed : out.candidates).push_back(tried[i]);
   if (succeeded > 0) {
     out.status = CalibrationStatus::done;
-    out.best = out.candidates[0], out.calibrated = histories[order[0]];
+    out.best = out.candidates[0];
+    out.calibrated = histories[order[0]];
   }
   if (out.at_nominal.objective_model && cost(out.at_nominal) <= cost(out.best)) {
     const bool any = out.status == CalibrationStatus::done;
@@ -114,7 +115,8 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
           fmt::format("no candidate is better than the nominal parameters in the true model ({:.4g} against {:.4g}): the nominal ones are kept; the "
                       "surrogate is too coarse near its optimum",
                       *out.best.objective_model, *out.at_nominal.objective_model));
-    out.best = out.at_nominal, out.calibrated = out.nominal_values;
+    out.best = out.at_nominal;
+    out.calibrated = out.nominal_values;
   }
   if (succeeded == 0) {
     out.status = CalibrationStatus::no_candidate;

@@ -15,7 +15,10 @@ Json candidate(const Candidate& c, const ModelShape& shape, bool corrected) {
   Json j{{"theta", named(shape.parameters, c.theta)},
          {"objective_surrogate", number(c.objective_surrogate)},
          {"objective_model", c.objective_model ? number(*c.objective_model) : Json()}};
-  if (c.score.ok) j["accuracy"] = number(c.score.accuracy), j["mae"] = number(c.score.mae);
+  if (c.score.ok) {
+    j["accuracy"] = number(c.score.accuracy);
+    j["mae"] = number(c.score.mae);
+  }
   if (corrected) j["inside_emulator"] = c.inside_emulator;
   if (!c.message.empty()) j["message"] = c.message;
   return j;
@@ -40,7 +43,10 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
     int n = 0;
     if (score.ok)
       for (const auto& x : score.sensors)
-        if (x.name == name && std::isfinite(x.*field)) sum += x.*field, ++n;
+        if (x.name == name && std::isfinite(x.*field)) {
+          sum += x.*field;
+          ++n;
+        }
     return n > 0 ? Json(sum / n) : Json();
   };
   Json all = Json::array();
@@ -58,7 +64,10 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
     for (std::size_t i = 0; i < problem.observations.size(); ++i) {
       const auto& o = problem.observations[i];
       if (problem.shape.sensors[o.sensor] != name) continue;
-      recorded = true, samples += o.samples, banded += o.banded_samples, narrow += o.narrow;
+      recorded = true;
+      samples += o.samples;
+      banded += o.banded_samples;
+      narrow += o.narrow;
       pulses.push_back(o.pulses);
       const auto of = [&](const Score& score, double SensorScore::*field) { return score.ok ? number(score.sensors[i].*field) : Json(); };
       conditions.push_back({{"condition", problem.shape.conditions[o.condition]},
@@ -69,7 +78,9 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
     }
     if (!recorded) continue;
     j["pulses"] = pulses.size() == 1 ? pulses[0] : pulses;
-    j["samples"] = samples, j["banded_samples"] = banded, j["narrow_samples"] = narrow;
+    j["samples"] = samples;
+    j["banded_samples"] = banded;
+    j["narrow_samples"] = narrow;
     if (problem.shape.conditions.size() > 1) j["conditions"] = conditions;
     all.push_back(std::move(j));
   }
@@ -114,22 +125,32 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["meaning"] =
       "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
       "whatever the model leaves out, and the published objective mixes percent with strain.";
-  j["accuracy"] = accuracy(s.best), j["mae"] = average(s.best, &Score::mae);
-  j["nominal_accuracy"] = accuracy(s.at_nominal), j["nominal_mae"] = average(s.at_nominal, &Score::mae);
-  j["nrmse"] = average(s.best, &Score::nrmse), j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
-  j["delta1"] = average(s.best, &Score::delta1), j["delta2"] = average(s.best, &Score::delta2);
-  j["nominal_delta1"] = average(s.at_nominal, &Score::delta1), j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
-  j["mae_unit"] = problem.mae_unit, j["scores_on"] = s.mesh.scores_on;
+  j["accuracy"] = accuracy(s.best);
+  j["mae"] = average(s.best, &Score::mae);
+  j["nominal_accuracy"] = accuracy(s.at_nominal);
+  j["nominal_mae"] = average(s.at_nominal, &Score::mae);
+  j["nrmse"] = average(s.best, &Score::nrmse);
+  j["nominal_nrmse"] = average(s.at_nominal, &Score::nrmse);
+  j["delta1"] = average(s.best, &Score::delta1);
+  j["delta2"] = average(s.best, &Score::delta2);
+  j["nominal_delta1"] = average(s.at_nominal, &Score::delta1);
+  j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
+  j["mae_unit"] = problem.mae_unit;
+  j["scores_on"] = s.mesh.scores_on;
   if (const Json z = impedance(shape, s); !z.is_null()) j["impedance"] = z;
-  j["candidates"] = Json::array(), j["failed_candidates"] = Json::array();
+  j["candidates"] = Json::array();
+  j["failed_candidates"] = Json::array();
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape, s.mesh.used));
   for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape, s.mesh.used));
   j["sensors"] = sensors(s.best.score, s.at_nominal.score, problem);
   if (s.mesh.used) j["mesh"] = mesh_json(s.mesh, s, problem);
   for (const auto& [key, value] : own.items()) j[key] = value;
-  j["compared_times"] = problem.time.size(), j["times_outside_simulation"] = problem.outside;
-  j["evaluations"] = s.evaluations, j["model_runs"] = s.model_runs;
-  j["search_s"] = s.search_s, j["model_s"] = s.model_s;
+  j["compared_times"] = problem.time.size();
+  j["times_outside_simulation"] = problem.outside;
+  j["evaluations"] = s.evaluations;
+  j["model_runs"] = s.model_runs;
+  j["search_s"] = s.search_s;
+  j["model_s"] = s.model_s;
   j["warnings"] = s.warnings;
   j["provenance"] = provenance.json();
   return j;

@@ -26,15 +26,20 @@ double relative_difference(const Problem& problem, const Eigen::VectorXd& differ
 void report_correction(Calibration& out, const Problem& problem, const MeshCorrection& correction) {
   if (correction.empty()) return;
   CorrectionReport& m = out.mesh;
-  m.used = true, m.scores_on = "the finest mesh of the emulator";
+  m.used = true;
+  m.scores_on = "the finest mesh of the emulator";
   const auto without = [&](const std::vector<double>& theta, const std::vector<double>& values) {
     const Eigen::VectorXd own = Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size())) - correction.shift(theta);
     return std::vector<double>(own.begin(), own.end());
   };
-  if (!out.nominal_values.empty()) m.nominal_values = without(out.nominal, out.nominal_values), m.at_nominal = score(problem, m.nominal_values);
+  if (!out.nominal_values.empty()) {
+    m.nominal_values = without(out.nominal, out.nominal_values);
+    m.at_nominal = score(problem, m.nominal_values);
+  }
   m.sentence = fmt::format("predictions are corrected for the mesh, as {} runs of the emulator tell it", correction.runs());
   if (!out.calibrated.empty()) {
-    m.calibrated = without(out.theta, out.calibrated), m.best = score(problem, m.calibrated);
+    m.calibrated = without(out.theta, out.calibrated);
+    m.best = score(problem, m.calibrated);
     m.difference = relative_difference(problem, correction.shift(out.theta), m.calibrated);
     m.sentence += fmt::format("; at the answer that is {:.2g} % of the histories", 100 * m.difference);
   }

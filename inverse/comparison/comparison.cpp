@@ -73,16 +73,20 @@ class LaplacePosterior {
         covariance(i, j) = line[std::size_t(j)].get<double>();
       }
     }
-    parameters_ = std::move(parameters), mode_ = std::move(mode), covariance_ = std::move(covariance);
+    parameters_ = std::move(parameters);
+    mode_ = std::move(mode);
+    covariance_ = std::move(covariance);
   }
   [[nodiscard]] bool known() const { return !parameters_.empty(); }
   /// Standard deviation of a row of the parameters' table; of the impedance rho c by first order.
   [[nodiscard]] std::optional<double> sd(const std::string& row) const {
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(mode_.size());
-    if (const auto i = at(row))
+    if (const auto i = at(row)) {
       slope[*i] = 1;
-    else if (const auto rho = at("density"), c = at("sound_speed"); row == impedance_row && rho && c)
-      slope[*rho] = mode_[*c], slope[*c] = mode_[*rho];
+    } else if (const auto rho = at("density"), c = at("sound_speed"); row == impedance_row && rho && c) {
+      slope[*rho] = mode_[*c];
+      slope[*c] = mode_[*rho];
+    }
     const double v = slope.dot(covariance_ * slope);
     return v > 0 ? std::optional(std::sqrt(v)) : std::nullopt;
   }
@@ -254,7 +258,8 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
       if (s.method != "map") c.in_posterior.push_back(posterior.place(s));
   const bool all = std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return mesh_of(s.json) == mesh_of(summaries[0].json); });
   c.scores_on = !all ? own_mesh_words : summaries.empty() || mesh_of(summaries[0].json) == own_mesh_words ? "" : mesh_of(summaries[0].json);
-  c.accuracy = score_rows(summaries, "accuracy", !all), c.mae = score_rows(summaries, "mae", !all);
+  c.accuracy = score_rows(summaries, "accuracy", !all);
+  c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));
   judge(c);

@@ -61,7 +61,10 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
   Json j;
   j["methods"] = c.methods;
   j["parameters"] = rows_json(c, c.parameters, true);
-  j["accuracy"] = rows_json(c, c.accuracy, false), j["mae"] = rows_json(c, c.mae, false), j["mae_unit"] = c.mae_unit, j["scores_on"] = c.scores_on;
+  j["accuracy"] = rows_json(c, c.accuracy, false);
+  j["mae"] = rows_json(c, c.mae, false);
+  j["mae_unit"] = c.mae_unit;
+  j["scores_on"] = c.scores_on;
   j["agreement"] = Json::array();
   for (const auto& p : c.pairs) {
     Json differences = Json::array();
@@ -72,7 +75,8 @@ Json comparison_json(const Comparison& c, const Provenance& provenance) {
   j["in_posterior"] = Json::array();
   for (const auto& p : c.in_posterior)
     j["in_posterior"].push_back({{"method", p.method}, {"distance", json_of(p.distance)}, {"share_nearer", json_of(p.share_nearer)}});
-  j["agree"] = c.agree, j["sentence"] = c.sentence;
+  j["agree"] = c.agree;
+  j["sentence"] = c.sentence;
   j["effort"] = Json::array();
   for (const auto& e : c.effort)
     j["effort"].push_back({{"method", e.method},

@@ -35,7 +35,8 @@ std::vector<Window> windows_of(const Observation& o, std::span<const double> tim
       possible += weight;
       if (!o.compared[i]) continue;
       w.index.push_back(i), w.weight.push_back(weight);
-      sum += weight, first_moment += weight * time[i];
+      sum += weight;
+      first_moment += weight * time[i];
     }
     if (possible <= 0 || sum < least * possible) continue;
     for (auto& x : w.weight) x /= sum;
@@ -118,7 +119,8 @@ Eigen::MatrixXd filtered_covariance(std::span<const Window> windows, std::span<c
     forward[k] = backward[k] = 0;
     for (std::size_t i = 0; i < w.index.size() && coloured; ++i) {
       const double d = (record_time[w.index[i]] - w.time) / time;
-      forward[k] += w.weight[i] * std::exp(d), backward[k] += w.weight[i] * std::exp(-d);
+      forward[k] += w.weight[i] * std::exp(d);
+      backward[k] += w.weight[i] * std::exp(-d);
     }
   }
   Eigen::MatrixXd c(n, n);

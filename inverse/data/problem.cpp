@@ -24,7 +24,8 @@ constexpr std::size_t long_enough = 10;  ///< samples of a record by which a gau
 /// Weights of the derivative at x[i] of the parabola through three neighbours (Lagrange), exact for quadratics.
 void add_slope(std::span<const double> x, std::size_t i, double factor, std::size_t first, std::array<double, 4>& weight) {
   if (x.size() == 2) {
-    weight[0] -= factor / (x[1] - x[0]), weight[1] += factor / (x[1] - x[0]);
+    weight[0] -= factor / (x[1] - x[0]);
+    weight[1] += factor / (x[1] - x[0]);
     return;
   }
   const std::size_t b = std::clamp<std::size_t>(i, 1, x.size() - 2) - 1;
@@ -98,15 +99,18 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
     const double mean = sum / count;
     for (std::size_t p = 0; p < r.pulses.size(); ++p)
       if (const double v = r.values[r.at(c, s, p, begin + t)]; std::isfinite(v)) squares += (v - mean) * (v - mean);
-    o.mean[t] = mean, o.compared[t] = 1;
+    o.mean[t] = mean;
+    o.compared[t] = 1;
     o.peak = std::max(o.peak, std::abs(mean));
     o.mean_square += mean * mean;
     if (count >= 2) {
       const double variance = squares / (count - 1), half = factor[std::size_t(count)] * std::sqrt(variance);
-      o.low[t] = mean - half, o.high[t] = mean + half;
+      o.low[t] = mean - half;
+      o.high[t] = mean + half;
       o.noise_square += variance / count;
     } else if (noise) {
-      o.low[t] = mean - 1.96 * *noise, o.high[t] = mean + 1.96 * *noise;
+      o.low[t] = mean - 1.96 * *noise;
+      o.high[t] = mean + 1.96 * *noise;
       o.noise_square += *noise * *noise;
     }
   }
@@ -114,18 +118,30 @@ Observation observe(const Recordings& r, std::size_t c, std::size_t s, std::size
     if (!o.compared[t]) continue;
     ++o.samples;
     const double width = o.high[t] - o.low[t];
-    if (std::isnan(width))
+    if (std::isnan(width)) {
       ++o.bandless;
-    else if (width < narrow_share * o.peak || width <= 0)
+    } else if (width < narrow_share * o.peak || width <= 0) {
       ++o.narrow;
-    else
-      o.banded[t] = 1, ++o.banded_samples;
+    } else {
+      o.banded[t] = 1;
+      ++o.banded_samples;
+    }
   }
-  if (o.samples > 0) o.mean_square /= double(o.samples), o.noise_square /= double(o.samples);
+  if (o.samples > 0) {
+    o.mean_square /= double(o.samples);
+    o.noise_square /= double(o.samples);
+  }
   o.mean_f.assign(n, 0), o.weight_f.assign(n, 0), o.low_f.assign(n, 0), o.high_f.assign(n, 0), o.inverse_width_f.assign(n, 0);
   for (std::size_t t = 0; t < n; ++t) {
-    if (o.compared[t]) o.mean_f[t] = float(o.mean[t]), o.weight_f[t] = 1;
-    if (o.banded[t]) o.low_f[t] = float(o.low[t]), o.high_f[t] = float(o.high[t]), o.inverse_width_f[t] = float(1 / (o.high[t] - o.low[t]));
+    if (o.compared[t]) {
+      o.mean_f[t] = float(o.mean[t]);
+      o.weight_f[t] = 1;
+    }
+    if (o.banded[t]) {
+      o.low_f[t] = float(o.low[t]);
+      o.high_f[t] = float(o.high[t]);
+      o.inverse_width_f[t] = float(1 / (o.high[t] - o.low[t]));
+    }
   }
   return o;
 }
@@ -151,7 +167,10 @@ std::optional<std::pair<int, int>> equal_pulses(const Recordings& r, std::size_t
 bool constant(const Observation& o) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t t = 0; t < o.mean.size(); ++t)
-    if (o.compared[t]) low = std::min(low, o.mean[t]), high = std::max(high, o.mean[t]);
+    if (o.compared[t]) {
+      low = std::min(low, o.mean[t]);
+      high = std::max(high, o.mean[t]);
+    }
   return low == high;
 }
 
@@ -208,7 +227,10 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
         {.problem = "the model gives strain, the recordings are in " + recordings.unit,
          .key = "recordings.unit",
          .suggestion = "give every sensor its gain, " + recordings.unit + " per strain, and set sensor_unit = \"" + recordings.unit + "\" under [case]"});
-  if (p.unit != "strain") p.mae_scale = 1, p.mae_unit = p.unit;
+  if (p.unit != "strain") {
+    p.mae_scale = 1;
+    p.mae_unit = p.unit;
+  }
   for (const auto& [name, sd] : options.noise_by_sensor.sd)
     if (std::find(shape.sensors.begin(), shape.sensors.end(), name) == shape.sensors.end())
       throw InputError({.problem = "noise is given for a sensor that is not declared",
@@ -256,7 +278,8 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
         const auto it = std::find(recordings.sensors.begin(), recordings.sensors.end(), shape.sensors[ms]);
         if (it == recordings.sensors.end()) continue;
         Observation o = observe(recordings, c, std::size_t(it - recordings.sensors.begin()), begin, end, options);
-        o.condition = mc, o.sensor = ms;
+        o.condition = mc;
+        o.sensor = ms;
         if (o.samples == 0) {
           if (recordings.conditions.size() == 1)
             p.warnings.push_back(fmt::format("sensor {} has no sample within the simulation: it is predicted, not compared", p.label(o)));
@@ -312,20 +335,29 @@ Score score(const Problem& problem, std::span<const double> values) {
     for (std::size_t t = 0; t < y.size(); ++t) {
       if (!o.compared[t]) continue;
       const double d = y[t] - o.mean[t];
-      absolute += std::abs(d), squares += d * d, norm += o.mean[t] * o.mean[t];
+      absolute += std::abs(d);
+      squares += d * d;
+      norm += o.mean[t] * o.mean[t];
       if (!o.banded[t]) continue;
       const double width = o.high[t] - o.low[t];
       inside += y[t] > o.low[t] && y[t] < o.high[t];
-      over = std::max(over, (y[t] - o.high[t]) / width), under = std::max(under, (o.low[t] - y[t]) / width);
+      over = std::max(over, (y[t] - o.high[t]) / width);
+      under = std::max(under, (o.low[t] - y[t]) / width);
     }
-    s.samples = o.samples, s.banded = o.banded_samples;
+    s.samples = o.samples;
+    s.banded = o.banded_samples;
     s.accuracy = o.banded_samples > 0 ? 100.0 * double(inside) / double(o.banded_samples) : nan;
     s.mae = problem.mae_scale * absolute / double(o.samples);
     s.rrmse = std::sqrt(squares / norm);
     s.excess = over + under;
     if (!std::isfinite(absolute)) total.ok = false;
-    if (s.banded > 0) total.accuracy += s.accuracy, ++total.banded_sensors;
-    total.mae += s.mae, total.delta1 += s.rrmse, total.delta2 += s.excess;
+    if (s.banded > 0) {
+      total.accuracy += s.accuracy;
+      ++total.banded_sensors;
+    }
+    total.mae += s.mae;
+    total.delta1 += s.rrmse;
+    total.delta2 += s.excess;
     total.sensors.push_back(std::move(s));
   }
   const double n = double(problem.observations.size());

@@ -49,7 +49,10 @@ TimeGrid fit_grid(const RecordRows& table, const std::vector<const RecordRow*>& 
     for (std::size_t i = 1; i < n; ++i) k[i] = k[i - 1] + std::max(1.0, std::round(gaps[i - 1] / step));
     for (std::size_t i = 0; i < n; ++i) {
       const double t = series[i]->time - series[0]->time;
-      sk += k[i], st += t, skk += k[i] * k[i], skt += k[i] * t;
+      sk += k[i];
+      st += t;
+      skk += k[i] * k[i];
+      skt += k[i] * t;
     }
     grid.step = (double(n) * skt - sk * st) / (double(n) * skk - sk * sk);
     grid.start = series[0]->time + (st - grid.step * sk) / double(n);
@@ -57,7 +60,10 @@ TimeGrid fit_grid(const RecordRows& table, const std::vector<const RecordRow*>& 
   }
   for (std::size_t i = 0; i < n; ++i) {
     const double r = std::abs(series[i]->time - grid.start - k[i] * grid.step) / grid.step;
-    if (r > grid.residual) grid.residual = r, worst = i;
+    if (r > grid.residual) {
+      grid.residual = r;
+      worst = i;
+    }
   }
   // Rounded prints miss the grid throughout a long series; a single uneven sample does not.
   const std::size_t missing_it = std::size_t(std::count_if(k.begin(), k.end(), [&, i = std::size_t{0}](double place) mutable {
@@ -126,7 +132,8 @@ Recordings assemble(const RecordRows& table) {
       throw at_row(table, r, fmt::format("this time is not on the common time grid of the record ({:.9g} s and steps of {:.6g} s)", grid.start, grid.step),
                    "give all sensors and pulses at the same evenly spaced times");
     place[i] = std::llround(k);
-    low = std::min(low, place[i]), high = std::max(high, place[i]);
+    low = std::min(low, place[i]);
+    high = std::max(high, place[i]);
   }
   const std::size_t n = std::size_t(high - low + 1);
   out.time.resize(n);

@@ -142,7 +142,10 @@ bool is_sensor_column(const std::string& word) { return word == "sensor" || word
 
 bool looks_like_header(const std::vector<std::string_view>& fields) {
   bool time = false, sensor = false;
-  for (const auto f : fields) time |= time_column(f).has_value(), sensor |= is_sensor_column(lowered(f));
+  for (const auto f : fields) {
+    time |= time_column(f).has_value();
+    sensor |= is_sensor_column(lowered(f));
+  }
   return fields.size() >= 2 && ((time && sensor) || time_column(fields[0]).has_value());
 }
 
@@ -167,9 +170,10 @@ Header read_header(std::string_view line, int number, const std::string& file) {
       h.pulse = i;
     else if (word == "condition")
       h.condition = i;
-    else if (const auto s = time_column(word); s && h.time < 0)
-      h.time = i, h.seconds = *s;
-    else
+    else if (const auto s = time_column(word); s && h.time < 0) {
+      h.time = i;
+      h.seconds = *s;
+    } else
       others.push_back(i);
   }
   h.wide = h.sensor < 0;
@@ -347,7 +351,10 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
       header = read_header(line, lines.number(), file);
       break;
     }
-    if (skipped++ == 0) first_words = body.substr(0, 60), first_line = lines.number();
+    if (skipped++ == 0) {
+      first_words = body.substr(0, 60);
+      first_line = lines.number();
+    }
     if (skipped > 200) break;
   }
   if (!header) {

@@ -107,7 +107,8 @@ Recordings read_netcdf(const std::filesystem::path& path, const std::string& uni
   const auto raw = file.doubles("strain");
   const auto [factor, name] = as_it_is ? std::pair(factor_to_model(file.attribute("units", "strain"), unit, path.string()), unit)
                                        : inner_unit(file.attribute("units", "strain"), unit, path.string());
-  out.unit = name, out.factor = factor;
+  out.unit = name;
+  out.factor = factor;
   out.values.resize(raw.size());
   std::size_t dropouts = 0;
   for (std::size_t c = 0; c < out.conditions.size(); ++c)
@@ -160,7 +161,10 @@ std::pair<double, std::string> unit_of_strain(const RecordRows& table, const std
 /// The rows of a record that is on a grid already, for a merge.
 RecordRows rows_of(const Recordings& record) {
   RecordRows out;
-  out.files = {record.source}, out.conditions = record.conditions, out.sensors = record.sensors, out.sensor_lines = record.sensor_lines;
+  out.files = {record.source};
+  out.conditions = record.conditions;
+  out.sensors = record.sensors;
+  out.sensor_lines = record.sensor_lines;
   out.warnings = record.warnings;
   for (std::size_t c = 0; c < record.conditions.size(); ++c)
     for (std::size_t s = 0; s < record.sensors.size(); ++s)
@@ -212,7 +216,9 @@ void append(RecordRows& into, RecordRows from) {
   into.files.push_back(from.files[0]);
   into.warnings.insert(into.warnings.end(), from.warnings.begin(), from.warnings.end());
   for (auto r : from.rows) {
-    r.condition = condition[std::size_t(r.condition)], r.sensor = sensor[std::size_t(r.sensor)], r.file = file;
+    r.condition = condition[std::size_t(r.condition)];
+    r.sensor = sensor[std::size_t(r.sensor)];
+    r.file = file;
     if (from.wide) r.pulse = pulse;
     into.rows.push_back(r);
   }
@@ -248,7 +254,8 @@ Recordings read_recordings_file(const std::filesystem::path& path, const std::st
   const auto [factor, name] = as_it_is ? unit_of_model(table, unit) : unit_of_strain(table, unit);
   multiply(table, factor);
   Recordings out = assemble(table);
-  out.unit = name, out.factor = factor;
+  out.unit = name;
+  out.factor = factor;
   return out;
 }
 
@@ -355,7 +362,8 @@ ImportSummary import_recordings(std::span<const std::filesystem::path> files, co
     if (!std::filesystem::is_regular_file(path)) throw InputError({.problem = "there is no such file", .suggestion = "check the name", .file = path.string()});
     if (is_netcdf(path)) {
       const Recordings record = read_netcdf(path, options.unit);
-      table = rows_of(record), name = record.unit;
+      table = rows_of(record);
+      name = record.unit;
     } else {
       table = parse_record_text(read_text(path), path.string());
       const auto [factor, unit_of_file] = unit_of_strain(table, options.unit);

@@ -86,12 +86,17 @@ Eigen::VectorXd energies(const std::vector<Pulses>& all, std::size_t condition, 
       const double gg = p.slope.squaredNorm() * precision[i];
       for (std::size_t k = 0; k < p.number.size(); ++k) {
         const double projection = p.slope.dot(p.values.col(Eigen::Index(k)) - p.mean) * precision[i];
-        top[Eigen::Index(p.number[k])] += projection + gg * own, bottom[Eigen::Index(p.number[k])] += gg;
+        top[Eigen::Index(p.number[k])] += projection + gg * own;
+        bottom[Eigen::Index(p.number[k])] += gg;
       }
     }
     double mean = 0, known = 0;
     for (Eigen::Index k = 0; k < a.size(); ++k)
-      if (bottom[k] > 0) a[k] = top[k] / bottom[k], mean += a[k], ++known;
+      if (bottom[k] > 0) {
+        a[k] = top[k] / bottom[k];
+        mean += a[k];
+        ++known;
+      }
     for (Eigen::Index k = 0; k < a.size(); ++k)
       if (bottom[k] > 0) a[k] -= mean / known;
   }
@@ -124,7 +129,8 @@ Split split_energy(const std::vector<Pulses>& all, std::size_t conditions, std::
       s.residual.push_back(all[i].number.size() > 1 ? residuals(all[i], s.energy[all[i].condition]) : Eigen::MatrixXd());
       if (all[i].number.size() < 2) continue;
       const double squares = std::max(1e-300, s.residual.back().squaredNorm());
-      precision[i] = 1 / squares, s.unexplained += double(s.residual.back().size()) * std::log(squares);
+      precision[i] = 1 / squares;
+      s.unexplained += double(s.residual.back().size()) * std::log(squares);
     }
   }
   return s;
@@ -141,7 +147,8 @@ Eigen::VectorXd modulation_of(const Eigen::MatrixXd& e, std::span<const Window> 
       const double d = (windows[std::size_t(j)].time - windows[std::size_t(i)].time) / smoothing_time;
       if (std::abs(d) >= 2) continue;
       const double w = std::pow(std::cos(M_PI * d / 4), 2);
-      sum += w * square[j], weight += w;
+      sum += w * square[j];
+      weight += w;
     }
     const double squares = weight * freedom, local = squares / (squares + shrinkage_squares);
     m[i] = std::sqrt(std::max(local * sum / weight + (1 - local) * mean, 1e-300));
@@ -168,7 +175,8 @@ Eigen::MatrixXd pulse_covariance(const SeriesNoise& s, std::span<const Window> w
   const Eigen::MatrixXd difference = plain - zeroed;  // k_i + k_j - 1
   Eigen::VectorXd with_zero = (difference.diagonal().array() + 1) / 2;
   with_zero = scale * s.zero_modulation * s.modulation.cwiseProduct(with_zero);
-  c.colwise() -= with_zero, c.rowwise() -= with_zero.transpose();
+  c.colwise() -= with_zero;
+  c.rowwise() -= with_zero.transpose();
   c.array() += scale * s.zero_modulation * s.zero_modulation;
   return c;
 }
@@ -179,13 +187,17 @@ void learn_series(SeriesNoise& s, const Eigen::MatrixXd& e, std::span<const Wind
   s.zero_modulation = s.modulation[0];
   const Eigen::MatrixXd u = s.modulation.cwiseInverse().asDiagonal() * e;
   const CorrelationFit fit = fit_correlation(u, windows, record_time, s.zeroed, record_time[0]);
-  s.time = fit.time, s.white = fit.white;
+  s.time = fit.time;
+  s.white = fit.white;
   // The scale: the covariance must give the mean square that was seen.
   const Eigen::MatrixXd unit = filtered_covariance(windows, record_time, s.time, s.white, s.zeroed, record_time[0]);
-  s.modulation /= std::sqrt(unit.diagonal().mean()), s.zero_modulation = s.modulation[0];
+  s.modulation /= std::sqrt(unit.diagonal().mean());
+  s.zero_modulation = s.modulation[0];
   s.pulse = pulse_covariance(s, windows, record_time, 1);
   const double scale = (e.squaredNorm() / freedom) / s.pulse.trace();
-  s.pulse *= scale, s.modulation *= std::sqrt(scale), s.zero_modulation *= std::sqrt(scale);
+  s.pulse *= scale;
+  s.modulation *= std::sqrt(scale);
+  s.zero_modulation *= std::sqrt(scale);
   const Eigen::VectorXd sd = s.pulse.diagonal().cwiseSqrt();
   const Eigen::MatrixXd correlation = sd.cwiseInverse().asDiagonal() * s.pulse * sd.cwiseInverse().asDiagonal();
   s.freedom = freedom * std::pow(double(sd.size()), 2) / correlation.squaredNorm();
@@ -200,7 +212,8 @@ double split_half_ratio(const std::vector<Pulses>& all, const Split& split) {
     const Eigen::Index half = n / 2;
     const double variance = e.squaredNorm() / double(n - 1);
     const Eigen::VectorXd difference = e.leftCols(half).rowwise().mean() - e.rightCols(n - half).rowwise().mean();
-    seen += difference.squaredNorm() / variance, due += 1.0 / double(half) + 1.0 / double(n - half);
+    seen += difference.squaredNorm() / variance;
+    due += 1.0 / double(half) + 1.0 / double(n - half);
   }
   return due > 0 ? seen / due : 1;
 }
@@ -227,7 +240,8 @@ CorrelationFit fit_correlation(const Eigen::MatrixXd& u, std::span<const Window>
   const double middle = std::log(best.time);
   const auto [log_time, cost] = boost::math::tools::brent_find_minima([&](double x) { return -at(x, best.white); }, std::max(low, middle - spacing),
                                                                       std::min(high, middle + spacing), 16);
-  best.time = std::exp(log_time), best.log_likelihood = -cost;
+  best.time = std::exp(log_time);
+  best.log_likelihood = -cost;
   const double h = 0.05, curvature = (at(log_time - h, best.white) + at(log_time + h, best.white) - 2 * at(log_time, best.white)) / (h * h);
   best.time_se = curvature < 0 ? 1 / std::sqrt(-curvature) : infinity;
   return best;
@@ -263,7 +277,8 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
     const Observation& o = problem.observations[i];
     const auto windows = grid.windows(i);
     SeriesNoise s;
-    s.pulses = int(all[i].number.size()), s.present = all[i].present;
+    s.pulses = int(all[i].number.size());
+    s.present = all[i].present;
     if (s.pulses >= 2 && split.residual[i].squaredNorm() > 0) {
       s.zeroed = all[i].zeroed;
       s.mean_energy = 1;
@@ -276,9 +291,14 @@ ReplicateNoise learn_noise(const Problem& problem, const Decimation& grid, const
         throw InputError({.problem = "sensor " + problem.label(o) + " has no two whole pulses that differ, so that its noise is not known",
                           .key = "recordings.noise",
                           .suggestion = "give the sd of the noise in the data's unit"});
-      s.pulses = std::max(1, o.pulses), s.given = true, s.freedom = infinity;
+      s.pulses = std::max(1, o.pulses);
+      s.given = true;
+      s.freedom = infinity;
       s.modulation = Eigen::VectorXd::Constant(Eigen::Index(windows.size()), *sd);
-      if (options.noise_time > 0) s.time = options.noise_time, s.white = least_white;
+      if (options.noise_time > 0) {
+        s.time = options.noise_time;
+        s.white = least_white;
+      }
       s.pulse = *sd * *sd * filtered_covariance(windows, grid.record_time(), s.time, s.white);
     }
     out.series.push_back(std::move(s));

@@ -21,7 +21,8 @@ std::vector<EncOptimizer> by_optimizer(const EncSummary& summary, const std::vec
     double sum = 0, squares = 0, best = std::numeric_limits<double>::infinity();
     for (const auto& r : summary.rounds) {
       if (r.optimizer != name || !std::isfinite(r.objective)) continue;
-      ++o.rounds, sum += r.objective;
+      ++o.rounds;
+      sum += r.objective;
       if (const double c = summary.objective.cost(r.objective); c < best) best = c, o.best = r.objective, o.trace = r.trace;
     }
     if (o.rounds == 0) {
@@ -72,7 +73,9 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   const Bounds bounds = bounds_of(problem.shape);
   if (!mesh.empty()) {
     RoundPlan few = plan;
-    few.rounds = std::max<std::size_t>(4, plan.rounds / 10), few.pool = 1, few.first_stream = bare_stream;
+    few.rounds = std::max<std::size_t>(4, plan.rounds / 10);
+    few.pool = 1;
+    few.first_stream = bare_stream;
     if (auto best = well_separated(rounds(surrogate, few, "rounds without the correction").pool, 1, 0, bounds); !best.empty()) out.mesh.without = best[0].theta;
   }
   auto found = rounds(searched, plan, "rounds");
@@ -89,7 +92,8 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   report_correction(out, problem, mesh);
 
   // 3. Whether other optimisers and objectives lead to the same answer.
-  plan.rounds = compared_rounds, plan.pool = 0;
+  plan.rounds = compared_rounds;
+  plan.pool = 0;
   const Clock comparing;
   out.agreement = find_agreement(problem, searched, decided, out.objective, out.rounds,
                                  {.optimizers = options.compare_optimizers, .objectives = options.compare_objectives, .rounds = plan}, seed, threads, progress);

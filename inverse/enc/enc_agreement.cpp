@@ -31,19 +31,25 @@ ComparedOptimizer compared(const std::string& name, const std::vector<EncRound>&
   ComparedOptimizer r{.name = name, .theta = {}};
   double squares = 0;
   for (const auto& x : rounds)
-    if (x.optimizer == name && std::isfinite(x.objective))
-      ++r.rounds, r.mean += x.objective, r.share += apart(x.theta, best.theta, bounds) <= agreement_tolerance;
+    if (x.optimizer == name && std::isfinite(x.objective)) {
+      ++r.rounds;
+      r.mean += x.objective;
+      r.share += apart(x.theta, best.theta, bounds) <= agreement_tolerance;
+    }
   const EncRound* own = best_of(rounds, objective, name);
   if (!own) {
     r.mean = r.sd = r.best = r.distance = r.shortfall = nan;
     return r;
   }
-  r.mean /= r.rounds, r.share /= r.rounds;
+  r.mean /= r.rounds;
+  r.share /= r.rounds;
   for (const auto& x : rounds)
     if (x.optimizer == name && std::isfinite(x.objective)) squares += (x.objective - r.mean) * (x.objective - r.mean);
   r.sd = r.rounds > 1 ? std::sqrt(squares / (r.rounds - 1)) : nan;
-  r.best = own->objective, r.theta = own->theta;
-  r.distance = apart(r.theta, best.theta, bounds), r.shortfall = objective.cost(r.best) - objective.cost(best.objective);
+  r.best = own->objective;
+  r.theta = own->theta;
+  r.distance = apart(r.theta, best.theta, bounds);
+  r.shortfall = objective.cost(r.best) - objective.cost(best.objective);
   r.agrees = r.distance <= agreement_tolerance;
   return r;
 }
@@ -105,7 +111,8 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
   std::uint64_t searches = 0;
   const auto search = [&](const Objective& by, const std::vector<std::string>& optimizers, const std::string& what) {
     RoundPlan rounds = plan.rounds;
-    rounds.optimizers = optimizers, rounds.first_stream = ++searches * streams_of_a_search;
+    rounds.optimizers = optimizers;
+    rounds.first_stream = ++searches * streams_of_a_search;
     auto found = search_rounds(problem, surrogate, by, rounds, seed, threads, [&](std::size_t done) {
       if (progress) progress(what, done, rounds.rounds);
     });
@@ -144,7 +151,10 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
       const auto rounds = search(formulations[i], plan.rounds.optimizers, "rounds by " + formulations[i].name);
       const EncRound* answer = best_of(rounds, formulations[i]);
       EncFormulation f{.objective = formulations[i].name, .theta = answer ? answer->theta : std::vector<double>{}, .distance = nan, .model = {}, .values = {}};
-      if (answer) f.distance = apart(f.theta, best->theta, bounds), f.agrees = f.distance <= agreement_tolerance;
+      if (answer) {
+        f.distance = apart(f.theta, best->theta, bounds);
+        f.agrees = f.distance <= agreement_tolerance;
+      }
       out.objectives.push_back(std::move(f));
     }
     out.objectives_agree = std::all_of(out.objectives.begin(), out.objectives.end(), [](const auto& f) { return f.agrees; });
@@ -159,7 +169,8 @@ Json agreement_json(const EncAgreement& a, const Problem& problem) {
          {"optimizers_agree", a.optimizers_agree},
          {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)},
          {"sentence", a.sentence}};
-  j["optimizers"] = Json::array(), j["objectives"] = Json::array();
+  j["optimizers"] = Json::array();
+  j["objectives"] = Json::array();
   for (const auto& r : a.optimizers)
     j["optimizers"].push_back({{"name", r.name},
                                {"rounds", r.rounds},

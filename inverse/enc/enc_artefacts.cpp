@@ -7,7 +7,8 @@ namespace calomel {
 Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& provenance) {
   const auto& shape = problem.shape;
   Json own;
-  own["optimizers"] = Json::array(), own["rounds"] = Json::array();
+  own["optimizers"] = Json::array();
+  own["rounds"] = Json::array();
   for (const auto& o : s.optimizers)
     own["optimizers"].push_back(
         {{"name", o.name}, {"rounds", o.rounds}, {"mean", number(o.mean)}, {"sd", number(o.sd)}, {"best", number(o.best)}, {"trace", numbers(o.trace)}});

@@ -60,7 +60,10 @@ EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, c
   const auto consider = [&](const std::vector<double>& theta) {
     const Eigen::MatrixXd point = Eigen::Map<const Eigen::VectorXd>(theta.data(), Eigen::Index(theta.size()));
     const double cost = batch_cost(point)[0];
-    if (round.theta.empty() || cost < best) best = cost, round.theta = theta;
+    if (round.theta.empty() || cost < best) {
+      best = cost;
+      round.theta = theta;
+    }
     ++round.evaluations;
   };
   // 1. The start.
@@ -71,7 +74,8 @@ EncRound gradient_round(const Problem& problem, const ForwardModel& surrogate, c
   const auto costs = batch_cost(points);
   round.evaluations += costs.size();
   const auto start = Eigen::Index(std::min_element(costs.begin(), costs.end()) - costs.begin());
-  best = costs[std::size_t(start)], round.theta.assign(points.col(start).begin(), points.col(start).end());
+  best = costs[std::size_t(start)];
+  round.theta.assign(points.col(start).begin(), points.col(start).end());
   // 2. Down the smoothed objective, ever sharper.
   Eigen::VectorXd u(points.rows());
   for (Eigen::Index k = 0; k < u.size(); ++k) u[k] = std::asin(2 * (points(k, start) - bounds.low[k]) / (bounds.high[k] - bounds.low[k]) - 1);

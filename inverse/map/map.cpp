@@ -42,19 +42,23 @@ void run_candidates(MapSummary& out, const PosteriorInputs& in, const PosteriorF
       if (std::isfinite(value)) c.objective_model = value;
     }
     c.message = records[i].message;
-    if (is_nominal)
-      out.at_nominal = std::move(c), out.nominal_values = std::move(histories[i]);
-    else
+    if (is_nominal) {
+      out.at_nominal = std::move(c);
+      out.nominal_values = std::move(histories[i]);
+    } else {
       (c.objective_model ? out.candidates : out.failed).push_back(std::move(c));
+    }
   }
-  out.model_runs = points.size(), out.model_s = clock.seconds();
+  out.model_runs = points.size();
+  out.model_s = clock.seconds();
   out.theta.assign(points[0].theta.begin(), points[0].theta.begin() + std::ptrdiff_t(n));
   if (out.candidates.empty() || out.candidates[0].theta != out.theta) {  // the answer is the mode all the same; nothing has verified it
     out.best = out.failed[0];
     out.status = CalibrationStatus::no_candidate;
     return;
   }
-  out.best = out.candidates[0], out.calibrated = histories[0];
+  out.best = out.candidates[0];
+  out.calibrated = histories[0];
   out.status = fit.settled ? CalibrationStatus::done : CalibrationStatus::not_settled;
 }
 
@@ -65,8 +69,14 @@ std::vector<Nuisance> nuisances_of(const PosteriorInputs& in, const PosteriorFit
   for (std::size_t k = in.problem.shape.parameters.size(); k < in.parameters.size(); ++k) {
     const Parameter& p = in.parameters[k];
     Nuisance x{.name = p.name, .value = m.at.theta[k], .sd = std::sqrt(covariance(Eigen::Index(k), Eigen::Index(k)))};
-    if (p.prior == "lognormal") x.prior_value = std::exp(*p.mu), x.prior_sd = *p.sigma * x.prior_value;
-    if (p.prior == "normal") x.prior_value = *p.mean, x.prior_sd = *p.sd;
+    if (p.prior == "lognormal") {
+      x.prior_value = std::exp(*p.mu);
+      x.prior_sd = *p.sigma * x.prior_value;
+    }
+    if (p.prior == "normal") {
+      x.prior_value = *p.mean;
+      x.prior_sd = *p.sd;
+    }
     x.pull = prior_deviation(p, x.value).value_or(0);
     out.push_back(std::move(x));
   }
@@ -113,7 +123,8 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   const auto density = posterior.density(mode.at);
   out.covariance = parameter_covariance(posterior, mode).topLeftCorner(n, n);
   out.nuisances = nuisances_of(in, fit);
-  out.log_likelihood = density.log_likelihood, out.log_prior = density.log_prior;
+  out.log_likelihood = density.log_likelihood;
+  out.log_prior = density.log_prior;
   out.log_evidence_laplace = log_evidence(posterior, mode);
   out.fit = goodness_of_fit(residual_of(fit));
   out.identification = identification_of(in, fit, out.covariance);

@@ -59,11 +59,15 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
                                 {"prior_value", number(x.prior_value)},
                                 {"prior_sd", number(x.prior_sd)},
                                 {"pull", number(x.pull)}});
-  own["log_likelihood"] = number(s.log_likelihood), own["log_prior"] = number(s.log_prior);
+  own["log_likelihood"] = number(s.log_likelihood);
+  own["log_prior"] = number(s.log_prior);
   own["log_evidence_laplace"] = number(s.log_evidence_laplace);
-  own["chi2"] = number(s.fit.chi2), own["values"] = s.fit.values;
-  own["effective_data"] = number(s.fit.effective_data), own["effective_chi2"] = number(s.fit.effective_chi2);
-  own["p_value"] = number(s.fit.p_value), own["effective_p_value"] = number(s.fit.effective_p_value);
+  own["chi2"] = number(s.fit.chi2);
+  own["values"] = s.fit.values;
+  own["effective_data"] = number(s.fit.effective_data);
+  own["effective_chi2"] = number(s.fit.effective_chi2);
+  own["p_value"] = number(s.fit.p_value);
+  own["effective_p_value"] = number(s.fit.effective_p_value);
   own["chi2_critical"] = number(s.fit.chi2_critical);
   own["adequate"] = s.adequate;
   own["adequacy"] = words.adequacy;

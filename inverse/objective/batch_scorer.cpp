@@ -42,9 +42,11 @@ BatchScorer::BatchScorer(const Problem& problem, const HistoryBasis& basis, Inst
       const std::size_t t = compared[r];
       float* row = rows + std::ptrdiff_t(r) / panel_rows * 4 * panel_rows + std::ptrdiff_t(r) % panel_rows;
       row[0] = float(on_record(basis.offset.data(), t) - o.mean[t]);
-      if (o.banded[t])
-        row[panel_rows] = float(o.low[t] - o.mean[t]), row[2 * panel_rows] = float(o.high[t] - o.mean[t]),
+      if (o.banded[t]) {
+        row[panel_rows] = float(o.low[t] - o.mean[t]);
+        row[2 * panel_rows] = float(o.high[t] - o.mean[t]);
         row[3 * panel_rows] = float(1 / (o.high[t] - o.low[t]));
+      }
     }
     float* directions = floats(directions_) + observed_[i].first * rank_ * panel_rows;
     for (std::ptrdiff_t k = 0; k < rank_; ++k)

@@ -18,7 +18,8 @@ Averages slopes_of(const Objective& objective, const Averages& at) {
   for (std::size_t k = 0; k < averages; ++k) {
     const double h = 1e-3 * std::max(1.0, std::abs(at[k]));
     Averages up = at, down = at;
-    up[k] += h, down[k] -= h;
+    up[k] += h;
+    down[k] -= h;
     slopes[k] = (formula_of(objective, up) - formula_of(objective, down)) / (2 * h);
   }
   return slopes;
@@ -40,7 +41,8 @@ Part part_of(const Problem& problem, const Observation& o, const std::vector<dou
   for (std::size_t t = 0; t < y.size(); ++t) {
     if (!o.compared[t]) continue;
     const double d = y[t] - o.mean[t];
-    norm += o.mean[t] * o.mean[t], squares += d * d;
+    norm += o.mean[t] * o.mean[t];
+    squares += d * d;
     p.value[mae] += problem.mae_scale * std::abs(d) / double(o.samples);
     p.slope[mae][t] = problem.mae_scale * (d > 0 ? 1 : d < 0 ? -1 : 0) / double(o.samples);
     if (!o.banded[t]) continue;
@@ -52,7 +54,8 @@ Part part_of(const Problem& problem, const Observation& o, const std::vector<dou
     if (const double e = (o.low[t] - y[t]) / band; e > under) under = e, under_at = t;
   }
   const double rrmse = std::sqrt(squares / norm);
-  p.value[delta1] = rrmse, p.value[delta2] = over + under;
+  p.value[delta1] = rrmse;
+  p.value[delta2] = over + under;
   for (std::size_t t = 0; t < y.size(); ++t)
     if (o.compared[t] && squares > 0) p.slope[delta1][t] = (y[t] - o.mean[t]) / std::sqrt(squares * norm);
   if (over_at < y.size()) p.slope[delta2][over_at] += 1 / (o.high[over_at] - o.low[over_at]);

@@ -45,7 +45,8 @@ BatchScoreSum::BatchScoreSum(std::size_t columns, double mae_scale) : mae_scale_
 }
 
 void BatchScoreSum::add(const ObservedSize& size, std::span<const ScoreSums> sums) {
-  ++observations_, with_band_ += size.banded > 0;
+  ++observations_;
+  with_band_ += size.banded > 0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const ScoreSums& s = sums[i];
     if (size.banded > 0) score_.accuracy[i] += 100.0 * double(s.inside) / size.banded;

@@ -52,7 +52,8 @@ CALOMEL_INLINE void tile(const float* directions, const float* rows, std::ptrdif
 #pragma GCC unroll 16
       for (int c = 0; c < C; ++c) {
         const Aligned x = all(b[c]);
-        d0[c] += a0 * x, d1[c] += a1 * x;
+        d0[c] += a0 * x;
+        d1[c] += a1 * x;
       }
     }
 #pragma GCC unroll 16

@@ -29,7 +29,10 @@ pagmo::population DifferentialEvolution::evolve(pagmo::population population) co
     }
     const auto value = evaluate_generation(problem, trial);
     for (std::size_t i = 0; i < n; ++i)
-      if (value[i] <= f[i]) x[i] = trial[i], f[i] = value[i];
+      if (value[i] <= f[i]) {
+        x[i] = trial[i];
+        f[i] = value[i];
+      }
   }
   store(population, x, f);
   return population;

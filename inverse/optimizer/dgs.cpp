@@ -113,13 +113,21 @@ std::vector<DgsTrial> minimise_dgs(const BatchFunction& function, const Eigen::M
       const auto best = std::min_element(first, first + steps);
       double alpha = 0;
       const double before = s.f;
-      if (*best < s.f) alpha = ladder[std::size_t(best - first)], s.f = *best, s.x = points.col(best - values.begin());
+      if (*best < s.f) {
+        alpha = ladder[std::size_t(best - first)];
+        s.f = *best;
+        s.x = points.col(best - values.begin());
+      }
       // 3. The next radius.
       s.sigma = std::max(0.5 * (s.sigma + alpha), options.shortest_step);
       const bool stalled = !(std::abs(s.f - before) >= options.tolerance * std::abs(before));
-      if (stalled && i - s.last_reset >= options.reset_after) s.sigma = options.radius, s.last_reset = i;
+      if (stalled && i - s.last_reset >= options.reset_after) {
+        s.sigma = options.radius;
+        s.last_reset = i;
+      }
       DgsTrial& trial = out[std::size_t(t)];
-      trial.x = s.x, trial.f = s.f;
+      trial.x = s.x;
+      trial.f = s.f;
       trial.trace.push_back(s.f);
     }
   }

@@ -27,7 +27,8 @@ pagmo::population GreyWolf::evolve(pagmo::population population) const {
       for (std::size_t k = 0; k < 3; ++k)
         if (f[i] < leader_f[k]) {
           for (std::size_t m = 2; m > k; --m) leader[m] = leader[m - 1], leader_f[m] = leader_f[m - 1];
-          leader[k] = x[i], leader_f[k] = f[i];
+          leader[k] = x[i];
+          leader_f[k] = f[i];
           break;
         }
   };
@@ -48,7 +49,8 @@ pagmo::population GreyWolf::evolve(pagmo::population population) const {
   }
   // The population keeps its best wolf.
   const auto worst = std::size_t(std::max_element(f.begin(), f.end()) - f.begin());
-  x[worst] = leader[0], f[worst] = leader_f[0];
+  x[worst] = leader[0];
+  f[worst] = leader_f[0];
   store(population, x, f);
   return population;
 }

@@ -30,7 +30,10 @@ struct Record {
     ++result.calls;
     for (Eigen::Index i = 0; i < n; ++i) {
       const double f = values[std::size_t(i)];
-      if (result.x.size() == 0 || f < result.f) result.x = points.col(i), result.f = f;
+      if (result.x.size() == 0 || f < result.f) {
+        result.x = points.col(i);
+        result.f = f;
+      }
       if (++result.evaluations % population == 0) result.trace.push_back(result.f);
     }
     return values;

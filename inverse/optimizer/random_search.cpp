@@ -46,7 +46,10 @@ pagmo::population NesterovRandomSearch::evolve(pagmo::population population) con
     for (std::size_t t = 0; t < count; ++t) {
       const std::size_t at_start = order[t];
       h[t] *= value[t] < f[at_start] ? grow : shrink;
-      if (value[t] < f[at_start]) x[at_start] = next[t], f[at_start] = value[t];
+      if (value[t] < f[at_start]) {
+        x[at_start] = next[t];
+        f[at_start] = value[t];
+      }
     }
   }
   store(population, x, f);

@@ -56,7 +56,10 @@ LogPosterior with_independent_errors(const PosteriorInputs& in, const PosteriorF
   const Eigen::Index size = eigen.values.size();
   Eigen::VectorXd root = Eigen::VectorXd::Zero(size), inverse_root = root;
   for (Eigen::Index i = 0; i < size; ++i)
-    if (eigen.values[i] > least_share * eigen.values[size - 1]) root[i] = std::sqrt(eigen.values[i]), inverse_root[i] = 1 / root[i];
+    if (eigen.values[i] > least_share * eigen.values[size - 1]) {
+      root[i] = std::sqrt(eigen.values[i]);
+      inverse_root[i] = 1 / root[i];
+    }
   const RecordErrors errors{.covariance = Eigen::MatrixXd::Identity(size, size),
                             .data = inverse_root.asDiagonal() * (eigen.vectors.transpose() * (s.coefficients.transpose() * s.records)),
                             .freedom = std::numeric_limits<double>::infinity()};

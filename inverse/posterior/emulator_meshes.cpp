@@ -26,7 +26,8 @@ std::vector<double> element_sizes(const Simulator& simulator, const EmulatorOpti
 std::vector<double> diagnosis_element_sizes(const Simulator& simulator, const EmulatorOptions& options) {
   const InferenceHints hints = simulator.hints();
   const auto own = hints.element_size;
-  if (!options.element_sizes.empty() || !own || hints.resolved_length <= 0 || *own > resolving * hints.resolved_length) return element_sizes(simulator, options);
+  if (!options.element_sizes.empty() || !own || hints.resolved_length <= 0 || *own > resolving * hints.resolved_length)
+    return element_sizes(simulator, options);
   return {2 * *own, *own};
 }
 

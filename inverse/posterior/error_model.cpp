@@ -155,7 +155,10 @@ Eigen::MatrixXd ErrorModel::covariance() const {
 double ErrorModel::freedom() const {
   double of_noise = 0, trace = 0, noise = 0;
   for (const auto& s : noise_.series) of_noise += s.freedom;
-  for (const auto& t : terms_) trace += t.covariance.trace(), noise += t.name == "noise" ? t.covariance.trace() : 0;
+  for (const auto& t : terms_) {
+    trace += t.covariance.trace();
+    noise += t.name == "noise" ? t.covariance.trace() : 0;
+  }
   if (std::isinf(of_noise) || !(noise > 0)) return infinity;
   const double freedom = of_noise / std::pow(noise / trace, 2);
   return freedom > 1e8 ? infinity : freedom;
@@ -187,7 +190,10 @@ ErrorModel ErrorModel::without(std::string_view name) const {
 std::vector<std::pair<std::string, double>> ErrorModel::shares() const {
   std::vector<std::pair<std::string, double>> out;
   double sum = 0;
-  for (const auto& t : terms_) out.emplace_back(t.name, t.covariance.trace()), sum += out.back().second;
+  for (const auto& t : terms_) {
+    out.emplace_back(t.name, t.covariance.trace());
+    sum += out.back().second;
+  }
   for (auto& [name, share] : out) share /= sum;
   return out;
 }
@@ -284,8 +290,10 @@ std::vector<WeightedErrors> with_local_discrepancy(const ErrorModel& plain, cons
   Eigen::VectorXd there = Eigen::VectorXd::Zero(plain.data().size());
   std::size_t records = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
-    if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end())
-      there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes(), ++records;
+    if (std::find(place.begin(), place.end(), problem.observations[i].sensor) != place.end()) {
+      there.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size())).setOnes();
+      ++records;
+    }
   expect(records > 0 && o.discrepancy > 0, "a place with a record, and a discrepancy");
   std::vector<WeightedErrors> out;
   add_discrepancies(out, plain, problem, o, positions, there, double(records) / double(grid.observations()));
@@ -306,7 +314,8 @@ Eigen::MatrixXd numerical_noise(const Decimation& grid, const Eigen::MatrixXd& r
       double sum = 0, weight = 0;
       for (Eigen::Index b = 0; b < n; ++b) {
         const double w = std::exp(-0.5 * std::pow((windows[std::size_t(b)].time - windows[std::size_t(a)].time) / local, 2));
-        sum += w * square[b], weight += w;
+        sum += w * square[b];
+        weight += w;
       }
       sd[a] = std::sqrt(sum / weight + least_noise * square.mean());
     }

@@ -52,7 +52,8 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
   std::vector<std::string> names;
   for (Eigen::Index k = 0; k < n; ++k) {
     const std::size_t p = out.parameters[std::size_t(k)];
-    value[k] = theta[p], before[k] = prior_sd[Eigen::Index(p)] / theta[p];
+    value[k] = theta[p];
+    before[k] = prior_sd[Eigen::Index(p)] / theta[p];
     names.push_back(parameters[p].name);
   }
   const auto chosen = [&](const Eigen::MatrixXd& m) {

@@ -128,10 +128,12 @@ Eigen::VectorXd LogPosterior::q(std::span<const double> theta, double beyond) co
 
 LogPosterior::Point LogPosterior::moved(const Point& from, Eigen::Index k, double by) const {
   Point p = from;
-  if (k < Eigen::Index(free_.size()))
-    p.u[free_[std::size_t(k)]] += by, p.theta = theta_at(p.u);
-  else
+  if (k < Eigen::Index(free_.size())) {
+    p.u[free_[std::size_t(k)]] += by;
+    p.theta = theta_at(p.u);
+  } else {
     p.beyond += by;
+  }
   return p;
 }
 
@@ -169,9 +171,13 @@ LogPosterior::Density LogPosterior::density(const Point& at, bool slopes) const 
       const double by_v = 0.5 * (l.weight * (l.weighed.square() * h.ratio.array()).sum() - (h.ratio.array() / l.inflation).sum());
       gradients.push_back(dx.transpose() * (l.weight * (h.coefficients.transpose() * l.weighed.matrix()) + 2 * by_v * hx));
     }
-    if (logs.size() == 1 || logs.back() > logs[best]) best = logs.size() - 1, chi2 = l.chi2;
+    if (logs.size() == 1 || logs.back() > logs[best]) {
+      best = logs.size() - 1;
+      chi2 = l.chi2;
+    }
   }
-  out.log_likelihood = log_sum(logs), out.chi2 = chi2;
+  out.log_likelihood = log_sum(logs);
+  out.chi2 = chi2;
   out.weights = shares(logs);
   out.likelihood_gradient = Eigen::VectorXd::Zero(n);
   for (std::size_t j = 0; j < gradients.size(); ++j) out.likelihood_gradient += out.weights[j] * gradients[j];

@@ -124,7 +124,8 @@ Eigen::MatrixXd gaussian_draws(const LogPosterior& posterior, const LocalMode& m
   const Eigen::VectorXd middle = coordinates(posterior, m.at);
   RandomStream random(seed, 0);
   Eigen::MatrixXd draws(d + 1, Eigen::Index(n));
-  draws.topRows(d).colwise() = m.at.u, draws.row(d).setConstant(m.at.beyond);
+  draws.topRows(d).colwise() = m.at.u;
+  draws.row(d).setConstant(m.at.beyond);
   Eigen::Index taken = 0;
   Eigen::VectorXd z(middle.size());
   for (std::size_t trial = 0; trial < 100 * n && taken < draws.cols(); ++trial) {

@@ -60,10 +60,12 @@ class Search {
     runs_ += int(records.size());
     Eigen::MatrixXd out(values(), x.cols());
     for (std::size_t i = 0; i < records.size(); ++i) {
-      if (records[i].done)
+      if (records[i].done) {
         out.col(Eigen::Index(i)) = errors_.grid().apply(records[i].history());
-      else
-        out.col(Eigen::Index(i)).setConstant(std::numeric_limits<double>::quiet_NaN()), message_ = records[i].message;
+      } else {
+        out.col(Eigen::Index(i)).setConstant(std::numeric_limits<double>::quiet_NaN());
+        message_ = records[i].message;
+      }
     }
     return out;
   }
@@ -166,7 +168,8 @@ std::optional<Jitter> jitter_of_the_model(const PosteriorInputs& in) {
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
     const Parameter& p = search.parameter(k);
     const double step = nearly * search.width(k), at = p.coordinate(std::clamp(*p.nominal, p.min, p.max));
-    x(k, 0) = at, x(k, 1) = at + step > p.coordinate(p.max) ? at - step : at + step;
+    x(k, 0) = at;
+    x(k, 1) = at + step > p.coordinate(p.max) ? at - step : at + step;
   }
   const Eigen::MatrixXd both = search.compared(x);
   if (!both.allFinite()) return std::nullopt;
@@ -201,7 +204,9 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
       problem.SetParameterUpperBound(x.data(), int(k), search.parameter(k).coordinate(search.parameter(k).max));
     }
     ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR, solver.logging_type = ceres::SILENT, solver.max_num_iterations = options.iterations;
+    solver.linear_solver_type = ceres::DENSE_QR;
+    solver.logging_type = ceres::SILENT;
+    solver.max_num_iterations = options.iterations;
     solver.function_tolerance = options.tolerance;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
@@ -215,11 +220,13 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     const double* at = x.data();
     double* slopes = jacobian.data();
     if (!Residuals(search).Evaluate(&at, residuals.data(), &slopes)) continue;
-    best = summary.final_cost, out.theta = std::move(end);
+    best = summary.final_cost;
+    out.theta = std::move(end);
     // A direction that neither data nor prior know is as wide as the prior.
     Eigen::MatrixXd information = jacobian.transpose() * jacobian;
     for (Eigen::Index k = 0; k < d; ++k) information(k, k) += 1 / std::pow(box_of_prior * search.width(k), 2);
-    out.covariance = inverse_symmetric(information), out.chi2 = residuals.head(search.values()).squaredNorm();
+    out.covariance = inverse_symmetric(information);
+    out.chi2 = residuals.head(search.values()).squaredNorm();
   }
   if (out.theta.empty()) throw NumericsError("no descent of the model's fit came to an end: " + search.message());
   out.runs = search.runs();
@@ -253,7 +260,11 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
     const auto point = on_emulator.point(on_emulator.q(theta, m.at.beyond));
     const Eigen::VectorXd history = records[0].history();
     const double density = on_emulator.log_likelihood_of(fit.errors->grid().apply(history), 0) + on_emulator.density(point, false).log_prior;
-    if (density > most) most = density, best = history, at = point;
+    if (density > most) {
+      most = density;
+      best = history;
+      at = point;
+    }
   }
   if (best.size() == 0) return fit;
   fit.coefficients.col(0) += fit.errors->grid().apply(best) - fit.prediction(at);  // of the constant
@@ -268,7 +279,8 @@ void place_box_by_least_squares(PosteriorInputs& in, const MultistartOptions& op
   const MultistartFit start = multistart_least_squares(in, options);
   const double scale = std::sqrt(std::max(1.0, start.chi2 / std::max<double>(1, double(start.values) - double(start.theta.size()))));
   const auto priors = priors_of(in.parameters);
-  in.centre = start.theta, in.half_width.clear();
+  in.centre = start.theta;
+  in.half_width.clear();
   for (std::size_t k = 0; k < in.parameters.size(); ++k) {
     const auto& p = in.parameters[k];
     const double widest = p.coordinate_width(box_of_prior * std::min(priors[k].scale(), p.max - p.min), std::clamp(*p.nominal, p.min, p.max));

@@ -95,7 +95,10 @@ void Fit::lay_box(std::span<const double> centre, std::span<const double> half_w
     const double x = std::clamp(p.coordinate(std::clamp(centre[k], p.min, p.max)), least + w, most - w);
     double low = x - w, high = x + w;
     const auto& nested = out_.nested_modes.empty() ? in_.nested_centre : out_.nested_modes[0].at.theta;
-    if (!nested.empty()) low = std::min(low, p.coordinate(nested[k]) - room * w), high = std::max(high, p.coordinate(nested[k]) + room * w);
+    if (!nested.empty()) {
+      low = std::min(low, p.coordinate(nested[k]) - room * w);
+      high = std::max(high, p.coordinate(nested[k]) + room * w);
+    }
     low_.push_back(std::max(p.min, p.natural(low))), high_.push_back(std::min(p.max, p.natural(high)));
   }
   box_ = EmulatorBox(in_.parameters, low_, high_);
@@ -226,7 +229,9 @@ void Fit::fit() {
   int fine = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const TaughtRun& r = out_.runs[out_.used[std::size_t(i)]];
-    runs.u.col(i) = box_.u(r.theta), runs.level.push_back(r.level), fine += r.level == 0;
+    runs.u.col(i) = box_.u(r.theta);
+    runs.level.push_back(r.level);
+    fine += r.level == 0;
   }
   const Eigen::Index needed = MultilevelRegression::coefficients(d, in_.levels);
   if (n <= needed || fine <= d + 1) {
@@ -250,7 +255,9 @@ void Fit::fit() {
   // Errors where the answer stands: at the box's middle first, at the last mode later.
   const Eigen::VectorXd u = first ? Eigen::VectorXd(Eigen::VectorXd::Zero(d)) : box_.u(box_.nearest(out_.modes[0].at.theta));
   if (slopes) directions.energy_slope = out_.histories(&RunRecord::energy_slope) * regression.weights(regression.features(u, 0));
-  directions.mesh = in_.levels > 1 ? 0 : in_.mesh, directions.pulses = in_.pulses, directions.energy_sd = in_.energy_sd;
+  directions.mesh = in_.levels > 1 ? 0 : in_.mesh;
+  directions.pulses = in_.pulses;
+  directions.energy_sd = in_.energy_sd;
   if (in_.levels > 1) directions.last_difference = histories * regression.weights(regression.features(u, 1) - regression.features(u, 0));
   if (in_.gauge_places) directions.gauge_places = in_.gauge_places(box_.theta(Eigen::VectorXd::Zero(d)));  // one place for a box: its runs are made once
   out_.coefficients = regression.fit(outputs);
@@ -295,7 +302,8 @@ void Fit::fit() {
   out_.levels.assign(std::size_t(in_.levels), {});
   for (Eigen::Index i = 0; i < n; ++i) {
     auto& l = out_.levels[std::size_t(runs.level[std::size_t(i)])];
-    ++l.runs, l.left_out += left_out.col(i).squaredNorm() / outputs.col(i).squaredNorm();
+    ++l.runs;
+    l.left_out += left_out.col(i).squaredNorm() / outputs.col(i).squaredNorm();
   }
   const double noise_square = rest.squaredNorm() / regression.freedom(), size = outputs.squaredNorm() / double(n);
   for (std::size_t l = 0; l < out_.levels.size(); ++l) {

@@ -22,10 +22,12 @@ Prior::Prior(const Parameter& p) : kind_(p.prior), low_(p.min), high_(p.max) {
   if (kind_ == "uniform") {
     log_norm_ = -std::log(high_ - low_);
   } else if (kind_ == "normal" || kind_ == "truncated_normal") {
-    a_ = *p.mean, b_ = *p.sd;
+    a_ = *p.mean;
+    b_ = *p.sd;
     log_norm_ = -half_log_2pi - std::log(b_);
     if (kind_ == "normal") {
-      low_ = -infinity, high_ = infinity;
+      low_ = -infinity;
+      high_ = infinity;
     } else {
       const double inside = boost::math::cdf(standard, (high_ - a_) / b_) - boost::math::cdf(standard, (low_ - a_) / b_);
       if (!(inside > 1e-12))
@@ -33,13 +35,19 @@ Prior::Prior(const Parameter& p) : kind_(p.prior), low_(p.min), high_(p.max) {
       log_norm_ -= std::log(inside);
     }
   } else if (kind_ == "lognormal") {
-    a_ = *p.mu, b_ = *p.sigma, low_ = 0, high_ = infinity;
+    a_ = *p.mu;
+    b_ = *p.sigma;
+    low_ = 0;
+    high_ = infinity;
     log_norm_ = -half_log_2pi - std::log(b_);
   } else if (kind_ == "half_cauchy") {
-    b_ = *p.scale, low_ = 0, high_ = infinity;
+    b_ = *p.scale;
+    low_ = 0;
+    high_ = infinity;
     log_norm_ = std::log(2 / (std::numbers::pi * b_));
   } else if (kind_ == "beta") {
-    a_ = *p.alpha, b_ = *p.beta;
+    a_ = *p.alpha;
+    b_ = *p.beta;
     log_norm_ = std::lgamma(a_ + b_) - std::lgamma(a_) - std::lgamma(b_) - std::log(high_ - low_);
   } else {
     throw InputError({.problem = "no prior of this name", .key = "parameter." + p.name + ".prior", .value = kind_});
@@ -136,13 +144,15 @@ std::vector<Parameter> with_handbook_priors(std::vector<Parameter> parameters, c
       expect(p.nominal.has_value(), "a model's shape carries every nominal value");
       p.prior = known->prior;
       if (p.prior == "normal") {
-        p.mean = *p.nominal, p.sd = known->sd * *p.nominal;
+        p.mean = *p.nominal;
+        p.sd = known->sd * *p.nominal;
       } else {
         if (!(*p.nominal > 0))
           throw InputError({.problem = "the handbook prior is one of the logarithm, which a nominal value of 0 does not have",
                             .key = "parameter." + p.name + ".nominal",
                             .suggestion = "give the value that is expected, such as 1.5e5"});
-        p.mu = std::log(*p.nominal), p.sigma = known->sd;
+        p.mu = std::log(*p.nominal);
+        p.sigma = known->sd;
       }
     } else if (p.prior == "uniform") {
       throw InputError(

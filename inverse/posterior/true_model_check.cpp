@@ -16,7 +16,10 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
   const LogPosterior& posterior = *fit.posterior;
   const MultilevelRegression& emulator = posterior.emulator();
   const Eigen::Index d = posterior.box().size();
-  if (in.levels < 2) fine += coarse, coarse = 0;
+  if (in.levels < 2) {
+    fine += coarse;
+    coarse = 0;
+  }
   Eigen::MatrixXd thetas(d, coarse + fine);
   std::vector<int> level;
   for (int i = 0; i < coarse + fine; ++i) {
@@ -44,10 +47,12 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
       const double promised = emulator.variance(x) + emulator.noise_ratio()[std::size_t(r.level)];
       r.distance = difference.norm() / run.norm();
       r.score = difference.squaredNorm() / (promised * noise_square);
-      sum += r.score, ++done;
+      sum += r.score;
+      ++done;
       if (r.level == 0) {
         const double variance = emulator.variance(x);  // of the same mesh, so that the two differ by the run alone
-        shift += std::pow(posterior.log_likelihood_of(run, variance) - posterior.log_likelihood_of(fit.coefficients * x, variance), 2), ++shifts;
+        shift += std::pow(posterior.log_likelihood_of(run, variance) - posterior.log_likelihood_of(fit.coefficients * x, variance), 2);
+        ++shifts;
       }
     }
     out.runs.push_back(std::move(r));
@@ -56,7 +61,8 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
   if (done == 0) return out;
   // The noise that is promised is an estimate itself, so the mean square has Fisher's F distribution.
   const boost::math::fisher_f expected(independent * done, independent * emulator.freedom());
-  out.score = sum / done, out.score_sd = std::sqrt(2 / (independent * done) + 2 / (independent * emulator.freedom()));
+  out.score = sum / done;
+  out.score_sd = std::sqrt(2 / (independent * done) + 2 / (independent * emulator.freedom()));
   out.p_value = boost::math::cdf(boost::math::complement(expected, out.score));
   if (shifts > 0) out.log_likelihood_shift = std::sqrt(shift / shifts);
   out.holds = out.p_value > least_p_value;

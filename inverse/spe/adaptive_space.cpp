@@ -59,7 +59,8 @@ void enlarge(Terms& terms, const std::vector<std::pair<double, Term>>& margin, s
   for (const auto& [weight, term] : margin) whole += weight;
   for (const auto& [weight, term] : margin) {
     if (terms.size() >= most_terms || (whole > 0 && joined >= bulk * whole)) return;
-    terms.insert(term), joined += weight;
+    terms.insert(term);
+    joined += weight;
   }
 }
 
@@ -79,7 +80,10 @@ Eigen::MatrixXi adaptive_degrees(const ScatteredData& data, int rounds, std::siz
     const Eigen::MatrixXi degrees = matrix_of(terms, d);
     const LassoSystem system(degrees, data, penalise_constant);
     const LambdaChoice choice = system.by_cross_validation(folds, seed);
-    if (best.size() == 0 || choice.error < least) best = degrees, least = choice.error;
+    if (best.size() == 0 || choice.error < least) {
+      best = degrees;
+      least = choice.error;
+    }
     if (round == rounds || terms.size() >= most_terms) return best;
     enlarge(terms, margin_of(terms, system.lasso(data.train).path(std::vector<double>{choice.lambda}).at(0).z), most_terms);
   }

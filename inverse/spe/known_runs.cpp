@@ -79,7 +79,8 @@ ScatteredData KnownRuns::data(const Bounds& box, bool whole) const {
     if (usable(r) && (whole || units.contains(r.theta))) inside.push_back(&r);
   ScatteredData data;
   data.units.resize(archive_.theta.rows(), Eigen::Index(inside.size()));
-  data.values.resize(data.units.cols()), data.weights = Eigen::VectorXd::Ones(data.units.cols());
+  data.values.resize(data.units.cols());
+  data.weights = Eigen::VectorXd::Ones(data.units.cols());
   for (std::size_t i = 0; i < inside.size(); ++i) {
     const auto at = Eigen::Index(i);
     (inside[i]->held_out ? data.validation : data.train).push_back(i);

@@ -23,7 +23,8 @@ Lasso LassoSystem::lasso(const std::vector<std::size_t>& rows) const {
   Eigen::VectorXd b(a.rows());
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     const auto row = Eigen::Index(rows[std::size_t(i)]);
-    a.row(i) = data_.weights[row] * basis_.row(row), b[i] = data_.weights[row] * data_.values[row];
+    a.row(i) = data_.weights[row] * basis_.row(row);
+    b[i] = data_.weights[row] * data_.values[row];
   }
   return {std::move(a), std::move(b), free_};
 }

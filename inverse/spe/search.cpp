@@ -75,7 +75,8 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
   auto fitted = fit_sparse_polynomials(data, options, seed, threads, [&](std::size_t done, std::size_t total) {
     if (progress) progress("polynomial spaces", done, total);
   });
-  out.spaces = std::move(fitted.spaces), out.surrogates = std::move(fitted.surrogates);
+  out.spaces = std::move(fitted.spaces);
+  out.surrogates = std::move(fitted.surrogates);
   out.fit_warnings = std::move(fitted.warnings);
   expect_one_surrogate(out.surrogates, options);
   const auto fails = [](const auto& s) { return !s.ok(); };

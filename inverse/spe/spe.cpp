@@ -30,10 +30,13 @@ class SpeRounds {
         seed_(seed),
         bounds_(bounds_of(problem.shape)),
         box_(bounds_) {
-    out.runs_excluded = known_.excluded(), out.design = archive.design;
+    out.runs_excluded = known_.excluded();
+    out.design = archive.design;
     known_.price(correction);
     const auto data = known_.data(bounds_, true);
-    out_.n_train = data.train.size(), out_.n_validation = data.validation.size(), out_.runs_used = out_.n_train + out_.n_validation;
+    out_.n_train = data.train.size();
+    out_.n_validation = data.validation.size();
+    out_.runs_used = out_.n_train + out_.n_validation;
   }
   [[nodiscard]] const KnownRuns& known() const { return known_; }
   [[nodiscard]] const Bounds& box() const { return box_; }
@@ -61,7 +64,8 @@ class SpeRounds {
     const bool smaller = round < options_.zoom;
     const auto best = known_.ranked(campaign).front().theta;
     if (options_.zoom == 0 || (!smaller && !at_edge(bounds_, box_, best))) return;
-    box_ = next_box(bounds_, box_, best, smaller), whole_ = false;
+    box_ = next_box(bounds_, box_, best, smaller);
+    whole_ = false;
     const auto feasibility = known_.feasibility();
     const Eigen::MatrixXd drawn = points_in(box_, problem_.shape.parameters, std::size_t(options_.zoom_runs), seed_ + zoom_stream + std::uint64_t(round));
     std::vector<std::vector<double>> points;

@@ -59,8 +59,8 @@ ScatteredData discrepancies(const Problem& problem, const Archive& archive, cons
 
 /// The surrogates, optima and modes of the summary are those of the last of 1 + options.zoom + options.refinements rounds; its candidates are the best of
 /// all rounds. Fits and searches run on `threads` threads; the result depends on the seed alone. `archive`, `true_model` and `problem` have one
-/// shape; runs of the archive that failed are left out. `correction`: for the mesh, of every history; null, or an empty one: as published. Errors: InputError for an unknown objective, too few runs, or when every coefficient of every surrogate
-/// vanishes.
+/// shape; runs of the archive that failed are left out. `correction`: for the mesh, of every history; null, or an empty one: as published. Errors: InputError
+/// for an unknown objective, too few runs, or when every coefficient of every surrogate vanishes.
 [[nodiscard]] SpeSummary run_spe(const Problem& problem, const Archive& archive, const ForwardModel& true_model, const SpeOptions& options, std::uint64_t seed,
                                  int threads, const CalibrationProgress& progress = {}, const MeshCorrection* correction = nullptr);
 

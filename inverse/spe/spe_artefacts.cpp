@@ -20,7 +20,12 @@ Json range_of(const SpeSummary& s, const Get& get) {
   double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0;
   int n = 0;
   for (const auto& p : s.surrogates)
-    if (p.ok()) low = std::min(low, get(p)), high = std::max(high, get(p)), sum += get(p), ++n;
+    if (p.ok()) {
+      low = std::min(low, get(p));
+      high = std::max(high, get(p));
+      sum += get(p);
+      ++n;
+    }
   return {{"min", number(low)}, {"mean", number(n > 0 ? sum / n : std::numeric_limits<double>::quiet_NaN())}, {"max", number(high)}};
 }
 
@@ -35,8 +40,12 @@ Json surrogate(const SpeSummary& s, std::size_t i) {
   double best = std::numeric_limits<double>::infinity();
   int optima = 0;
   for (const auto& o : s.optima)
-    if (o.surrogate == i) ++optima, best = std::min(best, s.objective.cost(o.objective));
-  j["optima"] = optima, j["best"] = number(s.objective.cost(best));
+    if (o.surrogate == i) {
+      ++optima;
+      best = std::min(best, s.objective.cost(o.objective));
+    }
+  j["optima"] = optima;
+  j["best"] = number(s.objective.cost(best));
   return j;
 }
 
@@ -56,7 +65,10 @@ Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& pro
   for (const auto& z : s.zooms)
     own["zoom"].push_back(
         {{"low", named(shape.parameters, z.low)}, {"high", named(shape.parameters, z.high)}, {"runs", z.runs}, {"made", z.made}, {"best", number(z.best)}});
-  own["modes"] = Json::array(), own["lambda_choices"] = Json::array(), own["surrogates"] = Json::array(), own["optima"] = Json::array();
+  own["modes"] = Json::array();
+  own["lambda_choices"] = Json::array();
+  own["surrogates"] = Json::array();
+  own["optima"] = Json::array();
   for (const auto& m : s.modes)
     own["modes"].push_back(
         {{"theta", named(shape.parameters, m.theta)}, {"objective_surrogate", number(m.objective)}, {"density", m.density}, {"optima", m.optima}});

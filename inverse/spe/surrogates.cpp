@@ -24,7 +24,9 @@ PolynomialFit fit_over(const Eigen::VectorXd& predicted, const ScatteredData& da
   for (const auto i : rows) mean += restored(transform, data.values[Eigen::Index(i)]) / double(rows.size());
   for (const auto i : rows) {
     const double actual = restored(transform, data.values[Eigen::Index(i)]), error = restored(transform, predicted[Eigen::Index(i)]) - actual;
-    errors += error * error, norm += actual * actual, total += (actual - mean) * (actual - mean);
+    errors += error * error;
+    norm += actual * actual;
+    total += (actual - mean) * (actual - mean);
   }
   return {std::sqrt(errors / norm), total > 0 ? 1 - errors / total : std::numeric_limits<double>::quiet_NaN()};
 }
@@ -72,7 +74,8 @@ std::vector<SparsePolynomial> fit_space(SpaceChoice& choice, const ScatteredData
     SparsePolynomial p{
         .space = choice.space, .terms = choice.terms, .nonzero = fits[i].nonzero, .lambda = lambdas[i], .lambda_max = choice.lambda_max, .gap = fits[i].gap};
     const Eigen::VectorXd predicted = system.basis() * fits[i].z;
-    p.train = fit_over(predicted, data, data.train, options.transform), p.validation = fit_over(predicted, data, data.validation, options.transform);
+    p.train = fit_over(predicted, data, data.train, options.transform);
+    p.validation = fit_over(predicted, data, data.validation, options.transform);
     if (fits[i].all_zero() || final_fits[i].all_zero())
       p.failure = fmt::format("every coefficient vanishes: lambda = {:.4g} against lambda_max = {:.4g}", lambdas[i], choice.lambda_max);
     else

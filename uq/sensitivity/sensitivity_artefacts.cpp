@@ -80,7 +80,10 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
              {"total_order", indices_json(q.sobol.total_order, parameters)}};
     one["morris"] = morris_json(q.morris, parameters);
     if (q.chaos) one["polynomial"] = chaos_json(*q.chaos, parameters);
-    if (!q.source.empty()) one["source"] = q.source, one["left_out_r2"] = number(q.left_out_r2);
+    if (!q.source.empty()) {
+      one["source"] = q.source;
+      one["left_out_r2"] = number(q.left_out_r2);
+    }
     if (!q.note.empty()) one["note"] = q.note;
     quantities.push_back(std::move(one));
   }
