@@ -55,7 +55,8 @@ std::string case_reference() {
   s += reference_table<EncOptions>("[enc]", "enc", "Evolutionary neural calibration, see [theory/enc.md](theory/enc.md).");
   s += reference_table<SpeOptions>("[spe]", "spe", "Sparse polynomial expansion calibration, see [theory/spe.md](theory/spe.md).");
   s += reference_table<MapOptions>("[map]", "map", "Maximum a posteriori, the mode of the posterior, see [theory/map.md](theory/map.md).");
-  s += reference_table<EmulatorOptions>("[emulator]", "emulator", "Runs that the posterior is taught by, see [theory/emulator.md](theory/emulator.md).");
+  s += reference_table<EmulatorOptions>("[emulator]", "emulator",
+                                        "Runs that the emulator of the posterior is trained on, see [theory/emulator.md](theory/emulator.md).");
   s += reference_table<PosteriorOptions>("[posterior]", "posterior",
                                          "What `calomel sample` does with the emulator, see [theory/posterior.md](theory/posterior.md).");
   s += reference_table<ErrorOptions>("[errors]", "errors", "What is known of the errors of records and model, see [theory/posterior.md](theory/posterior.md).");

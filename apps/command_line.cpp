@@ -113,7 +113,7 @@ void add_extra(CLI::App& verb, CommandLine& command, Extra extra) {
       verb.add_flag("--resolved", command.resolved, "print the case with every default filled in, as JSON");
       return;
     case Extra::power:
-      verb.add_flag("--power", command.power, "before measuring: what records of these gauges could tell, see [power]; needs no recordings");
+      verb.add_flag("--power", command.power, "before measuring: what records of these gauges could show, see [power]; needs no recordings");
       return;
     case Extra::write_mesh:
       verb.add_option("--write-mesh", command.write_mesh, "write the mesh with its sets, Abaqus input (.inp) or Exodus II (.exo)")->type_name("FILE");
@@ -172,7 +172,7 @@ bool parse(std::span<const std::string> words, std::span<const Verb> verbs, Comm
   app.set_version_flag("--version", std::string("calomel ") + version);
   app.require_subcommand(1);
   app.footer(
-      "calomel VERB --help tells the options of a verb.\nExit status: 0 done, 2 wrong input, 3 failed numerics, 4 finished but not to be trusted, 130 "
+      "calomel VERB --help lists the options of a verb.\nExit status: 0 done, 2 wrong input, 3 failed numerics, 4 finished but not to be trusted, 130 "
       "interrupted.");
   for (const auto& v : verbs) {
     auto* verb = app.add_subcommand(v.name, v.summary);

@@ -7,7 +7,7 @@
 namespace calomel {
 
 std::vector<Verb> verbs() {
-  return {{"check", "hold the whole case against its rules; tell what will be run and its cost", Takes::case_file, run_check},
+  return {{"check", "check the whole case; print what will be run and its cost", Takes::case_file, run_check},
           {"simulate", "one run of the case's model", Takes::case_file, run_simulate},
           {"campaign", "run the model over a design of experiments; resumes after any interruption", Takes::case_file, run_campaign_verb},
           {"train", "train surrogates on the campaign", Takes::case_file, run_train},

@@ -1,5 +1,5 @@
 #pragma once
-/// What is told to people on the way, line by line.
+/// What a command prints on the way, line by line.
 #include <ostream>
 #include <span>
 #include <string>
@@ -8,7 +8,7 @@ namespace calomel {
 
 class Notes {
  public:
-  /// `out` outlives the object. Nothing is told when quiet.
+  /// `out` outlives the object. Nothing is printed when quiet.
   Notes(std::ostream& out, bool quiet) : out_(out), quiet_(quiet) {}
 
   [[nodiscard]] bool quiet() const { return quiet_; }

@@ -90,13 +90,13 @@ void write_json(const std::filesystem::path& path, const Json& json) {
 std::string Provenance::identity() const { return hash_text(Json{{"stage", stage}, {"seed", seed}, {"options", options}, {"inputs", inputs}}.dump()); }
 
 namespace {
-/// The options of a written provenance without those that once were told apart though they change nothing of what is made.
+/// The options of a written provenance without those that once counted although they do not change the result.
 Json telling_options(const Json& written) {
   Json options = written.value("options", Json::object());
   if (!options.contains("solver") || !options["solver"].is_object()) return options;
   options["solver"].erase("checkpoint");  // how often a run is saved
   if (written.value("stage", "") != "simulate")
-    for (const char* told : {"booking", "energy_balance"}) options["solver"].erase(told);
+    for (const char* key : {"booking", "energy_balance"}) options["solver"].erase(key);
   return options;
 }
 }  // namespace

@@ -39,7 +39,7 @@ class NumericsError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A model outside of the program does not answer at all: no run's fault, so that none is told as failed.
+/// An external model does not answer at all. No run is recorded as failed, since none is at fault.
 class Unreachable : public NumericsError {
  public:
   using NumericsError::NumericsError;

@@ -22,7 +22,7 @@ struct AddedParameter {
 
 struct ParameterGroup {
   std::string name;                    ///< of the mechanism
-  std::string place;                   ///< word that tells it from others of the name, such as a wall or a law; empty where there is one
+  std::string place;                   ///< word that distinguishes it from others of the name, such as a wall or a law; empty where there is one
   std::vector<AddedParameter> added;   ///< at least one
   std::vector<AddedParameter> shapes;  ///< change what the others look like and do nothing without them; `nominal` is their default
   bool law = false;                    ///< `place` is the word for one of the mechanism's laws

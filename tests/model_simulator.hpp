@@ -48,7 +48,8 @@ class RunsInMemory {
 /// The same of a ForwardModel.
 class RunsOfModel {
  public:
-  explicit RunsOfModel(const ForwardModel& model, int threads = 1, const std::atomic<bool>* stop = nullptr) : simulator_(model), runs_(simulator_, threads, stop) {}
+  explicit RunsOfModel(const ForwardModel& model, int threads = 1, const std::atomic<bool>* stop = nullptr)
+      : simulator_(model), runs_(simulator_, threads, stop) {}
   operator Runs&() { return runs_; }
   Runs& operator*() { return runs_; }
 

@@ -45,9 +45,9 @@ int run_child(const std::filesystem::path& program, std::span<const std::string>
   ::close(out);
   if (child < 0) throw NumericsError("no further process can be started: " + std::generic_category().message(errno));
   int status = 0;
-  bool told = false;
+  bool terminated = false;
   while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (stop_requested() && !told) ::kill(child, SIGTERM), told = true;
+    if (stop_requested() && !terminated) ::kill(child, SIGTERM), terminated = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   if (stop_requested()) throw Interrupted();

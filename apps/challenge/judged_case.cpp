@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double coarse_step = 25e-6;  ///< between the values that strengths are told by [s]; the Hann window is twice as long
+constexpr double coarse_step = 25e-6;  ///< between the values that give the strengths [s]; the Hann window is twice as long
 const std::vector<std::string> families{"none", "single", "pair", "outside", "sensor"};
 
 std::string word_of(const CaseFile& file, const std::string& key) {

@@ -42,18 +42,18 @@ struct Ranking {
 /// What is scored of diagnosis.json.
 struct Finding {
   VerdictKind verdict = VerdictKind::unknown;
-  std::vector<std::string> mechanisms;  ///< named, or not told apart
+  std::vector<std::string> mechanisms;  ///< named, or not distinguished
   std::vector<Ranking> ranking;
   double heldout_before = 0, heldout_after = 0;   ///< nrmse; not a number where there is none
   std::map<std::string, Interval> before, after;  ///< base parameters
   int runs = 0;
-  double wall = 0;      ///< [s]; not a number where it is not told
+  double wall = 0;      ///< [s]; not a number where it is not known
   bool settled = true;  ///< the fit that the verdict hangs on
 };
 /// Errors: InputError when the file is no diagnosis, naming what it lacks.
 Finding read_finding(const std::filesystem::path& path);
 
-/// Noise floor of a case's records [-]: standard error of the mean record over the pulses, by the Hann window of 50 us that strengths are told by, over the
+/// Noise floor of a case's records [-]: standard error of the mean record over the pulses, by the Hann window of 50 us that gives the strengths, over the
 /// size of the mean record (both root mean square over the record); mean over the gauges, or that of `gauge` where it is not empty. Errors: InputError when
 /// there are fewer than two pulses or no such gauge.
 double noise_floor(const Recordings& recordings, const std::string& gauge);
@@ -72,7 +72,7 @@ std::vector<JudgedCase> read_judged(const std::filesystem::path& directory, std:
 /// A case with all that is scored of it, as score.json lists it.
 [[nodiscard]] Json judged_json(const JudgedCase& judged);
 /// The cases that a score.json lists, of suites that may no longer be there; `rule_hash` gets the hash of the rule by which they were judged.
-/// Errors: InputError when the file is no score or tells no rule.
+/// Errors: InputError when the file is no score or names no rule.
 std::vector<JudgedCase> read_scored(const std::filesystem::path& path, std::string& rule_hash);
 
 }  // namespace calomel::challenge

@@ -22,7 +22,7 @@ struct MakeSummary {
 };
 
 /// Makes those cases of the suite that `out` does not hold, one after another; each is whole or absent at every instant. The SPEC files and what the generator
-/// said stand beside the truth, suite.json says what the suite is. Without `generate` the SPEC files are all that is written. `done` is told before the first
+/// said stand beside the truth, suite.json says what the suite is. Without `generate` the SPEC files are all that is written. `done` is called before the first
 /// case and after each. Errors: InputError when the options are not valid, or `out` holds another suite (naming what differs) or is in use; those of
 /// `generate`.
 MakeSummary make_suite(const SuiteOptions& options, std::uint64_t seed, const std::filesystem::path& out, const Generate& generate,

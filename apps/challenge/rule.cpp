@@ -10,7 +10,7 @@ namespace calomel::challenge {
 namespace fs = std::filesystem;
 
 Json gates_json(const Gates& gates) {
-  // All members by name: one more, and this no longer compiles until it is told here.
+  // All members by name: with a further member this no longer compiles until it is listed here.
   const auto& [log_bayes_factor, lead, explained, null_chi2, adequate, remainder, misfit, held_out, farthest, handbook, temperature, prior_none, prior_unknown,
                prior_pairs, believed, revision] = gates;
   return {{"log_bayes_factor", log_bayes_factor},

@@ -19,7 +19,7 @@ struct RunSummary {
 };
 
 /// Diagnoses those cases of `directory` that have no results/case_NNN/diagnosis.json. `discard_runs`: the journal of the runs goes once the diagnosis stands.
-/// `say` is told of every case in a sentence.
+/// `say` is called with a sentence about every case.
 /// Errors: InputError when there is no case; those of `diagnose`.
 RunSummary run_suite(const std::filesystem::path& directory, const Diagnose& diagnose, bool discard_runs, const std::function<void(const std::string&)>& say);
 

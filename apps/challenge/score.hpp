@@ -27,7 +27,7 @@ struct Share {
 /// What a verdict is beside the truth.
 enum class Outcome {
   right,    ///< none where nothing is concealed; none or unknown outside the library; else the mechanism, or both of a pair, named
-  among,    ///< ambiguous, the truth being one of those that were not told apart
+  among,    ///< ambiguous, the truth is one of those that were not distinguished
   part,     ///< named or ambiguous otherwise, with a name that the truth has: one of a pair, a pair with one too many
   wrong,    ///< named or ambiguous with nothing of the truth
   unknown,  ///< the verdict unknown, in the library or with nothing concealed
@@ -88,7 +88,7 @@ struct Score {
   double error_before = 0, error_after = 0;  ///< of all base parameters together, in the handbook's standard deviations
   double runs_mean = 0, runs_median = 0, runs_most = 0;
   double wall_mean = 0, wall_median = 0, wall_most = 0;  ///< [s]
-  std::size_t walls = 0;                                 ///< cases that tell it
+  std::size_t walls = 0;                                 ///< cases for which it is known
   std::vector<GateResult> gates;
 };
 

@@ -74,15 +74,13 @@ std::vector<std::string> score_lines(const Score& s) {
   for (const auto& b : s.reliability)
     if (b.came_true.of > 0) lines.push_back(fmt::format("  {:.1f} to {:.1f}: claimed {:.3f}, came true {}", b.low, b.high, b.claimed, share_text(b.came_true)));
 
-  lines.insert(
-      lines.end(),
-      {"", "base parameters in their 95 % intervals, where the verdict is right: " + share_text(s.base_covered),
-       "                                        over all cases: " + share_text(s.base_covered_all),
-       "the mechanism's numbers in their 95 % intervals, where it is named rightly: " + share_text(s.numbers_covered),
-       fmt::format(
-           "distance from the truth in told standard deviations, root mean square (1 where they are right): base parameters {:.2f}, mechanism's numbers {:.2f}",
-           s.base_pull, s.numbers_pull),
-       "held-out gauges improved by the name: " + share_text(s.heldout_improved)});
+  lines.insert(lines.end(), {"", "base parameters in their 95 % intervals, where the verdict is right: " + share_text(s.base_covered),
+                             "                                        over all cases: " + share_text(s.base_covered_all),
+                             "the mechanism's numbers in their 95 % intervals, where it is named rightly: " + share_text(s.numbers_covered),
+                             fmt::format("distance from the truth in reported standard deviations, root mean square (1 where they are right): base parameters "
+                                         "{:.2f}, mechanism's numbers {:.2f}",
+                                         s.base_pull, s.numbers_pull),
+                             "held-out gauges improved by the name: " + share_text(s.heldout_improved)});
   if (s.heldout_improved.of > 0) lines.push_back(fmt::format("  their nrmse, mean: {:.4f} before, {:.4f} after", s.heldout_before, s.heldout_after));
   lines.push_back("base parameters nearer the truth by the name: " + share_text(s.base_nearer));
   if (s.base_nearer.of > 0) {
@@ -92,7 +90,7 @@ std::vector<std::string> score_lines(const Score& s) {
   }
   lines.push_back(fmt::format("runs of the true model a diagnosis: mean {:.0f}, median {:.0f}, at most {:.0f}", s.runs_mean, s.runs_median, s.runs_most));
   if (s.walls > 0)
-    lines.push_back(fmt::format("time a diagnosis: mean {:.0f} s, median {:.0f} s, at most {:.0f} s (told by {} of {})", s.wall_mean, s.wall_median,
+    lines.push_back(fmt::format("time a diagnosis: mean {:.0f} s, median {:.0f} s, at most {:.0f} s (known for {} of {})", s.wall_mean, s.wall_median,
                                 s.wall_most, s.walls, s.cases));
 
   lines.insert(lines.end(), {"", "gates, on exact one-sided 95 % bounds:"});

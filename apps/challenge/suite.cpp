@@ -48,7 +48,7 @@ const Registry<SuiteOptions>& suites() {
     r.add("small", "the least that the gates of a diagnosis can be judged by", {.none = 60, .single = 6, .outside = 5, .sensor = 5, .pair = 8});
     r.add("quick", "one or two of each kind, to try out",
           {.none = 1, .single = 1, .outside = 1, .sensor = 1, .pair = 1, .effects = {"beam", "rear_layer", "gas_pocket"}});
-    r.add("full", "a dozen slices of a whole target's size, which show that what small ones tell holds there",
+    r.add("full", "a dozen slices of a whole target's size, which show that the results of small ones hold there",
           {.none = 3,
            .single = 1,
            .outside = 1,

@@ -45,7 +45,7 @@ const Registry<SuiteOptions>& suites();
 const std::vector<std::string>& library_effects();  ///< the library has a mechanism for each
 const std::vector<std::string>& outside_effects();  ///< it has none
 
-/// Names of the effects of each case, in shuffled order: a place in it tells nothing. Depends on the counts and the seed alone.
+/// Names of the effects of each case, in shuffled order: a place in it carries no information. Depends on the counts and the seed alone.
 std::vector<std::vector<std::string>> cases_of(const SuiteOptions& options, std::uint64_t seed);
 
 /// "case_001" for index 0.

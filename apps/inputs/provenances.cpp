@@ -152,7 +152,7 @@ Provenance calibration_provenance(const StudyInputs& inputs, const std::string& 
                .inputs = {{learnt_from, hash_file(inputs.artefact(learnt_from))}, {"recordings", hash_file(study.recordings_file())}}};
   if (takes_emulator(study, method)) {
     const Json posterior = posterior_options(study);
-    for (const char* key : {"product", "emulator", "errors", "parameter"})  // where the emulator stands and what it is taught by
+    for (const char* key : {"product", "emulator", "errors", "parameter"})  // the emulator's box and the runs that it is trained on
       if (posterior.contains(key)) p.options[key] = posterior[key];
     add_basin(p, inputs);
   }

@@ -31,7 +31,7 @@ struct Provenance;  // base/provenance.hpp
 /// Of comparison.json, before the methods that it compares.
 [[nodiscard]] Provenance comparison_provenance(const StudyInputs& inputs);
 
-/// Whether the first box of the emulator is laid about the best point of surrogate.nc.
+/// Whether the first box of the emulator is placed about the best point of surrogate.nc.
 [[nodiscard]] bool basin_on_surrogate(const StudyCase& study);
 
 /// Whether `method` takes the posterior's emulator: MAP, and ENC and SPE where they are corrected for the mesh.

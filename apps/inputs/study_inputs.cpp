@@ -15,12 +15,12 @@ namespace calomel {
 namespace {
 
 constexpr double no_strain = 0.01;  ///< root mean square, more than a gauge lives through
-constexpr double long_after = 2;    ///< times the records' end, from which on a run's end is told
+constexpr double long_after = 2;    ///< times the records' end, beyond which the end of the run is reported
 
 /// Errors: InputError for records of strain gauges that are no strain, or cannot be.
 void expect_strain(const StudyCase& study, const Recordings& recordings) {
   if (recordings.unit != "strain")
-    throw study.file.located(InputError({.problem = "the gauges of a target tell strain",
+    throw study.file.located(InputError({.problem = "the gauges of a target measure strain",
                                          .key = "recordings.unit",
                                          .value = '"' + recordings.unit + '"',
                                          .range = "strain, microstrain",

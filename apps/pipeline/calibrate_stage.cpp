@@ -45,7 +45,7 @@ std::optional<Json> finished(const StudyInputs& inputs, const std::string& metho
   return same && json.value("status", "") == "done" ? std::optional(std::move(json)) : std::nullopt;
 }
 
-/// What the method learns from, made first where it is not there; the status of the campaign. What is wrong with other inputs is told before that long work.
+/// What the method learns from, made first where it is not there; the status of the campaign. Errors in other inputs are reported before that long work.
 ExitStatus make_upstream(StageCall& call, const std::string& method) {
   auto& inputs = call.inputs;
   const bool emulator = takes_emulator(inputs.study(), method);
@@ -95,7 +95,7 @@ void compare(const StudyInputs& inputs) {
     summaries.push_back({method, std::move(*json)});
   }
   const auto path = inputs.artefact("comparison.json");
-  if (summaries.size() < 2) {  // one of an earlier call would tell of answers that are gone
+  if (summaries.size() < 2) {  // one of an earlier call would describe answers that no longer exist
     set_aside(path);
     return;
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// diagnose --power: what a planned experiment could tell.
+/// diagnose --power: what a planned experiment could show.
 #include "apps/pipeline/stage_call.hpp"
 
 namespace calomel {

@@ -17,7 +17,7 @@ struct Predicting {
   std::vector<Prior> priors;                                         ///< as the parameters
   std::function<double(const Eigen::VectorXd& q)> log_prior;         ///< the log density in q without the log likelihood, which is what is left of a draw's own
   std::function<Eigen::VectorXd(const Eigen::VectorXd& q)> history;  ///< (values of the model)
-  Eigen::VectorXd error_variance{};                                  ///< of all that stands between a history and a mean record, on `grid`; empty: not told
+  Eigen::VectorXd error_variance{};                                  ///< of the differences between a history and a mean record, on `grid`; empty: unknown
   const Decimation* grid = nullptr;
 };
 /// On an emulator; the fit outlives it.

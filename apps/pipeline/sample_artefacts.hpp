@@ -1,5 +1,5 @@
 #pragma once
-/// What posterior.json tells of the emulator's hyperparameters, its refinements, regions of the draws, and posteriors under other errors.
+/// What posterior.json reports of the emulator's hyperparameters, its refinements, regions of the draws, and posteriors under other errors.
 #include "base/options.hpp"
 #include "uq/convergence/assess.hpp"
 #include "uq/drawn_noise_density.hpp"

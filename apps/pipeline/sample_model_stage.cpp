@@ -28,7 +28,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double long_wait = 600;                              ///< [s] that is told before the chains begin
+constexpr double long_wait = 600;                              ///< [s]; a longer wait is announced before the chains begin
 constexpr double search_share = 0.01;                          ///< of the chains' evaluations, for the search of modes
 constexpr std::size_t fewest_points = 64, most_points = 1024;  ///< of its design
 constexpr double edge = 0.02;                                  ///< share of the bounds' distance at either end that the design leaves out
@@ -92,7 +92,7 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
 
 /// What the records say of the model at a mode: for posterior.json, and as warnings.
 struct Judged {
-  Json told;
+  Json fit;
   std::vector<std::string> warnings;
 };
 
@@ -100,17 +100,17 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
   const ErrorModel& errors = *posterior.errors();
   const Eigen::VectorXd prediction = errors.grid().apply(posterior.prediction(mode));
   if (!prediction.allFinite())
-    return {.told = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
+    return {.fit = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
   const FitResidual left = residual_of(errors, prediction, std::size_t(posterior.dimension()));
   const GoodnessOfFit goodness = goodness_of_fit(left);
-  Judged out{.told = {{"mode",
-                       {{"theta", named(posterior.parameters(), posterior.theta(mode))},
-                        {"chi2", number(goodness.chi2)},
-                        {"values", goodness.values},
-                        {"covariance_shares", shares_json(errors)},
-                        {"pulls", pulls_json(left)}}},
-                      {"adequate", goodness.adequate},
-                      {"adequacy", goodness_sentence(goodness)}},
+  Judged out{.fit = {{"mode",
+                      {{"theta", named(posterior.parameters(), posterior.theta(mode))},
+                       {"chi2", number(goodness.chi2)},
+                       {"values", goodness.values},
+                       {"covariance_shares", shares_json(errors)},
+                       {"pulls", pulls_json(left)}}},
+                     {"adequate", goodness.adequate},
+                     {"adequacy", goodness_sentence(goodness)}},
              .warnings = data_check_sentences(check_data(problem, errors, prediction, left), options)};
   if (!goodness.adequate) out.warnings.push_back(goodness_sentence(goodness));
   return out;
@@ -123,7 +123,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   const auto& command = inputs.command();
   const auto& study = inputs.study();
   const auto& notes = inputs.notes();
-  auto errors = errors_of(inputs);  // before any long work, so that wrong recordings are told at once
+  auto errors = errors_of(inputs);  // before any long work, so that wrong recordings are reported at once
   const auto provenance = posterior_provenance(inputs);
   if (const auto status = finished_sample(call, provenance)) return *status;
   const SimulatedModel model(inputs.runs(), false);
@@ -166,7 +166,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   std::vector<std::string> warnings;
   if (!posterior.is_log_density()) {
     const Judged judged = judge(inputs.problem(), study.errors, posterior, modes[0].x);
-    json.update(judged.told);
+    json.update(judged.fit);
     warnings = judged.warnings;
   }
   json["final"] = convergence.converged && warnings.empty() && alarms.empty();

@@ -18,9 +18,9 @@ std::vector<std::string> absorption(const std::vector<Parameter>& parameters, co
 /// Of a sampler's draws.
 Convergence assessed(const SamplerResult& result, int thin);
 
-/// The status that `sample` ended with, where its artefacts stand: it is told, and not done again. Errors: see FinishedStages.
+/// The status that `sample` ended with, where its artefacts exist: it is reported, and not done again. Errors: see FinishedStages.
 std::optional<ExitStatus> finished_sample(StageCall& call, const Provenance& provenance);
-/// Chains that save themselves in posterior.journal and tell how far they are. `progress` is held by reference.
+/// Chains that save themselves in posterior.journal and report their progress. `progress` is held by reference.
 SamplerRun saved_run(StageCall& call, const Provenance& provenance, const CalibrationProgress& progress);
 /// posterior.nc and posterior.json; the journal is no longer needed then.
 void write_sample(StageCall& call, const std::vector<PosteriorGroup>& groups, const Json& json, const Provenance& provenance);

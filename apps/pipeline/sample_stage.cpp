@@ -37,7 +37,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto& study = inputs.study();
   const auto& notes = inputs.notes();
   if (study.runs_the_model_itself()) return sample_model_stage(call);
-  (void)inputs.problem();  // before any long work, so that wrong recordings are told at once
+  (void)inputs.problem();  // before any long work, so that wrong recordings are reported at once
   need_basin(call);
   const auto provenance = posterior_provenance(inputs);
   if (const auto status = finished_sample(call, provenance)) return *status;

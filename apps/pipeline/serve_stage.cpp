@@ -17,7 +17,7 @@ namespace {
 
 constexpr int most_pulses = 1000;  ///< of an ensemble that a request may ask for
 
-/// The pulses that a request's config asks for; 1 where it asks for none. Errors: InputError for any other key.
+/// The pulses that a request's config gives; 1 where it gives none. Errors: InputError for any other key.
 int pulses_of(const Json& config) {
   int pulses = 1;
   for (const auto& [key, value] : config.items()) {
@@ -107,7 +107,7 @@ void expect_of_case(const std::filesystem::path& summary, Provenance now) {
   (void)reusable(summary, now);
 }
 
-/// The surrogate that stands in --out, where it is this case's: another is left out, and that is told.
+/// The surrogate in --out where it is this case's. Another is left out with a message.
 std::optional<ServedModel> served_surrogate(StudyInputs& inputs) {
   const auto file = inputs.artefact("surrogate.nc");
   if (!std::filesystem::exists(file)) return std::nullopt;

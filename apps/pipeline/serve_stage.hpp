@@ -3,7 +3,7 @@
 
 namespace calomel {
 
-/// serve: the case's model as "forward" and, where --out holds one, its surrogate with gradients as "surrogate", until the program is told to stop.
+/// serve: the case's model as "forward" and, where --out holds one, its surrogate with gradients as "surrogate", until the program is interrupted.
 ExitStatus serve_stage(StageCall& call);
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// Surrogates taught by the campaign: surrogate.nc and train.json.
+/// Surrogates trained on the campaign: surrogate.nc and train.json.
 #include "apps/pipeline/finished_stages.hpp"
 #include "base/errors.hpp"
 
@@ -11,7 +11,7 @@ struct StageCall;
 ExitStatus train_stage(StageCall& call, Asked asked = Asked::by_user);
 
 /// surrogate.nc where the basin of the posterior is sought on it: it is then an input of all that takes the posterior's emulator. What is wrong with the
-/// emulator's meshes is told before the work.
+/// emulator's meshes is reported before the work.
 void need_basin(StageCall& call);
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// What people are told of the point calibrations and of their correction for the mesh.
+/// Sentences about the point calibrations and their correction for the mesh.
 #include <string>
 #include <vector>
 

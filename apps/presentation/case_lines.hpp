@@ -1,5 +1,5 @@
 #pragma once
-/// What people are told of a case before it is run: its model, its physics, its study and what that costs.
+/// Sentences about a case before it is run: its model, its physics, its study and the cost.
 #include <optional>
 #include <string>
 #include <vector>

@@ -67,8 +67,7 @@ std::string sentence_of(const Convergence& convergence) {
     case ChainState::separate_modes:
       return fmt::format(
           "{} lies near {:.5g} in {} and near {:.5g} in {}, and no chain goes from one to the other (R-hat {:.2f}): two modes, whose weights these draws do "
-          "not "
-          "tell; compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
+          "not determine; compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of {} to the one that is meant",
           name, f.low_at, chain_list(f.chains), f.high_at, chain_list(f.others), s.r_hat, name);
     case ChainState::divergences:
       return fmt::format(
@@ -77,18 +76,18 @@ std::string sentence_of(const Convergence& convergence) {
           name, numbers(s), convergence.divergences, f.transitions, f.remedies.accuracy_key.empty() ? "" : more_accuracy(f.remedies) + ", or ", name);
     case ChainState::cut_trajectories:
       return fmt::format(
-          "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by {} before they turn: scales differ more than the metric tells; double "
+          "{} mixes slowly ({}) because {:.0f} % of the trajectories are ended by {} before they turn: scales differ more than the metric corrects; double "
           "sampler.warmup, so that it is learnt, or raise {}",
           name, numbers(s), 100 * f.share, f.remedies.length_key, f.remedies.length_key);
     case ChainState::common_ancestors:
       return fmt::format(
-          "{} is told differently by populations of particles ({}), which still have ancestors in common where they arrive; halve {}, so that they move more, "
+          "{} differs between populations of particles ({}), which still have ancestors in common where they arrive; halve {}, so that they move more, "
           "and set sampler.draws = {:.0f}",
           name, numbers(s), f.remedies.correlation_key, f.suggested_draws);
     case ChainState::emulator_disagrees:
       return fmt::format(
           "{} mixes slowly ({}) because the true model refuses {:.0f} % of what the emulator proposes: the two disagree there, or runs carry much numerical "
-          "noise; give the emulator more runs (emulator.rounds), or take sampler.kind = \"{}\", whose check by the true model tells by how much they differ",
+          "noise; give the emulator more runs (emulator.rounds), or take sampler.kind = \"{}\", whose check by the true model shows by how much they differ",
           name, numbers(s), 100 * (1 - f.share), f.remedies.emulator_only);
     case ChainState::refused_proposals:
       return fmt::format(
@@ -102,7 +101,8 @@ std::string sentence_of(const Convergence& convergence) {
           name, numbers(s), f.partner, f.correlation);
     case ChainState::slow_energies:
       return fmt::format(
-          "the energy changes too slowly in {} (E-BFMI {:.2f}), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and {} is "
+          "the energy changes too slowly in {} (E-BFMI {:.2f}), so that the tails are explored by diffusion alone: they are heavy, or there is a funnel, and "
+          "{} is "
           "the parameter known worst; infer it on a logarithmic scale or give it a prior that bounds it",
           chain_list(f.chains), f.e_bfmi, name);
     case ChainState::rare_tails:

@@ -42,7 +42,7 @@ std::vector<std::string> setup_sentences(const SetupFindings& findings) {
 std::string front_sentence(double elements_per_front, double finest_size) {
   return fmt::format(
       "the emulator's finest mesh, {:.3g} mm, has only {:.1f} elements through the front of the pulse: on such meshes the parameters were off by 1.4 to 1.8 "
-      "times the deviations told here; with "
+      "times the deviations reported here; with "
       "elements of {:.3g} mm (emulator.element_sizes) they were not",
       1e3 * finest_size, elements_per_front, 0.5e3 * finest_size * elements_per_front);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// What people are told of the posterior: the emulator's rounds, the chains, the check by the true model.
+/// Sentences about the posterior: the emulator's rounds, the chains, the check by the true model.
 #include <string>
 #include <vector>
 
@@ -33,7 +33,7 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
 
 /// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
-/// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case asks for no draws of them.
+/// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case has no draws of them.
 std::string estimate_only_reason(const SamplerOptions& sampler);
 /// How often the emulator was refined, and why it ended.
 std::string refinement_sentence(const RefinedFit& fit);

@@ -9,7 +9,9 @@ namespace calomel {
 
 namespace {
 
-std::string why_not(const Detectable& d) { return d.limited_by.empty() ? "it does not show enough" : "the records would not tell it from " + d.limited_by; }
+std::string why_not(const Detectable& d) {
+  return d.limited_by.empty() ? "it does not show enough" : "the records would not distinguish it from " + d.limited_by;
+}
 
 std::string detectable_line(const Detectable& d) {
   const std::string what = d.place.empty() ? d.number : d.number + " (" + d.place + ")";

@@ -1,5 +1,5 @@
 #pragma once
-/// What people are told of the power of a planned experiment.
+/// Sentences about the power of a planned experiment.
 #include <string>
 #include <vector>
 

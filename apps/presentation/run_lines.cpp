@@ -42,7 +42,7 @@ std::string campaign_line(const CampaignSummary& summary) {
 std::vector<std::string> failure_lines(const Archive& archive, const Feasibility& feasibility) {
   if (!feasibility.any_failed()) return {};
   std::vector<std::string> lines{
-      fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are told "
+      fmt::format("{} of {} runs of the campaign failed and are left out; searches keep off where runs are likely to fail ({:.0f} % of the runs are predicted "
                   "rightly from the others)",
                   feasibility.failures(), archive.runs(), 100 * feasibility.leave_one_out_accuracy())};
   for (const auto& [reason, count] : failure_reasons(archive)) lines.push_back(fmt::format("  {} x {}", count, reason));

@@ -1,5 +1,5 @@
 #pragma once
-/// What people are told of the stages that run the model and learn from its runs, and of what a stage finds or has made before it.
+/// Sentences about the stages that run the model or train on its runs, and about what a stage finds or makes before it.
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -6,7 +6,7 @@
 
 namespace calomel {
 
-/// What is done of `stage`, told on a display of its own for each thing that is done, or not at all when quiet. Throws Interrupted when the user asked to stop.
+/// Progress of `stage`, on one display for each kind of work; none when quiet. Throws Interrupted when the user asked to stop.
 CalibrationProgress stage_progress(const std::string& stage, bool quiet);
 
 }  // namespace calomel

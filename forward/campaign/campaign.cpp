@@ -59,7 +59,7 @@ std::optional<RepeatabilityFloor> ask(const FloorSource& source, std::string& me
   }
 }
 
-/// What campaign.json tells of the floor, null when nothing: the one given, else the one that it tells already.
+/// The floor in campaign.json, null without one: the one given, else the one that is there already.
 Json floor_to_tell(const std::optional<RepeatabilityFloor>& floor, const std::filesystem::path& summary) {
   if (floor) return floor_json(*floor);
   return std::filesystem::exists(summary) ? read_json(summary).value("floor", Json()) : Json();

@@ -15,7 +15,7 @@ using Values = std::vector<float>;
 
 double square(double x) { return x * x; }
 
-/// Sums over stretches of a record of what several histories of one shape tell at each value.
+/// Sums over intervals of a record of a quantity of several histories of one shape.
 struct Scatter {
   double variance = 0, signal = 0;
   std::size_t samples = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the next runs of the true model tell most.
+/// The most informative points for the next runs of the true model.
 #include <cstdint>
 
 #include "forward/emulator/multilevel.hpp"

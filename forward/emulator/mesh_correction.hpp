@@ -26,7 +26,7 @@ class MeshCorrection {
   [[nodiscard]] bool empty() const { return directions_.size() == 0; }
   /// What is to be said against it, by whoever made it.
   std::vector<std::string> reservations;
-  /// Runs that it was taught by.
+  /// Runs that it was trained on.
   [[nodiscard]] Eigen::Index runs() const { return regression_.size(); }
   /// Whether theta, with the fixed numbers of either mesh, lies in the emulator's box.
   [[nodiscard]] bool inside(std::span<const double> theta) const;

@@ -10,7 +10,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double ridge = 1e-12;   ///< of the greatest diagonal: keeps a coefficient regular that no run tells
+constexpr double ridge = 1e-12;   ///< of the greatest diagonal: keeps a coefficient regular that no run determines
 constexpr int noise_passes = 30;  ///< of weights and noise in turn; they settle within ten
 constexpr double shared_squares =
     0.25;  ///< by how many runs a level's noise leans on that of all, where few runs on the finest mesh leave few squares of their own
@@ -96,7 +96,7 @@ MultilevelRegression::MultilevelRegression(const EmulatorRuns& runs, const Eigen
     : levels_(runs.levels), parameters_(runs.u.rows()), level_(runs.level), noise_ratio_(std::size_t(runs.levels), 1.0) {
   const Eigen::Index n = runs.u.cols(), p = coefficients(runs.u.rows(), levels_);
   expect(std::size_t(n) == level_.size() && outputs.cols() == n && weights.size() == outputs.rows(), "every run has a place, a level and outputs");
-  expect(n > p, "an emulator is taught by more runs than it has coefficients");
+  expect(n > p, "an emulator is trained on more runs than it has coefficients");
   features_.resize(p, n);
   for (Eigen::Index i = 0; i < n; ++i) features_.col(i) = level_features(runs.u.col(i), level_[std::size_t(i)]);
   std::vector<double> noise(std::size_t(levels_), 1.0);

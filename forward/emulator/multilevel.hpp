@@ -40,9 +40,9 @@ struct EmulatorRuns {
 };
 
 /// z(u) of the finest mesh and of the coarser ones as one regression: level 0 is phi(u) . beta, level l phi(u) . beta + psi(u) . gamma_l, with phi the
-/// polynomials of order two and psi = (1, u). All levels teach beta; coarse and fine runs, paired or not, teach gamma. What a run has beyond that, e, is
-/// numerical noise of its own mesh, of variance s_l^2 times the same covariance for all levels; it is never predicted. The weights with which runs make
-/// a prediction are the same for every output, so that one object serves whole histories, decimated ones and energy slopes.
+/// polynomials of order two and psi = (1, u). All levels determine beta; coarse and fine runs, paired or not, determine gamma. What a run has beyond that, e,
+/// is numerical noise of its own mesh, of variance s_l^2 times the same covariance for all levels; it is never predicted. The weights with which runs make a
+/// prediction are the same for every output, so that one object serves whole histories, decimated ones and energy slopes.
 ///
 /// `beyond` k leads past the finest mesh along the last difference: z_0 + k (z_0 - z_1); -1 is the next coarser mesh, 0 the finest.
 class MultilevelRegression {

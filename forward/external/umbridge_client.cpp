@@ -35,7 +35,7 @@ std::string shortened(const std::string& text) {
 }
 
 /// A value that should have been a number, in the server's words. What is nested is not written out.
-std::string told(const Json& value) {
+std::string shortened(const Json& value) {
   return value.is_structured() ? "a list or an object" : shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
@@ -46,7 +46,7 @@ Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
   std::vector<double> out;
   out.reserve(size);
   for (const auto& x : list) {
-    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", told(x))};
+    if (!x.is_number() || !std::isfinite(x.get<double>())) return {std::nullopt, fmt::format("answers {} where a finite number is due", shortened(x))};
     out.push_back(x.get<double>());
   }
   return {std::move(out), ""};
@@ -94,7 +94,7 @@ class Deadlines {
     ~Watched() { (void)over(); }
     Watched(const Watched&) = delete;
     Watched& operator=(const Watched&) = delete;
-    /// Ends the watch; whether the exchange was broken off. An answer of no told length then looks whole.
+    /// Ends the watch; whether the exchange was broken off. An answer without a stated length then looks whole.
     bool over() {
       const std::lock_guard guard(deadlines_.lock_);
       return deadlines_.ends_.erase(client_) == 0;

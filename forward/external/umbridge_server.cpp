@@ -132,8 +132,8 @@ const ServedModel& UmbridgeServer::model_of(const Json& body) const {
 
 namespace {
 
-/// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces tell their length, come without one or
-/// are compressed, and the time. What is beyond the bounds is refused, with what is wrong and the status; one that tells so beforehand is not read at all.
+/// A request's whole body, decompressed. The library bounds each wait for a piece; this bounds the sum, whether pieces state their length, come without one or
+/// are compressed, and the time. What is beyond the bounds is refused, with what is wrong and the status; one that states so beforehand is not read at all.
 std::string read_body(const httplib::Request& request, const httplib::ContentReader& read, const httplib::Response& response, std::size_t largest,
                       double seconds) {
   const auto too_large = [&] { return Refusal{413, "InvalidInput", fmt::format("the body is too large; it may have {} bytes", largest), true}; };
@@ -204,7 +204,7 @@ void UmbridgeServer::route() {
       return false;
     });
   };
-  // The body is JSON whatever its Content-Type says, so the library is not to read it as a form, of which it bears 8 KB, nor as parts of one.
+  // The body is JSON whatever its Content-Type says, so the library must not read it as a form, which it limits to 8 KB, nor as parts of one.
   // It hands out its own request, which is not const where it was made.
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
     auto& own = const_cast<httplib::Request&>(request);

@@ -106,7 +106,7 @@ LineCase LineCase::read(CaseFile& file) {
   if (!file.has("line"))
     throw file.located(InputError(
         {.problem = "the table [line] is missing", .key = "model.kind", .suggestion = "add [line] with kind = \"bar\" or \"pipe\", see docs/theory/line.md"}));
-  // The kind decides which keys are known; a wrong one is told before them.
+  // The kind decides which keys are known; a wrong kind is reported before them.
   const std::vector<std::string> any_key = file.names("line");
   file.read("line", line, any_key);
   c.kind = line.kind;

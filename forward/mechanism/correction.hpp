@@ -1,6 +1,6 @@
 #pragma once
 /// Terms that stand for physics without a name: what a part of the mercury or a stretch of a wall would have to do beside the base model. A diagnosis that ends
-/// at "unknown" asks of each what it would be worth, and so describes what is missing. No mechanism of a case file: mechanisms() does not list it.
+/// at "unknown" estimates the size of each, and so describes what is missing. No mechanism of a case file: mechanisms() does not list it.
 #include "forward/material/riemer.hpp"
 #include "forward/mechanism/mechanism.hpp"
 

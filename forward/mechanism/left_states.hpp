@@ -19,7 +19,7 @@ struct LeftState {
 /// each: with it goes what the heat holds at rest.
 class LeftStates {
  public:
-  static constexpr std::size_t count = 64;  ///< 2 B T, which tell a motion with tones up to B = 16 kHz that is watched for T = 2 ms
+  static constexpr std::size_t count = 64;  ///< 2 B T, which determine a motion with tones up to B = 16 kHz that is watched for T = 2 ms
 
   /// record: how long a record is; output_interval: of the run, of which pictures are a whole number apart; highest: tones up to here stay whole, none is left
   /// above thrice that [Hz].

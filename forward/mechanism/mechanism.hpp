@@ -79,7 +79,7 @@ struct MechanismEntry {
   std::string check;  ///< what to do where it is named: "compare ..."
   std::vector<MechanismKey> keys;
   bool per_sensor = false;     ///< `[mechanism.NAME.SENSOR]` tables are allowed
-  bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot tell the two apart
+  bool like_the_mesh = false;  ///< a coarse mesh damps and delays waves as it does, so that a score test cannot distinguish the two
   bool needs_rear = false;     ///< it acts on a non-reflecting rear face alone, and is offered where there is one
   double cost = 1;             ///< of an ensemble mean with it, over one of the base model; docs/theory/mechanisms.md
 
@@ -114,7 +114,7 @@ struct EnabledMechanism {
   std::string name;
   const MechanismEntry* entry;
   MechanismValues values;
-  /// Every deciding key has its off value, which `off_value(key)` tells.
+  /// Every deciding key has its off value, `off_value(key)`.
   [[nodiscard]] bool off(const std::function<double(const MechanismKey&)>& off_value) const;
 };
 

@@ -6,7 +6,7 @@
 
 namespace calomel {
 
-/// Mercury of this law at points, without state. Its stiffness K (1 - e)^(m - 1) has no bound of its own: that at `greatest_pressure` [Pa] is told to the
+/// Mercury of this law at points, without state. Its stiffness K (1 - e)^(m - 1) has no bound of its own: that at `greatest_pressure` [Pa] is given to the
 /// solver. Errors: LiquidPointError where that pressure is passed.
 class StiffeningLiquid : public LiquidLaw {
  public:

@@ -18,7 +18,7 @@ MechanismEntry static_pressure() {
                     .low = 0,
                     .high = 4e5,
                     .least = 0,
-                    .doc = "p_s, added to the tensile cutoff: no strain tells the two apart, only their sum"}},
+                    .doc = "p_s, added to the tensile cutoff: no strain distinguishes the two, only their sum"}},
           .setup = shift_cutoff};
 }
 

@@ -132,7 +132,7 @@ class ExodusReader {
                           .range = "HEX8, hexahedra of 8 nodes",
                           .suggestion = "mesh this part with linear hexahedra, or leave it out of the file",
                           .file = mesh_.path.string()});
-      if (mesh_.elements.size() + std::size_t(block.num_entry) > count) fail("its blocks hold more elements than its header tells", damaged);
+      if (mesh_.elements.size() + std::size_t(block.num_entry) > count) fail("its blocks hold more elements than its header states", damaged);
       connectivity.resize(8 * std::size_t(block.num_entry));
       check(ex_get_conn(id_, EX_ELEM_BLOCK, id, connectivity.data(), nullptr, nullptr), fmt::format("the elements of block {}", id));
       auto& set = mesh_.element_sets[called];

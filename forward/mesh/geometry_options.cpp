@@ -52,7 +52,7 @@ void leave_mercury(const GeometryOptions& g, double size, const std::string& siz
 }  // namespace
 
 bool GeometryOptions::has_wall(const std::string& name) const {
-  if (kind == "mesh") return true;  // its file tells
+  if (kind == "mesh") return true;  // its file defines them
   return (name != "rear" || rear == "wall") && (name != "side" || !plane_strain);
 }
 
@@ -233,7 +233,7 @@ void GeometryOptions::validate() const {
   }
   const double n = estimated_elements();
   if (!(n <= max_elements))
-    throw InputError({.problem = fmt::format("this asks for about {:.3g} elements, more than max_elements = {:.3g}", n, max_elements),
+    throw InputError({.problem = fmt::format("this needs about {:.3g} elements, more than max_elements = {:.3g}", n, max_elements),
                       .key = element_size ? "element_size" : "max_elements",
                       .value = element_size ? number_text(*element_size) : "",
                       .suggestion = "use larger elements, or raise max_elements when the memory is there (about 1 kB an element)"});

@@ -120,7 +120,7 @@ struct GeometryOptions {
     v("max_elements", max_elements, {.range = between(1, 3e8), .doc = "refuse a mesh of more elements than this"});
   }
 
-  /// Errors: InputError on the key that is missing, does not belong to the kind, leaves no mercury, or asks for more
+  /// Errors: InputError on the key that is missing, does not belong to the kind, leaves no mercury, or needs more
   /// than `max_elements`. Nothing is allocated.
   void validate() const;
   void validate_mesh_file() const;

@@ -17,7 +17,7 @@ namespace calomel {
 [[nodiscard]] Mesh make_jet_flow(const GeometryOptions& options);
 
 /// Target from a mesh file: its sets give materials, symmetry planes and boundary faces; wetted faces, where steel and
-/// mercury share nodes, are split as wetted = "slip" asks. Errors: InputError for all that a file can be wrong in.
+/// mercury share nodes, are split for wetted = "slip". Errors: InputError for all that a file can be wrong in.
 [[nodiscard]] Mesh make_outside_mesh(const GeometryOptions& options);
 
 }  // namespace calomel

@@ -1,5 +1,5 @@
 #pragma once
-/// The discretised target: hexahedra, what is fixed, what slips, and the faces that loads, boundaries and gauges need.
+/// The discretised target: hexahedra, fixed and slipping nodes, and the faces that loads, boundaries and gauges need.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -59,7 +59,7 @@ struct Mesh {
   std::vector<MirrorPlane> mirrors;             ///< at most one an axis; gauges beyond are mirrored into the meshed part
   double liquid_element_size = 0;               ///< h of the regularising viscosity: median over mercury elements of the shortest in-plane edge [m]
   MeshQuality quality;
-  std::vector<std::string> notes;  ///< what the reader of a mesh file has to tell
+  std::vector<std::string> notes;  ///< remarks of the reader of a mesh file
 };
 
 /// Whether only the part on one side of a plane across this axis is modelled.

@@ -24,7 +24,7 @@ MeshFormat mesh_format(const std::filesystem::path& path) {
   if (ending == ".inp") return MeshFormat::abaqus;
   for (const char* exodus : {".exo", ".e", ".ex2", ".exoii", ".g", ".gen"})
     if (ending == exodus) return MeshFormat::exodus;
-  throw InputError({.problem = "the ending tells the format of a mesh file",
+  throw InputError({.problem = "the ending gives the format of a mesh file",
                     .key = "file",
                     .value = '"' + path.filename().string() + '"',
                     .range = ".exo, .e, .ex2, .exoII, .g, .gen for Exodus II, .inp for Abaqus",

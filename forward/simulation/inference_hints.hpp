@@ -35,7 +35,7 @@ struct PowerProduct {
 };
 
 struct InferenceHints {
-  /// Where the first box of the emulator is laid.
+  /// Where the first box of the emulator is placed.
   enum class Start {
     basin,          ///< about the best point of a campaign's surrogate, or the nominal values
     nominal,        ///< about the nominal values, as wide as the priors

@@ -140,7 +140,7 @@ struct Checkpoint {
   double every_seconds = 120;                              ///< wall time
   std::string identity;                                    ///< of everything that decides the run; a file of another identity is an error
   std::function<void(std::int64_t fields)> before_saving;  ///< called with the number of snapshots handed out so far
-  bool keep = false;  ///< a run that came to its end leaves a last one, from which it is told again without a step; else it leaves none
+  bool keep = false;  ///< a run that came to its end leaves a last one, from which its results are given again without a step; else it leaves none
   /// The run goes on from this step, this many snapshots done; at its end when `finished`.
   std::function<void(std::int64_t step, std::int64_t fields, bool finished)> on_resume;
 };
@@ -203,7 +203,7 @@ class ExplicitSolver {
   [[nodiscard]] double element_step(const RunSetup& setup, bool liquid_alone = false) const;
   /// Stable step of the whole mesh (see stable_step.hpp), never below the bound from the elements [s].
   [[nodiscard]] double stable_step(const RunSetup& setup, const SolveOptions& options = {}) const;
-  /// How the output interval is divided. Of the numbers of sub-cycles that `options` allow and the liquid's own stable step bears, the
+  /// How the output interval is divided. Of the numbers of sub-cycles that `options` allow and the liquid's own stable step permits, the
   /// cheapest, 1 when none pays. Errors: NumericsError when there would be more than a million steps.
   [[nodiscard]] Stepping stepping(const RunSetup& setup, const SolveOptions& options) const;
 

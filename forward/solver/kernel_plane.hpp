@@ -1,4 +1,4 @@
-// Forces of elements in plane strain, of which four corners and the directions x and z tell all. Included by kernel_impl.hpp.
+// Forces of elements in plane strain, which four corners and the directions x and z determine. Included by kernel_impl.hpp.
 // Modes of corner values: along the first axis, along the second, and the hourglass.
 
 template <class V>

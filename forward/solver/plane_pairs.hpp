@@ -1,5 +1,5 @@
 #pragma once
-/// Plane strain with one element across: every node of the far face moves as its partner on the near one, so that half of the nodes tell all.
+/// Plane strain with one element across: every node of the far face moves as its partner on the near one, so that half of the nodes determine all.
 #include <array>
 #include <cstdint>
 #include <vector>

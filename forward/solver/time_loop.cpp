@@ -186,7 +186,7 @@ class TimeLoop {
 
   void observe(std::int64_t n) {
     const std::size_t sample = std::size_t(n / sample_every_), samples = out_.times.size();
-    const std::int64_t output = n / per_output_;  // exact unless every step is told
+    const std::int64_t output = n / per_output_;  // exact unless every step is reported
     out_.times[sample] = options_.every_step ? double(n) * setup_.output_interval / per_output_ : double(output) * setup_.output_interval;
     for (std::size_t r = 0; r < rows_.size(); ++r)
       for (std::size_t l = 0; l < setup_.energies.size(); ++l) out_.observations[(l * rows_.size() + r) * samples + sample] = run_.observe(rows_[r], l);

@@ -38,7 +38,7 @@ class Surrogate final : public ForwardModel {
   /// Variance of (model - surrogate) at theta (values), in the data's unit squared: the kind's predictive variance
   /// times the factor found on held-out runs, discarded modes included, where it has one; else the mean squared error over the held-out runs.
   [[nodiscard]] Eigen::VectorXd error_variance(std::span<const double> theta) const;
-  /// Mean squared error over the held-out runs (values), wherever they lay in the box.
+  /// Mean squared error over the held-out runs (values), anywhere in the box.
   [[nodiscard]] const Eigen::VectorXf& held_out_error() const { return parts_.held_out; }
 
   /// netCDF, atomically; `load_surrogate` gives a surrogate of the same bytes of prediction.

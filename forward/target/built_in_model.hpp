@@ -11,7 +11,7 @@
 
 namespace calomel {
 
-/// eta of the case's mercury on a mesh [Pa s]: the case's own, or what the mesh asks for where that is more.
+/// eta of the case's mercury on a mesh [Pa s]: the case's own, or what the mesh needs where that is more.
 [[nodiscard]] double regularising_viscosity(const ForwardCase& forward_case, const Mesh& mesh);
 
 /// What `check` prints and every artefact may carry.
@@ -57,12 +57,12 @@ class BuiltInModel : public ForwardModel {
     SolveSummary summary;
     std::vector<double> strain;  ///< (condition, sensor, time) [-]
   };
-  /// `finished` is told after each condition, its number; steps, times and the share of the progress are of all.
+  /// `finished` is called after each condition with its number; steps, times and the share of the progress are of all.
   [[nodiscard]] Simulation simulate(const SolveOptions& options, const std::function<void(std::size_t condition)>& finished = {}) const;
   /// The files that simulate makes of `checkpoint`: itself, or with several conditions "checkpoint.0", ... in their order.
   [[nodiscard]] std::vector<std::filesystem::path> checkpoints(const std::filesystem::path& checkpoint) const;
 
-  /// What a run tells of itself, beside the histories of its gauges; of the part that is modelled, as the energy balance is.
+  /// What a run reports of itself, beside the histories of its gauges; of the part that is modelled, as the energy balance is.
   struct RunTotals {
     double dissipated = 0;            ///< by viscosity to the end of the run, SolveSummary::dissipated [J]
     double time_at_cutoff = 0;        ///< of the mercury, the mean over its volume, SolveSummary::time_at_cutoff [s]

@@ -1,5 +1,5 @@
 #pragma once
-/// The load of a run on a mesh: what mechanisms change of it, and what it asks of the mesh.
+/// The load of a run on a mesh: what mechanisms change of it, and what it needs of the mesh.
 #include "forward/target/forward_case.hpp"
 #include "forward/mesh/mesh.hpp"
 #include "forward/solver/load.hpp"

@@ -98,7 +98,7 @@ double relative_difference(const Problem& problem, const Eigen::VectorXd& differ
 /// emulator's box, with a warning where the answer is one. An empty correction changes nothing. out.mesh.without is the caller's.
 void report_correction(Calibration& out, const Problem& problem, const MeshCorrection& correction);
 
-/// The keys that the contract asks of every calibration, with the method's `own` keys after `sensors`.
+/// The keys of every calibration's artefact, with the method's `own` keys after `sensors`.
 Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const Provenance& provenance);
 
 /// Writes METHOD.nc, then METHOD.json with `json`, into `out_dir`. METHOD.nc: time; calibrated, nominal

@@ -36,7 +36,7 @@ void report_correction(Calibration& out, const Problem& problem, const MeshCorre
     m.nominal_values = without(out.nominal, out.nominal_values);
     m.at_nominal = score(problem, m.nominal_values);
   }
-  m.sentence = fmt::format("predictions are corrected for the mesh, as {} runs of the emulator tell it", correction.runs());
+  m.sentence = fmt::format("predictions are corrected for the mesh by {} runs of the emulator", correction.runs());
   if (!out.calibrated.empty()) {
     m.calibrated = without(out.theta, out.calibrated);
     m.best = score(problem, m.calibrated);

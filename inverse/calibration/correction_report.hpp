@@ -16,7 +16,7 @@ void visit_mesh_correction(V& v, bool& mesh_correction) {
             "published"});
   v.renamed("mesh_pairs", "mesh_correction = true | false decides; the runs are those of [emulator]");
   v.renamed("mesh_beyond", "mesh_correction leads to the finest mesh of [emulator]; what lies beyond it is part of the posterior (errors.beyond)");
-  v.renamed("draws", "the answer is a point estimate; `calomel sample` tells how well the records know the parameters");
+  v.renamed("draws", "the answer is a point estimate; `calomel sample` reports how well the records determine the parameters");
 }
 
 /// Scores and histories on the case's own mesh, where those of the calibration itself are corrected for it.
@@ -24,7 +24,7 @@ struct CorrectionReport {
   bool used = false;
   std::string scores_on = "the case's own mesh";   ///< which mesh the scores of the calibration itself are on, in words
   double difference = 0;                           ///< |correction| / |history| at the answer, mean over the observations
-  std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory tells how each method takes it
+  std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory says how each method takes it
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) without the correction; empty where failed
   Score best, at_nominal;                          ///< of these
   std::string sentence;

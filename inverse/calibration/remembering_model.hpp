@@ -8,7 +8,7 @@
 
 namespace calomel {
 
-/// A model that keeps what it has computed or was told, so that no point is run twice.
+/// A model that keeps what it has computed or was given, so that no point is run twice.
 class RememberingModel final : public ForwardModel {
  public:
   /// `model` outlives the object.

@@ -142,14 +142,14 @@ std::string mesh_of(const Json& json) {
   return on.is_string() ? on.get<std::string>() : own_mesh_words;
 }
 
-/// Scores on the case's own mesh: beside those corrected for the mesh, or a summary's only ones; null where it does not tell them.
+/// Scores on the case's own mesh: beside those corrected for the mesh, or a summary's only ones; null without them.
 const Json& own_mesh(const Json& json) {
   static const Json nothing;
   const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
   return own.is_object() ? own : mesh_of(json) == own_mesh_words ? json : nothing;
 }
 
-/// `same_mesh`: all by the case's own mesh, because not every summary tells of the same other one.
+/// `same_mesh`: all by the case's own mesh, because not every summary has the same other one.
 std::vector<ComparedRow> score_rows(std::span<const MethodSummary> summaries, const std::string& key, bool same_mesh) {
   Names names;
   for (const auto& s : summaries)
@@ -218,7 +218,7 @@ void judge(Comparison& c) {
     c.agree = c.agree && p.distance && !p.outside();
     const std::string label = method_label(p.method), before = c.sentence.empty() ? "" : "; ";
     if (!p.distance)
-      c.sentence += fmt::format("{}{}'s place in the posterior cannot be told", before, label);
+      c.sentence += fmt::format("{}{}'s place in the posterior is not known", before, label);
     else if (p.outside())
       c.sentence += fmt::format("{}{} lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", before, label, *p.distance,
                                 share_text(*p.share_nearer), notable(c, p.method));
@@ -226,7 +226,7 @@ void judge(Comparison& c) {
       c.sentence += fmt::format("{}{} lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", before, label, *p.distance,
                                 share_text(*p.share_nearer));
   }
-  c.sentence += c.sentence.empty() ? "Whether the methods agree cannot be told without MAP's covariance; the differences in percent are listed." : ".";
+  c.sentence += c.sentence.empty() ? "Whether the methods agree is not known without MAP's covariance; the differences in percent are listed." : ".";
 }
 
 }  // namespace

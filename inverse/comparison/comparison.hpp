@@ -12,13 +12,13 @@ namespace calomel {
 
 struct Provenance;  // base/provenance.hpp
 
-/// A calibration as its METHOD.json tells it.
+/// A calibration as its METHOD.json describes it.
 struct MethodSummary {
   std::string method;  ///< "enc", "spe", "map"
   Json json;
 };
 
-/// One row of a table; nothing where an artefact does not tell.
+/// One row of a table; nothing where an artefact does not say.
 struct ComparedRow {
   std::string name;  ///< a parameter, "impedance" (rho c), a sensor, or "mean"
   std::optional<double> nominal;
@@ -43,7 +43,7 @@ struct ComparedPair {
 /// Where the answer of a method lies in the posterior, by MAP's mode and covariance over the case's parameters (Laplace).
 struct PlaceInPosterior {
   std::string method;
-  std::optional<double> distance;      ///< Mahalanobis distance d = sqrt((theta - mode)^T C^-1 (theta - mode)) [-]; nothing where a parameter is not told
+  std::optional<double> distance;      ///< Mahalanobis distance d = sqrt((theta - mode)^T C^-1 (theta - mode)) [-]; nothing where a parameter is missing
   std::optional<double> share_nearer;  ///< share of the posterior that lies nearer to the mode: P(chi-squared of n parameters < d^2)
   /// Whether it lies outside the posterior.
   [[nodiscard]] bool outside() const;
@@ -63,11 +63,11 @@ struct Comparison {
   std::vector<ComparedRow> accuracy;    ///< [%] by sensor, the mean last
   std::vector<ComparedRow> mae;         ///< by sensor, the mean last
   std::string mae_unit;
-  std::string scores_on;  ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods tell of the same, or ""
+  std::string scores_on;  ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods have the same, or ""
   std::vector<ComparedPair> pairs;
   std::vector<PlaceInPosterior> in_posterior;  ///< of every method but MAP; empty without MAP's covariance
   std::vector<ComparedEffort> effort;
-  bool agree = false;    ///< every answer lies within the posterior; false, too, where there is no MAP to tell
+  bool agree = false;    ///< every answer lies within the posterior; also false without MAP
   std::string sentence;  ///< which answers lie within the posterior, and by what the others miss
 
   /// A difference of one parameter beyond so many of MAP's standard deviations is pointed out.
@@ -76,7 +76,7 @@ struct Comparison {
   static constexpr double outside_share = 0.99;
 };
 
-/// Rows appear in the order of the first summary that has them; nominal values are those of the first summary that tells them.
+/// Rows appear in the order of the first summary that has them; nominal values are those of the first summary that has them.
 [[nodiscard]] Comparison compare_calibrations(std::span<const MethodSummary> summaries);
 
 /// The contents of comparison.json.

@@ -1,5 +1,5 @@
 #pragma once
-/// Samples as rows, before they stand on a common time grid: what every reader gives and what a merge takes.
+/// Samples as rows, before they are put on a common time grid: what every reader gives and what a merge takes.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,7 +28,7 @@ struct RecordRows {
   std::vector<std::string> warnings;
 };
 
-/// Seconds in a unit of time ("s", "ms", "µs", "seconds"), 1 where none is told; empty when it is no time.
+/// Seconds in a unit of time ("s", "ms", "µs", "seconds"), 1 where none is given; empty when it is no time.
 std::optional<double> seconds_in(std::string_view unit);
 
 /// What a unit measures, and how much of the plain unit it is.

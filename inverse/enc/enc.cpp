@@ -54,7 +54,7 @@ EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const 
   const RememberingModel model(true_model);
   const CorrectedModel decided(model, mesh);
 
-  // 1. The rounds; before them, where predictions are corrected, a few without, to tell what that does.
+  // 1. The rounds; before them, where predictions are corrected, a few without, to show the effect.
   const std::size_t wanted = std::size_t(options.candidates);
   RoundPlan plan{.optimizers = options.optimizers,
                  .rounds = std::size_t(options.rounds),

@@ -9,7 +9,7 @@
 
 namespace calomel {
 
-/// Rounds of each compared optimiser and objective: enough to tell their scatter, little beside the calibration's own.
+/// Rounds of each compared optimiser and objective: enough to know their scatter, little beside the calibration's own.
 inline constexpr int compared_rounds = 4;
 /// Answers agree when they differ by no more than this, the largest over the parameters in units of their bounds.
 inline constexpr double agreement_tolerance = 0.05;

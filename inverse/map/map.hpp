@@ -47,7 +47,7 @@ struct MapOptions {
     v.renamed("mesh_beyond_sd", "errors.beyond_sd");
     v.renamed("mesh_error", "errors.mesh");
     v.renamed("stable", "emulator.stable");
-    v.renamed("widen", "nothing is multiplied afterwards: what the errors hold is told by [errors]");
+    v.renamed("widen", "nothing is multiplied afterwards: what the errors are is set in [errors]");
     v.renamed("likelihood", "[errors]: values, band, energy_scale_sd, gain_sd, baseline, coherent_noise for all methods");
     v.renamed("discrepancy", "errors.discrepancy, errors.discrepancy_times, errors.discrepancy_distance");
     v.renamed("unknowns", "errors.young_sd, errors.gauge_place_sd");

@@ -35,7 +35,7 @@ double mesh_error(const Simulator& simulator, const EmulatorOptions& options, st
 std::optional<double> elements_per_front(const Simulator& simulator, const EmulatorOptions& options);
 inline constexpr double front_resolved = 1.5;
 
-/// Whether the first box is laid about the best point of the campaign's surrogate (surrogate.nc); else about the nominal values. It depends on emulator.start
+/// Whether the first box is placed about the best point of the campaign's surrogate (surrogate.nc); else about the nominal values. It depends on emulator.start
 /// and on the priors. `physical`: the product of the posterior.
 bool basin_on_surrogate(const Simulator& simulator, const EmulatorOptions& options, bool physical);
 

@@ -32,7 +32,7 @@ auto part(const Eigen::VectorXd& v, const Decimation& grid, std::size_t i) {
   return v.segment(Eigen::Index(grid.offset(i)), Eigen::Index(grid.windows(i).size()));
 }
 
-/// What a clock that is late by 1 s does to an observation, on the grid; 0 where it cannot be told.
+/// What a clock that is late by 1 s does to an observation, on the grid; 0 where it is not known.
 Eigen::VectorXd late_by_a_second(const Decimation& grid, std::size_t i, const Observation& o) {
   const Eigen::VectorXd change = grid.apply_record(i, change_when_late(o.mean, grid.record_time()));
   return change.array().isFinite().select(change, 0);

@@ -124,7 +124,7 @@ struct MarginalDirection {
   Eigen::VectorXd change;
 };
 
-/// What the model tells of itself: what moves its values to first order, on its own output times, and what a run is.
+/// What the model knows of itself: what moves its values to first order, on its own output times, and what a run is.
 struct ErrorDirections {
   Eigen::VectorXd energy_slope;     ///< (values) by relative pulse energy, or empty: strain in proportion to energy
   Eigen::MatrixXd gauge_places;     ///< (values, gauges): by one sd of each gauge's place

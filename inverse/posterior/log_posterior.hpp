@@ -43,7 +43,7 @@ class LogPosterior {
   LogPosterior(EmulatorBox box, MultilevelRegression emulator, const Eigen::MatrixXd& coefficients, const std::vector<RecordErrors>& errors,
                const Eigen::MatrixXd& noise, std::vector<Prior> priors, BeyondPrior beyond);
 
-  /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of tell the likelihood itself. power:
+  /// The density with the likelihood to a power, of which log_density and mode_density are; density() and log_likelihood_of give the likelihood itself. power:
   /// > 0.
   [[nodiscard]] LogPosterior to_the_power(double power) const;
 

@@ -28,7 +28,7 @@ struct MultistartOptions {
 /// What two runs of nearly one point, 1e-6 prior widths apart at the nominal values, differ by: next to nothing of a model that repeats itself.
 struct Jitter {
   double standard_errors = 0;  ///< of all values together: |L^-1 (run 2 - run 1)|, L L^T the covariance of the records' errors. Above 1 the model's own jitter
-                               ///< (steps that it chooses itself, a loose tolerance) hides a standard error, and its finite differences tell nothing
+                               ///< (steps that it chooses itself, a loose tolerance) hides a standard error, and its finite differences are useless
   double variance = 0;         ///< of one run, summed over the values compared, in the square of the records' unit
 };
 

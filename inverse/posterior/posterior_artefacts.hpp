@@ -1,5 +1,5 @@
 #pragma once
-/// What the artefacts tell of a fit of the posterior and of its check by the true model.
+/// What the artefacts report of a fit of the posterior and of its check by the true model.
 #include "inverse/posterior/fit_residual.hpp"
 #include "inverse/posterior/posterior_fit.hpp"
 #include "inverse/posterior/true_model_check.hpp"

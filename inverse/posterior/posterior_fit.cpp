@@ -12,9 +12,9 @@ namespace calomel {
 namespace {
 
 constexpr std::size_t draws_of_a_round = 400;
-constexpr double infill_reach = 2;             ///< posterior sds of the draws that runs are placed at: runs about the answer tell more than runs beside it
-constexpr double hard_variance = 2;            ///< of the emulator at a point where a run may be placed, in units of one run's noise
-constexpr double widths_of_sd = 3;             ///< a box reaches so many standard deviations
+constexpr double infill_reach = 2;   ///< posterior sds of the draws that runs are placed at: runs about the answer are more informative than runs beside it
+constexpr double hard_variance = 2;  ///< of the emulator at a point where a run may be placed, in units of one run's noise
+constexpr double widths_of_sd = 3;   ///< a box reaches so many standard deviations
 constexpr double clear_of_edge_shrinking = 1;  ///< of a box that shrinks, whose deviations still shrink from round to round
 constexpr double room = 0.3;                   ///< half widths of the box between a nested hypothesis and its edge
 constexpr double shrunk = 4;                   ///< posterior sds that a box which shrinks reaches
@@ -325,9 +325,9 @@ void EmulatorOptions::validate() const {
 }
 
 int EmulatorOptions::finest_to_begin(Eigen::Index parameters, int levels) const {
-  const auto taught = int(levels > 1 ? parameters + 1 : MultilevelRegression::coefficients(parameters, 1));
-  if (fine_runs == 0) return spare * taught;
-  return levels > 1 ? fine_runs : std::max(fine_runs, int(least_spare * taught));
+  const auto determined = int(levels > 1 ? parameters + 1 : MultilevelRegression::coefficients(parameters, 1));
+  if (fine_runs == 0) return spare * determined;
+  return levels > 1 ? fine_runs : std::max(fine_runs, int(least_spare * determined));
 }
 
 int EmulatorOptions::coarser_to_begin(Eigen::Index parameters) const {

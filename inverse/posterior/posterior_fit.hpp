@@ -1,5 +1,5 @@
 #pragma once
-/// From runs of the true model to its posterior: lays the emulator's box, has runs made where they tell most, and fits again until the answer stays.
+/// The posterior from runs of the true model: places the emulator's box, makes runs at the most informative points, and fits until the answer is stable.
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace calomel {
 
-/// `[emulator]`: the runs that the posterior is taught by.
+/// `[emulator]`: the runs that the emulator of the posterior is trained on.
 struct EmulatorOptions {
   std::vector<double> element_sizes;
   double viscosity = 2000;
@@ -33,7 +33,7 @@ struct EmulatorOptions {
     v("element_sizes", element_sizes,
       {.unit = "m",
        .range = above(0),
-       .doc = "of the meshes that teach the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
+       .doc = "of the meshes whose runs train the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
     v("viscosity", viscosity,
       {.unit = "Pa s",
        .range = above(0),
@@ -59,8 +59,8 @@ struct EmulatorOptions {
   /// Errors: InputError for sizes that do not fall.
   void validate() const;
   /// Runs of the finest mesh, and of each coarser one, that a box of so many parameters begins with: those of the options, or four a coefficient that the mesh
-  /// teaches. With fewer the residuals tell too little noise (docs/benchmarks/posterior.md). The finest of several meshes adds a linear difference, a mesh
-  /// alone teaches everything.
+  /// determines. With fewer the residuals underestimate the noise (docs/benchmarks/posterior.md). The finest of several meshes adds a linear difference, a mesh
+  /// alone determines everything.
   [[nodiscard]] int finest_to_begin(Eigen::Index parameters, int levels) const;
   [[nodiscard]] int coarser_to_begin(Eigen::Index parameters) const;
 };

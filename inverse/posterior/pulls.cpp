@@ -12,8 +12,8 @@ namespace calomel {
 
 namespace {
 
-constexpr double far = 3;             ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
-constexpr std::size_t most_told = 3;  ///< the farthest: where much is wrong, much is pulled
+constexpr double far = 3;                  ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
+constexpr std::size_t most_sentences = 3;  ///< the farthest: where much is wrong, much is pulled
 
 struct Words {
   const char *term, *number, *key;
@@ -53,23 +53,23 @@ std::string pulled_number(const std::string& term, const std::string& gauge) {
 }
 
 std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors) {
-  std::vector<std::string> told;
+  std::vector<std::string> sentences;
   std::size_t more = 0;
   for (const auto& p : pulls) {
     if (std::abs(p.pull) <= far) continue;
-    if (told.size() == most_told) {
+    if (sentences.size() == most_sentences) {
       ++more;
       continue;
     }
     const Words* w = words_of(p.term);
     const std::string key = w ? fmt::format(" ({})", w->key) : "",
                       value = w && w->sd ? fmt::format(", {:+.2g} {}", p.pull * errors.*(w->sd) * w->shown, w->unit) : "";
-    told.push_back(fmt::format(
+    sentences.push_back(fmt::format(
         "the records pull {} by {:+.1f} of its standard deviations{}{}: it is not what was said of it, or takes up something that the model leaves out",
         pulled_number(p.term, p.gauge), p.pull, key, value));
   }
-  if (more > 0) told.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
-  return told;
+  if (more > 0) sentences.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
+  return sentences;
 }
 
 }  // namespace calomel

@@ -64,7 +64,7 @@ class Tests {
       for (Eigen::Index i = 0; i < others_.cols(); ++i) out.f_of_runs += ratio(span, others_.col(i)) / double(others_.cols());
     }
     out.p_value = boost::math::cdf(boost::math::complement(boost::math::fisher_f(out.directions, of_rest), out.f / std::max(1.0, out.f_of_runs)));
-    if (out.directions < unit.cols()) return out;  // its keys are not told apart
+    if (out.directions < unit.cols()) return out;  // its keys are not distinguished
     const Eigen::MatrixXd inverse = inverse_symmetric(unit.transpose() * unit);
     const Eigen::VectorXd best = inverse * (unit.transpose() * residual_);
     for (std::size_t i = 0; i < seen.size(); ++i) {

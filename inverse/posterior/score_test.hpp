@@ -39,7 +39,7 @@ constexpr double least_score_p = 1e-3;
 /// Score tests with a free scale. The whitened residual at a mode, outside the directions of the fitted parameters and of the multiple beyond the finest mesh,
 /// is split into the part in the k directions of a mechanism and the rest: F = (|part|^2 / k) / (|rest|^2 / (values - n - k)), of Fisher's distribution for a
 /// Gaussian residual, or multivariate t, of the given covariance times any factor. So a covariance that is too wide by a factor takes nothing from its power,
-/// and the residual's size alone tells nothing. Directions that whiten to nothing beside the parameters' are left out; a mechanism with none has p_value 1.
+/// and the residual's size alone says nothing. Directions that whiten to nothing beside the parameters' are left out; a mechanism with none has p_value 1.
 /// `nothing_missing`: residuals of the emulator at its runs (values, k): where their mean F is above 1, numerical noise looks like the mechanism, and F is held
 /// against that mean: p_value is that of F / max(1, f_of_runs). Errors: contract failure where shapes do not fit.
 [[nodiscard]] ScoreTests score_tests(const LogPosterior& posterior, const LogPosterior::Point& at, const Decimation& grid,

@@ -7,9 +7,9 @@
 
 namespace calomel {
 
-inline constexpr std::uint64_t check_stream = 0x7c0de;  ///< of a seed, for the draws of a check: other ones than those that the emulator is taught at
+inline constexpr std::uint64_t check_stream = 0x7c0de;  ///< of a seed, for the draws of a check: other ones than those that the emulator is trained at
 
-/// A run that the emulator was not taught by.
+/// A run that the emulator was not trained on.
 struct CheckedRun {
   std::vector<double> theta;
   int level = 0;

@@ -14,7 +14,7 @@ namespace calomel {
 
 namespace {
 
-/// Runs nearer than this, in units of the box, tell the surrogates nothing new.
+/// Runs nearer than this, in units of the box, give the surrogates nothing new.
 constexpr double same_place = 1e-3;
 
 }  // namespace

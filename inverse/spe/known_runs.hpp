@@ -16,7 +16,7 @@ class KnownRuns {
   /// The campaign's usable runs, split by `seed` as the train stage does. All but `seed` outlive the object.
   /// Errors: InputError for fewer than 8 usable runs.
   KnownRuns(const Problem& problem, const Archive& archive, const Objective& objective, const SpeOptions& options, std::uint64_t seed);
-  /// A run that failed teaches where runs fail; one of a known place (in units of `box`) teaches nothing. Returns whether it joined.
+  /// A run that failed shows where runs fail; one of a known place (in units of `box`) adds nothing. Returns whether it joined.
   bool add(const std::vector<double>& theta, const Prediction& run, bool held_out, const Bounds& box);
   /// Each run's misfit: of its history and the correction at its point, null or empty for none; of runs added later too. Errors: InputError when a misfit of
   /// the campaign has no logarithm and needs one.

@@ -59,7 +59,7 @@ struct SparsePolynomials {
 double transformed(const std::string& transform, double cost);
 double restored(const std::string& transform, double value);
 
-/// Fits all of them on `threads` threads; `done` is told after each space. A fit whose every coefficient vanishes is a failure with its reason.
+/// Fits all of them on `threads` threads; `done` is called after each space. A fit whose every coefficient vanishes is a failure with its reason.
 /// Errors: InputError when no space is small enough.
 SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOptions& options, std::uint64_t seed, int threads,
                                          const std::function<void(std::size_t done, std::size_t total)>& done = {});

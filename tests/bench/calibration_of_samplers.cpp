@@ -1,5 +1,5 @@
-/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/sampler/calibration.hpp): whether ranks of the truth among posterior draws are
-/// uniform, and as the control the same without the Jacobian of ln s.
+/// Simulation-based calibration of every sampler on a conjugate model (tests/unit/uq/sampler/calibration.hpp): whether ranks of the truth among posterior draws
+/// are uniform, and as the control the same without the Jacobian of ln s.
 ///   bench_calibration [replications, 1000] [seed, 1]
 #include <fmt/format.h>
 

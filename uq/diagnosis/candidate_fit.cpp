@@ -119,7 +119,7 @@ CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& ba
   return best.take();
 }
 
-/// Fits a model with cheap runs itself first, from the planned box, from the fit without the numbers and from a design; the emulator's box is laid about the
+/// Fits a model with cheap runs itself first, from the planned box, from the fit without the numbers and from a design; the emulator's box is placed about the
 /// best. That is done with the records' errors alone and, where the likeliest errors of the base fit have a discrepancy, with those: the errors of records far
 /// better than the model say little of where it fits best. The better fit counts.
 CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const PosteriorFit& base, const std::function<bool(std::optional<double>)>& wanted,
@@ -246,7 +246,7 @@ CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base, const s
   for (std::size_t k = 0; k < in.half_width.size(); ++k)
     if (k < own || plan.added[k - own].share_of.empty())  // the effect of a share is nearly the same over all its range
       in.half_width[k] *= k >= own && is_rough(fit) ? zoom : std::clamp(box_in_deviations * sd[Eigen::Index(k)], zoom, 1.0);
-  in.box.clear_of_edge = 1;  // a box that is laid anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
+  in.box.clear_of_edge = 1;  // a box that is placed anew whenever a moving answer comes near an edge would lose the runs that make the answer stable
   in.known = std::move(fit.runs);
   in.known_dimension = in.parameters.size();
   int stable_rounds = 0;

@@ -42,7 +42,7 @@ struct CandidateFit {
 /// Fits over the planned box and, while `wanted`, in a narrower box about the answer until more runs would not change it. `wanted` gets the log Bayes factor so
 /// far, and nothing where the emulator is far noisier than the base model's, whose evidence then means little. A box that shrinks is
 /// started from several places, of which the best counts. With BoxStrategy::Kind::least_squares the model itself is fitted first, by least squares from several
-/// starts, and the box is laid about the best. `round_done` is called after every round of every fit. Errors: those of fit_posterior.
+/// starts, and the box is placed about the best. `round_done` is called after every round of every fit. Errors: those of fit_posterior.
 [[nodiscard]] CandidateFit fit_candidate(CandidatePlan plan, const PosteriorFit& base,
                                          const std::function<bool(std::optional<double> log_bayes_factor)>& wanted,
                                          const std::function<void(const PosteriorRound&)>& round_done = {});

@@ -80,7 +80,7 @@ struct SamplerOptions {
   template <class V>
   void visit(V& v) {
     v("kind", kind, {.doc = "how chains move", .choices = catalogue->names()});
-    v("chains", chains, {.range = between(1, 1000), .doc = "chains, each from a start of its own; four or more tell whether they agree"});
+    v("chains", chains, {.range = between(1, 1000), .doc = "chains, each from a start of its own; four or more show whether they agree"});
     v("warmup", warmup,
       {.range = at_least(0),
        .doc = "transitions of each chain in which the proposal is learnt; they are left out. This default and the next two are " +

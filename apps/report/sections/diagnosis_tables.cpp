@@ -154,7 +154,8 @@ Table explanation_table(const Study& study) {
       "anything else beside it; of what was not tried, with anything else "
       "beside what was. The log Bayes factor allows anything else beside both. An effect is given with one standard deviation; those of explanations that do "
       "not lead are estimates to first order. Probabilities are "
-      "cautious: they stand for the evidences to the power of 1/{:.2g}. A name asks for more than to lead: for a log Bayes factor of {:.2g}, evidence {:.2g} "
+      "cautious: they stand for the evidences to the power of 1/{:.2g}. A name needs more than the highest probability: for a log Bayes factor of {:.2g}, "
+      "evidence {:.2g} "
       "above that of the next, and a probability above {:.0f} %. Where the verdict is unknown, what has the evidence but fails another of the rule's tests "
       "has no probability: it speaks for something else that acts alike.",
       Gates{}.temperature, Gates{}.log_bayes_factor, Gates{}.lead, 100 * Gates{}.believed);
@@ -178,7 +179,7 @@ Table missing_table(const Study& study) {
     t.rows.push_back({text_at(m, "what"), text_at(m, "place"), text_at(m, "value"), number_at(m, "log_bayes_factor")});
   t.note =
       "Estimates to first order about the base fit, with one standard deviation. A term stands for physics without a name: look for what could do the same "
-      "there. Places are parts that were laid down beforehand; what is missing may be smaller, or reach beyond.";
+      "there. The places are parts that were chosen beforehand; what is missing may be smaller, or reach beyond.";
   return t;
 }
 

@@ -66,7 +66,7 @@ Table nuisance_table(const Study& study) {
 }
 
 Table emulator_table(const Study& study) {
-  Table t{.id = "emulator", .caption = "Runs that teach the emulator, by mesh, and how well it knows them [% of a run]."};
+  Table t{.id = "emulator", .caption = "Runs that the emulator is trained on, by mesh, and its errors [% of a run]."};
   t.columns = {{"mesh", "Mesh", 4, true},
                {"runs", "Runs", 6},
                {"left_out", "Error at a run that is left out [%]", -2, false, percent},

@@ -34,7 +34,7 @@ Html own_mesh(const CalibrationArtefacts& c, const std::string& unit) {
   const auto mae = number_at(working, "mae");
   const auto accuracy = number_at(working, "accuracy");
   if (!mae) return {};
-  return fragment(" These scores are corrected for the mesh, as the runs on finer meshes tell; on the case\u2019s own mesh it is ",
+  return fragment(" These scores are corrected for the mesh by runs on finer meshes; on the case\u2019s own mesh it is ",
                   accuracy ? fixed_html(*accuracy, 1) + "\u00a0% and " : Html(), fixed_html(*mae, 1), "\u00a0", unit, ".");
 }
 

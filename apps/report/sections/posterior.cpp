@@ -36,7 +36,7 @@ Html adequacy(const Study& study, const ReportInput& input) {
   if (sentence.empty()) return {};
   if (part_at(*study.sample, "adequate") == Json(false))
     return paragraph_of("outcome", strong("By chi-squared, ", sentence, "."), " The intervals below do not cover what is missing: ", command(input, "diagnose"),
-                        " asks what was left out.");
+                        " finds out what was left out.");
   return paragraph("By chi-squared, ", sentence, ".");
 }
 
@@ -51,8 +51,8 @@ Html no_absorption(const Study& study, const ReportInput& input) {
                    " none sits more than two prior standard deviations from what was known of it.");
   if (!unknown.empty())
     s += paragraph("Of ", joined(unknown, ", "), " nothing but bounds was given. Whether ", unknown.size() == 1 ? "it has" : "they have",
-                   " taken the place of physics that the model leaves out cannot be told without what is known of the material: give ",
-                   element("code", "prior"), ", or set ", element("code", "map.product = \"physical\""), ".");
+                   " taken the place of physics that the model leaves out cannot be known without priors of the material: give ", element("code", "prior"),
+                   ", or set ", element("code", "map.product = \"physical\""), ".");
   return s;
 }
 
@@ -62,7 +62,7 @@ Html absorption(const Study& study, const ReportInput& input) {
   for (const auto& a : list_at(*study.sample, "absorption"))
     if (a.is_string()) alarms += paragraph_of("outcome", strong(a.get<std::string>(), "."));
   if (alarms.empty()) return no_absorption(study, input);
-  return alarms + paragraph("Such a value is no property of the material. ", command(input, "diagnose"), " asks what was left out.");
+  return alarms + paragraph("Such a value is no property of the material. ", command(input, "diagnose"), " finds out what was left out.");
 }
 
 /// The quantities whose density is cut.
@@ -70,10 +70,10 @@ Html cut_densities(const Study& study) {
   std::vector<Html> places;
   for (const auto& b : broken_off(*study.posterior)) places.push_back(fragment(b.name, " at ", number_html(b.at, 5)));
   if (places.empty()) return {};
-  return paragraph(
-      strong("The draws break off: ", joined(places, ", "), "."),
-      " A bound of the case, or the end of the box that the emulator was taught on, cuts the density there, so that what is told is too narrow on that "
-      "side.");
+  return paragraph(strong("The draws break off: ", joined(places, ", "), "."),
+                   " A bound of the case, or the end of the box that the emulator was trained on, cuts the density there, so that the reported interval is too "
+                   "narrow on that "
+                   "side.");
 }
 
 /// "The records narrow what was known: density 2.9 times. Of young they say next to nothing: ..."
@@ -90,7 +90,7 @@ Html narrowing(const Study& study, const ReportInput& input) {
   }
   Html s;
   if (!narrowed.empty()) s += fragment("The records narrow what was known: ", joined(narrowed, ", "), ".");
-  if (!same.empty()) s += fragment(s.empty() ? "" : " ", "Of ", joined(same, ", "), " they say next to nothing: what is told of it is the prior.");
+  if (!same.empty()) s += fragment(s.empty() ? "" : " ", "Of ", joined(same, ", "), " they contain almost no information: what is reported is the prior.");
   return s.empty() ? s : paragraph(s);
 }
 
@@ -209,7 +209,7 @@ Html posterior_section(const Study& study, const ReportInput& input) {
                         : missing("posterior.json is missing, so nothing is said of convergence.");
   if (!study.posterior) return s + missing("posterior.nc is missing, so the corner plot is not drawn.");
   if (const Table t = prior_table(study, input); !t.empty())
-    s += heading("What have the records taught?") + narrowing(study, input) +
+    s += heading("What have the records shown?") + narrowing(study, input) +
          plot("prior-plot",
               "Before the records, grey and dashed, and after them, blue. Each curve is scaled to its own greatest value, so that both can be seen.",
               "Prior and posterior density of every parameter") +

@@ -43,7 +43,7 @@ std::string mesh_caption(const Study& study) {
   std::string names;
   std::string s;
   for (const auto& l : corrected) names += (names.empty() ? "" : ", ") + l;
-  if (!names.empty()) s = " Simulations of " + names + " and the nominal one are corrected for the mesh, as the runs on finer meshes tell";
+  if (!names.empty()) s = " Simulations of " + names + " and the nominal one are corrected for the mesh by runs on finer meshes";
   for (const auto& l : other) s += (s.empty() ? " Simulations of " : "; those of ") + l;
   return s + (corrected.size() + other.size() == study.calibrations.size() ? "." : "; the others are on the case\u2019s mesh.");
 }

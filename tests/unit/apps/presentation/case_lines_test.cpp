@@ -62,11 +62,13 @@ TEST(CaseLines, ThePlanListsRecords) {
 
 TEST(CaseLines, ATargetIsDescribedByItsFacts) {
   const auto lines = [](const std::string& more, const std::vector<std::string>& set = {}) { return fact_lines(study(more, set).simulator->describe().facts); };
-  EXPECT_THAT(lines("[parameter.density]\nmin = 13000\nmax = 13600\n"),
-              ElementsAre("case: slice, box in plane strain", MatchesRegex("model: [0-9]+ elements, [0-9]+ nodes, [0-9]+ steps of .* s, .* sensors at .* times, about .* MB"),
-                          StartsWith("load: "), MatchesRegex("pulse: .* J deposited in a slice .* mm thick; regularising viscosity .* Pa s.*"),
-                          MatchesRegex("mesh: scaled Jacobian at least 1.000, aspect ratio at most .*, shortest edge .* mm, 2 elements through the thinnest wall.*"),
-                          "parameters: density 1.3e+04 to 1.36e+04"));
+  EXPECT_THAT(
+      lines("[parameter.density]\nmin = 13000\nmax = 13600\n"),
+      ElementsAre("case: slice, box in plane strain",
+                  MatchesRegex("model: [0-9]+ elements, [0-9]+ nodes, [0-9]+ steps of .* s, .* sensors at .* times, about .* MB"), StartsWith("load: "),
+                  MatchesRegex("pulse: .* J deposited in a slice .* mm thick; regularising viscosity .* Pa s.*"),
+                  MatchesRegex("mesh: scaled Jacobian at least 1.000, aspect ratio at most .*, shortest edge .* mm, 2 elements through the thinnest wall.*"),
+                  "parameters: density 1.3e+04 to 1.36e+04"));
   const auto more = lines("[[condition]]\nname = \"low\"\npeak_pressure = 1e7\n[[condition]]\nname = \"high\"\npeak_pressure = 2e7\n", {"solver.subcycles=4"});
   EXPECT_THAT(more, Contains("conditions: low, high"));
   EXPECT_THAT(more, Not(Contains(StartsWith("parameters: "))));

@@ -37,25 +37,26 @@ TEST(ConvergenceWords, EveryStateHasItsSentence) {
   EXPECT_EQ(sentence({.state = ChainState::drift}),
             "tau still drifts in one direction in most chains (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails), so the warm-up ended "
             "before they had arrived; double sampler.warmup, or start from the mode and covariance of calibrate --method map");
-  EXPECT_EQ(sentence({.state = ChainState::separate_modes, .chains = {0, 2}, .others = {1, 3}, .low_at = 9.9982, .high_at = 30.003}),
-            "tau lies near 9.9982 in chains 1 and 3 and near 30.003 in chains 2 and 4, and no chain goes from one to the other (R-hat 1.03): two modes, whose "
-            "weights these draws do not tell; compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of tau to the "
-            "one that is meant");
+  EXPECT_EQ(
+      sentence({.state = ChainState::separate_modes, .chains = {0, 2}, .others = {1, 3}, .low_at = 9.9982, .high_at = 30.003}),
+      "tau lies near 9.9982 in chains 1 and 3 and near 30.003 in chains 2 and 4, and no chain goes from one to the other (R-hat 1.03): two modes, whose "
+      "weights these draws do not determine; compare the modes (calibrate --method map lists other optima) and narrow the bounds or the prior of tau to the "
+      "one that is meant");
   EXPECT_EQ(sentence({.state = ChainState::divergences, .transitions = 2000, .remedies = walk}, 40),
             "tau is not known (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails) and 40 of 2000 trajectories diverged: the density "
             "bends more sharply somewhere than their steps can follow, as in a funnel, or ends at an edge; raise sampler.walk.accuracy to 0.95, or infer tau "
             "on a logarithmic scale");
   EXPECT_EQ(sentence({.state = ChainState::cut_trajectories, .share = 0.5, .remedies = walk}),
             "tau mixes slowly (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails) because 50 % of the trajectories are ended by "
-            "sampler.walk.length before they turn: scales differ more than the metric tells; double sampler.warmup, so that it is learnt, or raise "
+            "sampler.walk.length before they turn: scales differ more than the metric corrects; double sampler.warmup, so that it is learnt, or raise "
             "sampler.walk.length");
   EXPECT_EQ(sentence({.state = ChainState::common_ancestors, .suggested_draws = 4000, .remedies = {.correlation_key = "sampler.cloud.correlation"}}),
-            "tau is told differently by populations of particles (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails), which still have "
+            "tau differs between populations of particles (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails), which still have "
             "ancestors in common where they arrive; halve sampler.cloud.correlation, so that they move more, and set sampler.draws = 4000");
   EXPECT_EQ(sentence({.state = ChainState::emulator_disagrees, .share = 0.1, .remedies = {.emulator_only = "walk"}}),
             "tau mixes slowly (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails) because the true model refuses 90 % of what the "
             "emulator proposes: the two disagree there, or runs carry much numerical noise; give the emulator more runs (emulator.rounds), or take "
-            "sampler.kind = \"walk\", whose check by the true model tells by how much they differ");
+            "sampler.kind = \"walk\", whose check by the true model shows by how much they differ");
   EXPECT_EQ(sentence({.state = ChainState::refused_proposals, .share = 0.01}),
             "tau mixes slowly (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails) because only 1.0 % of the transitions move: the "
             "frozen proposal does not fit the density; raise sampler.warmup, or start from the covariance of calibrate --method map");
@@ -63,9 +64,10 @@ TEST(ConvergenceWords, EveryStateHasItsSentence) {
             "tau mixes slowly (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails) along the narrow ridge that it forms with rho "
             "(correlation -0.991); give one of the two a prior from elsewhere, or let the proposal learn the ridge: start from the covariance of calibrate "
             "--method map and double sampler.warmup");
-  EXPECT_EQ(sentence({.state = ChainState::slow_energies, .chains = {1}, .e_bfmi = 0.21}),
-            "the energy changes too slowly in chain 2 (E-BFMI 0.21), so that the tails are told by diffusion alone: they are heavy, or there is a funnel, and "
-            "tau is the parameter known worst; infer it on a logarithmic scale or give it a prior that bounds it");
+  EXPECT_EQ(
+      sentence({.state = ChainState::slow_energies, .chains = {1}, .e_bfmi = 0.21}),
+      "the energy changes too slowly in chain 2 (E-BFMI 0.21), so that the tails are explored by diffusion alone: they are heavy, or there is a funnel, and "
+      "tau is the parameter known worst; infer it on a logarithmic scale or give it a prior that bounds it");
   EXPECT_EQ(sentence({.state = ChainState::rare_tails}),
             "tau visits its tails too seldom (R-hat 1.0312, effective sample sizes 150 in the bulk and 90 in the tails): long tails or a funnel towards one "
             "end; look at its pairs in the report, and infer it on a logarithmic scale or bound it where values are impossible");

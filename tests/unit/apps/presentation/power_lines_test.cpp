@@ -43,7 +43,7 @@ TEST(PowerLines, ANumberALineAndGaugesTogether) {
   more.plan.name = "with another", more.gain = std::log(2.0);
   EXPECT_THAT(power_lines({planned, more}),
               ElementsAre("power: beam_profile.offset_z could be named from 0.00089 on (off at 0, range to 0.005)",
-                          "power: interface.strength (top) could not be named up to 1e+03: the records would not tell it from wall_thinning (top)",
+                          "power: interface.strength (top) could not be named up to 1e+03: the records would not distinguish it from wall_thinning (top)",
                           "power: sensor_response.gain of one gauge could be named at 2 of 2 gauges, from 1.05 on at T1, 1.11 at T2 (off at 1, range to 1.15)",
                           "power: as planned: 3 of 4 numbers could be named within their ranges",
                           "power: with another: 3 of 4, strengths needed 0.5 times those as planned (geometric mean)"));

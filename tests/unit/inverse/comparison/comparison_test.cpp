@@ -174,7 +174,7 @@ TEST(Comparison, APlaceThatCannotBeToldIsNotAgreement) {
     ASSERT_EQ(c.in_posterior.size(), 1u);
     EXPECT_FALSE(c.in_posterior[0].distance.has_value());
     EXPECT_FALSE(c.agree);
-    EXPECT_EQ(c.sentence, "ENC's place in the posterior cannot be told.");
+    EXPECT_EQ(c.sentence, "ENC's place in the posterior is not known.");
     EXPECT_TRUE(comparison_json(c, {.stage = "comparison"})["in_posterior"][0]["share_nearer"].is_null());
   }
 }

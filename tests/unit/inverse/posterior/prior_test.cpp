@@ -70,7 +70,8 @@ TEST(HandbookPriors, ReplaceTheCasesOwnAndRefuseAUniformStranger) {
                                     uniform_parameter("cutoff", 0, 1.5e6, 1.5e5), normal_parameter("young", 193e9, 4e9)};
   parameters[0].key = "material.mercury.density", parameters[1].key = "material.mercury.sound_speed";
   parameters[2].key = "material.mercury.tensile_cutoff", parameters[3].key = "material.steel.young";
-  const std::vector<HandbookPrior> known{{"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
+  const std::vector<HandbookPrior> known{
+      {"material.mercury.density", "normal", 0.015}, {"material.mercury.sound_speed", "normal", 0.03}, {"material.mercury.tensile_cutoff", "lognormal", 0.7}};
   const auto handbook = with_handbook_priors(parameters, known);
   EXPECT_DOUBLE_EQ(*handbook[0].sd, 0.015 * 13500);
   EXPECT_DOUBLE_EQ(*handbook[1].sd, 0.03 * 1450);

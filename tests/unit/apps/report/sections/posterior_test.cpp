@@ -82,7 +82,7 @@ TEST(ReportPosterior, AParameterThatAbsorbsSomethingIsReportedAtTheTopAndInItsSe
       text,
       HasSubstr(
           "<strong>density sits 2.4 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs.</strong>"));
-  EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> asks what was left out."));
+  EXPECT_THAT(text, HasSubstr("<code>calomel diagnose slice.toml</code> finds out what was left out."));
   EXPECT_THAT(text, Not(HasSubstr("none sits more than")));
 }
 

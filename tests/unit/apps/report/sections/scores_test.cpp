@@ -49,8 +49,7 @@ TEST(ReportTables, CaptionsOfScoresStateACorrectionForTheMesh) {
   EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("Simulations of ENC and the nominal one are corrected for the mesh"));
   EXPECT_THAT(score_table(study, in, "accuracy").caption, HasSubstr("the others are on the case\u2019s mesh"));
   const std::string page = header_html(study, in).str();
-  EXPECT_THAT(page,
-              HasSubstr("These scores are corrected for the mesh, as the runs on finer meshes tell; on the case\u2019s own mesh it is 51.5\u00a0% and 18.5"));
+  EXPECT_THAT(page, HasSubstr("These scores are corrected for the mesh by runs on finer meshes; on the case\u2019s own mesh it is 51.5\u00a0% and 18.5"));
   EXPECT_EQ(page.find("These scores are corrected"), page.rfind("These scores are corrected"));  // MAP is not corrected
 }
 
