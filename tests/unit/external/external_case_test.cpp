@@ -105,7 +105,6 @@ TEST(ExternalCase, MistakesAreToldWithTheirPlace) {
   EXPECT_NE(refusal(head + output).find("no parameter"), std::string::npos);
   EXPECT_NE(refusal(head + output + parameters + "[mechanism.none]\nenabled = false\n").find("mechanism.none"), std::string::npos);
   EXPECT_NE(refusal(head + output + parameters + "[mechanism.third.parameter.q]\nmin = 0.0\nmax = 1.0\n").find("off"), std::string::npos);
-  EXPECT_NE(refusal(head + output + parameters + "[geometry]\nkind = \"box\"\n").find("geometry"), std::string::npos);
   EXPECT_NE(refusal(head + "[output]\nkind = \"log_density\"\nsensors = [\"A\"]\n" + parameters).find("output.sensors"), std::string::npos);
   EXPECT_NE(refusal(head + output + "[parameter.a]\nkey = \"line.x\"\nmin = 0.0\nmax = 1.0\n").find("key"), std::string::npos);
   EXPECT_NE(refusal(head + output + "[parameter.\"c.d\"]\nmin = 0.0\nmax = 1.0\n").find("c.d"), std::string::npos);

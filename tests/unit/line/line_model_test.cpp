@@ -148,7 +148,6 @@ TEST(LineCase, TellsPlaceValueAndSuggestionOfWhatIsWrong) {
   EXPECT_THAT(error_of(pipe_text("[[station]]\nname = \"out\"\ndistance = 41\n")),
               HasSubstr("station[2].distance = 41: a station of a pipe lies on it (allowed: 0 to 40 m)"));
   EXPECT_THAT(error_of(pipe_text("[[station]]\nname = \"valve\"\ndistance = 1\n")), HasSubstr("two stations have the same name"));
-  EXPECT_THAT(error_of(pipe_text("[geometry]\nkind = \"box\"\n")), HasSubstr("belongs to a model on a mesh"));
   EXPECT_THAT(error_of(pipe_text("[parameter.x]\nkey = \"line.frction_factor\"\nmin = 0\nmax = 1\n")), HasSubstr("did you mean \"line.friction_factor\"?"));
   EXPECT_THAT(error_of(pipe_text("[parameter.pv]\nkey = \"mechanism.vapour_cutoff.pressure\"\nmin = -1e5\nmax = 0\n")), HasSubstr("not part of the model"));
 }

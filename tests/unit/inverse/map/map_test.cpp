@@ -167,7 +167,11 @@ TEST(Map, ARidgeOfConstantImpedanceIsNamed) {
                              [](auto p, double t) { return 3e-6 * p[0] * p[1] * std::cos(6e4 * t) + 1e-4 * p[2] * std::cos(1e5 * t); }},
                             200, step);
   Fitted f(model, pulses_of(model, {13200, 1400, 2e5}, {.pulses = 10, .noise = 3, .noise_time = 5e-6}, 6));
-  f.in.errors.values = 200, f.in.errors.gain_sd = 0.01, f.in.errors.energy_scale_sd = 0.015;
+  f.in.errors.values = 200;
+  f.in.errors.gain_sd = 0.01;
+  f.in.errors.energy_scale_sd = 0.015;
+  f.in.combinations = {{"impedance rho c", {{"material.mercury.density", 1}, {"material.mercury.sound_speed", 1}}},
+                       {"stiffness rho c^2", {{"material.mercury.density", 1}, {"material.mercury.sound_speed", 2}}}};
   const auto summary = f.map({13500, 1450, 1.8e5}, {0.1, 0.1, 0.4});
   const auto& id = summary.identification;
   ASSERT_EQ(id.directions.size(), 3u);

@@ -30,7 +30,7 @@ TEST(ReportDiagnosis, ItsSentencesComeFirstAndItsSectionBeforeAllOthers) {
     EXPECT_LT(text.find("href=\"#diagnosis\">Left out"), text.find("href=\"#parameters\""));
     EXPECT_THAT(text, HasSubstr("Verdict: <strong>" + std::string(verdict) + "</strong>"));
     EXPECT_THAT(text, HasSubstr("first seen at gauge F from 100 \u00b5s on"));
-    EXPECT_THAT(text, HasSubstr("over all gauges in 6 of 8 stretches of time and in 1 of 6 bands of frequency."));
+    EXPECT_THAT(text, HasSubstr("over all gauges in 6 of 8 intervals of time and in 1 of 6 bands of frequency."));
     EXPECT_THAT(text, HasSubstr("previous_pulses: no room"));
     EXPECT_THAT(text, HasSubstr("The diagnosis took 412 runs"));
     EXPECT_THAT(text, HasSubstr("<li>beam_profile and interface</li>"));
@@ -48,7 +48,7 @@ TEST(ReportDiagnosis, TheMissingPhysicsIsDescribedWhenTheVerdictIsUnknown) {
     EXPECT_EQ(missing_table(study).rows.size(), unknown ? 1u : 0u) << verdict;
     const std::string text = diagnosis_section(study, input()).str();
     EXPECT_EQ(text.find("What is missing acts like a change &lt;b&gt;.") != std::string::npos, unknown) << verdict;
-    EXPECT_EQ(text.find("<h3>What is missing") != std::string::npos, unknown) << verdict;
+    EXPECT_EQ(text.find("<h3>How what is missing behaves") != std::string::npos, unknown) << verdict;
   }
 }
 
@@ -98,7 +98,7 @@ TEST(ReportDiagnosis, AVerdictThatDidNotSettleIsNotToBeTrusted) {
   d["ranking"][0]["message"] = "still walks";
   write_json(dir / "diagnosis.json", d);
   EXPECT_THAT(markup(report_of(dir, input())), HasSubstr(": still walks."));
-  EXPECT_THAT(text, HasSubstr("<li>diagnosis: a fit on which the verdict hangs has not settled"));
+  EXPECT_THAT(text, HasSubstr("<li>diagnosis: a fit that decides the verdict has not settled"));
 }
 
 TEST(ReportDiagnosis, ADiagnosisOfAnEarlierVersionIsReadAsFarAsPossible) {
