@@ -9,7 +9,7 @@
 
 namespace calomel {
 
-/// The program's version, e.g. "0.1.0".
+/// The program's version, e.g. "0.2.0".
 extern const char* const version;
 
 /// FNV-1a, 64 bit (Fowler, Noll and Vo).
