@@ -146,16 +146,11 @@ CALOMEL_INLINE LiquidStep<typename Lanes<R, Runs>::V> liquid_step(const StepData
 template <class R, bool Runs>
 CALOMEL_INLINE void report_sums(const Sums<typename Lanes<R, Runs>::V>& sums, EnergyTerms* energy) {
   constexpr int W = Lanes<R, Runs>::width;
-  energy->liquid += lane_sum < R;
-  W > (sums.liquid);
-  energy->dissipated += lane_sum < R;
-  W > (sums.dissipated);
-  energy->heat += lane_sum < R;
-  W > (sums.heat);
-  energy->hourglass += 0.5 * lane_sum < R;
-  W > (sums.hourglass);
-  energy->steel += 0.5 * lane_sum < R;
-  W > (sums.steel);
+  energy->liquid += lane_sum<R, W>(sums.liquid);
+  energy->dissipated += lane_sum<R, W>(sums.dissipated);
+  energy->heat += lane_sum<R, W>(sums.heat);
+  energy->hourglass += 0.5 * lane_sum<R, W>(sums.hourglass);
+  energy->steel += 0.5 * lane_sum<R, W>(sums.steel);
 }
 
 /// Stressed: the block has a stress before the run, or heat in the steel.
