@@ -183,7 +183,7 @@ TEST(Comparison, WithoutMapItDoesNotClaimAgreement) {
   const std::vector<MethodSummary> all{{"enc", summary(13300, 1400, 85, 75)}, {"spe", summary(13300, 1400, 85, 75)}};
   const auto c = compare_calibrations(all);
   EXPECT_FALSE(c.agree);
-  EXPECT_THAT(c.sentence, HasSubstr("cannot be told"));
+  EXPECT_THAT(c.sentence, HasSubstr("is not known without MAP's covariance"));
   EXPECT_EQ(c.pairs[0].differences[0].percent, 0);
   EXPECT_FALSE(c.pairs[0].differences[0].in_map_sd.has_value());
   EXPECT_TRUE(c.in_posterior.empty());

@@ -77,5 +77,5 @@ TEST(ReportTables, CaptionsNameTheMeshOfEverySimulation) {
   enc["mesh"] = {{"working_mesh", {{"accuracy", 50.0}, {"mae", 20.0}}}};
   write_json(dir / "enc.json", enc);
   EXPECT_THAT(headline_table(read_study(dir), input()).caption,
-              HasSubstr("as the runs on finer meshes tell; those of MAP are runs on the finest mesh of the emulator."));
+              HasSubstr("by runs on finer meshes; those of MAP are runs on the finest mesh of the emulator."));
 }
