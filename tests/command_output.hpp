@@ -1,12 +1,12 @@
 #pragma once
-/// What another program says to a test.
+/// Output of other programs.
 #include <cstdio>
 #include <string>
 #include <utility>
 
 namespace calomel::testing {
 
-/// Output of a command, both streams, and whether it ended well.
+/// Output of a command, both streams, and whether its exit status was 0.
 inline std::pair<std::string, bool> output_of(const std::string& command) {
   std::string text;
   FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
@@ -16,7 +16,7 @@ inline std::pair<std::string, bool> output_of(const std::string& command) {
   return {text, ::pclose(pipe) == 0};
 }
 
-/// A Python with xarray and netCDF4, the system's where another one comes first; empty where there is none.
+/// A Python with xarray and netCDF4; the system's Python where the first one on PATH lacks them; empty where there is none.
 inline std::string python_with_xarray() {
   for (const std::string name : {"python3", "/usr/bin/python3"})
     if (output_of(name + " -c 'import xarray, netCDF4'").second) return name;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where tests write: one folder of the process under gtest's TempDir(), removed when the process ends.
+/// The folder in which the tests of a process write: below gtest's TempDir(), removed when the process ends.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

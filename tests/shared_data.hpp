@@ -1,5 +1,5 @@
 #pragma once
-/// Reference data that stand beside the source tree, and what a test says that needs them where they are absent.
+/// Reference data that lie beside the source tree, and the message of a test that is skipped because they are absent.
 #include <cstdlib>
 #include <filesystem>
 #include <string>

@@ -44,7 +44,7 @@ position = [0.02, 0.0, 0.04]
 direction = [1, 0, 0]
 )";
 
-/// An empty folder holding these files, by name.
+/// An empty folder with these files, by name.
 inline std::filesystem::path folder_with(const std::string& name, const std::map<std::string, std::string>& files) {
   const auto dir = scratch(name);
   for (const auto& [file, text] : files) std::ofstream(dir / file, std::ios::binary) << text;

@@ -40,7 +40,7 @@ TEST(Artefact, ReuseNamesTheChangedKey) {
   }
 }
 
-// Archives made when solver.booking was part of every identity stand; where it decides what is written it still counts.
+// Older archives have solver.booking in every identity. They are still read; where the option decides what is written, it still counts.
 TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
   const auto dir = scratch("older");
   for (const char* stage : {"campaign", "simulate"}) {
@@ -65,7 +65,7 @@ TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
   }
 }
 
-// Nor does it matter how often a run was to be saved, which once was part of every identity too.
+// The interval between saved states, which was part of every identity once, does not matter either.
 TEST(Artefact, CheckpointOfAnOlderArtefactIsNoOtherSetting) {
   for (const char* stage : {"campaign", "simulate"}) {
     const Provenance now{.stage = stage, .options = {{"solver", {{"precision", "double"}}}}, .seed = 3, .inputs = {}};
@@ -104,7 +104,7 @@ TEST(NetcdfFile, RoundTrip) {
     const std::vector<std::string> meanings{"done", "failed"};
     w.flags("status", {"sensor"}, status, meanings);
     w.attribute("title", "test");
-    EXPECT_FALSE(std::filesystem::exists(path));  // nothing there before the commit
+    EXPECT_FALSE(std::filesystem::exists(path));  // no file exists before the commit
     w.commit();
   }
   const NetcdfReader r(path);

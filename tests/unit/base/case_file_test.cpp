@@ -105,7 +105,7 @@ TEST(CaseFile, SaysWhatToWriteInPlaceOfAKeyThatIsGone) {
   EXPECT_THAT(m, HasSubstr("load.silent"));
   EXPECT_THAT(m, HasSubstr("no longer read"));
   EXPECT_THAT(m, HasSubstr("take it out: load.quiet = true | false says it now"));
-  EXPECT_THAT(message_of("[load]\nsilnt = true\n"), testing::Not(HasSubstr("silent")));  // nor is it proposed
+  EXPECT_THAT(message_of("[load]\nsilnt = true\n"), testing::Not(HasSubstr("silent")));  // the message does not suggest it either
   EXPECT_EQ(echo(Load{}).contains("silent"), false);
 }
 

@@ -36,7 +36,7 @@ TEST(FrameFile, CutAtAnyByteKeepsEveryFrameThatIsWhole) {
     const auto found = frames(path);
     EXPECT_GE(found.size(), last);
     last = found.size();
-    EXPECT_EQ(frames(path), found);  // what was torn is gone
+    EXPECT_EQ(frames(path), found);  // the torn frame is gone
   }
   EXPECT_THAT(frames(path), ElementsAre("one", std::string(5, '\0'), "three"));
 }
@@ -66,7 +66,7 @@ TEST(FrameFile, AFrameIsReadAgainAtItsPlaceInThisLifeAndTheNext) {
   ASSERT_EQ(found.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(file.read(found[i]), file.read(places[i]));
   EXPECT_EQ(file.read(found[2]), "three");
-  EXPECT_THROW((void)file.read({places[0].offset + 1, places[0].bytes}), InputError);  // no frame begins there
+  EXPECT_THROW((void)file.read({places[0].offset + 1, places[0].bytes}), InputError);  // no frame begins at this offset
 }
 
 TEST(FrameFile, ADamagedFrameAndWhatFollowsAreGivenUp) {

@@ -18,7 +18,7 @@ TEST(RandomStream, DependsOnSeedAndIndexAlone) {
   EXPECT_NE(x, d());
 }
 
-// Mean and variance of 1e5 normals; standard errors 0.0032 and 0.0045, bounds at 4 of them.
+// Mean and variance of 1e5 normal numbers. The standard errors are 0.0032 and 0.0045; the bounds are 4 standard errors.
 TEST(RandomStream, NormalHasUnitVariance) {
   RandomStream s(3, 0);
   double sum = 0, squares = 0;

@@ -22,7 +22,7 @@ TEST(FirstDesign, BeginsInTheMiddleAndFillsTheBox) {
 
 TEST(Infill, GoesWhereLeastIsKnownAndNotTwiceToTheSamePlace) {
   Eigen::MatrixXd u = first_design(2, 24, 1);
-  u.row(0) = (0.5 * (u.row(0).array() - 1)).matrix();  // nothing was run where the first coordinate is above 0
+  u.row(0) = (0.5 * (u.row(0).array() - 1)).matrix();  // no run lies where the first coordinate is above 0
   const auto emulator = taught(u, 8);
   const auto points = infill(emulator, first_design(2, 200, 9), 4, 3);
   ASSERT_EQ(points.level.size(), 7u);

@@ -1,4 +1,4 @@
-// The correction for the mesh against functions that the regression holds exactly, and its gradient against differences.
+// Tests the mesh correction on functions that the regression represents exactly, and its gradient against finite differences.
 #include "forward/emulator/mesh_correction.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 const std::vector<Parameter> parameters{{.name = "rho", .min = 10, .max = 1000}, {.name = "s", .min = 0, .max = 9}, {.name = "eta", .min = 1, .max = 100}};
 const EmulatorBox box(parameters, std::vector<double>{100, 2, 10}, std::vector<double>{400, 6, 40});
 
-/// Four values over (rho, s, eta) on the finest mesh; the coarse mesh is off by a linear function of the coordinates.
+/// Four values over (rho, s, eta) on the finest mesh; the error of the coarse mesh is a linear function of the coordinates.
 Eigen::Vector4d history(const Eigen::VectorXd& u, int level) {
   Eigen::Vector4d y(1 + u[0] * u[1], 2 - u[2] * u[2] + u[0], u[1] - 0.5 * u[0] * u[2], 3 * u[2]);
   if (level == 1) y += Eigen::Vector4d(0.3, 0.2 * u[0], -0.4 * u[1], 0.1 * u[2]);
@@ -95,7 +95,7 @@ TEST(MeshCorrection, OutsideTheBoxIsThatOfItsNearestPoint) {
   const std::vector<double> weights{1, 2, 3, 4};
   EXPECT_EQ(c.vector_jacobian_product(far, weights)[0], 0);
   EXPECT_NE(c.vector_jacobian_product(far, weights)[1], 0);
-  EXPECT_FALSE(MeshCorrection(box, t.regression, t.histories, 1, {20}, {60}).inside(edge));  // the working mesh's viscosity is none that was taught
+  EXPECT_FALSE(MeshCorrection(box, t.regression, t.histories, 1, {20}, {60}).inside(edge));  // not trained on the working mesh's viscosity
 }
 
 TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
@@ -120,7 +120,7 @@ TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
   }
   EXPECT_TRUE(y.col(1).hasNaN() && by_basis.col(1).hasNaN());  // where the model fails
   EXPECT_EQ(plain.basis().directions.cols(), 2);
-  // The slope by central differences; without that of the shift it is another one.
+  // The gradient agrees with central differences. Without the gradient of the shift it does not.
   const std::vector<double> weights{3, -10, 4, 0.5};
   const Eigen::VectorXd g = corrected.vector_jacobian_product(at, weights);
   for (std::size_t k = 0; k < 2; ++k) {

@@ -1,4 +1,5 @@
-// The regression over meshes against functions that it can hold exactly, its variance and left-out errors against refits, its gradient against differences.
+// Tests the regression over meshes on functions that it represents exactly: its variance and leave-one-out errors against refits, its gradient against
+// differences.
 #include "forward/emulator/multilevel.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 namespace calomel {
 namespace {
 
-/// Two outputs over two parameters; the coarse mesh is off by a linear function.
+/// Two outputs over two parameters; the error of the coarse mesh is a linear function.
 Eigen::Vector2d smooth(const Eigen::VectorXd& u, int level) {
   Eigen::Vector2d z(1 + 2 * u[0] - u[1] + 0.5 * u[0] * u[1], 3 - u[0] + 0.7 * u[1] * u[1]);
   if (level == 1) z += Eigen::Vector2d(0.3 + 0.2 * u[0], -0.1 * u[1]);
@@ -24,7 +25,7 @@ struct Design {
   Eigen::MatrixXd outputs;
 };
 
-/// `coarse` and `fine` runs, numerical noise of sd `noise`, twice that on the coarse mesh.
+/// `coarse` and `fine` runs with numerical noise of sd `noise`, and of twice that on the coarse mesh.
 Design design(int coarse, int fine, double noise, std::uint64_t seed = 1) {
   RandomStream random(seed, 0);
   const Eigen::MatrixXd u = first_design(2, coarse, 5);
@@ -85,7 +86,7 @@ TEST(MultilevelRegression, LeftOutErrorsAreThoseOfARefitWithoutTheRun) {
   const MultilevelRegression e(d.runs, d.outputs, equal);
   const Eigen::MatrixXd left_out = e.left_out(d.outputs);
   for (const Eigen::Index i : {3, 22}) {
-    // The refit has the weights of the whole: ordinary least squares with the noise ratios that were found.
+    // The refit has the weights of the whole fit: ordinary least squares with the estimated noise ratios.
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(9, 9), right = Eigen::MatrixXd::Zero(9, 2);
     for (Eigen::Index j = 0; j < d.outputs.cols(); ++j) {
       if (j == i) continue;
@@ -110,16 +111,16 @@ TEST(MultilevelRegression, FindsThatACoarseMeshIsNoisierAndItsVarianceIsThatOfRe
     squares += (e.fit(d.outputs) * e.features(u, 0) - smooth(u, 0)).squaredNorm() / 2 / repeats;
     noise += e.residuals(d.outputs).squaredNorm() / 2 / e.freedom() / repeats;
   }
-  EXPECT_NEAR(ratio, 4, 1.2);  // of variances; the finest mesh's has few squares, and leans on the pooled one
+  EXPECT_NEAR(ratio, 4, 1.2);  // ratios of variances; the finest mesh has few squares and is shrunk towards the pooled ratio
   EXPECT_NEAR(noise, 0.01, 0.0015);
-  EXPECT_NEAR(squares / (0.01 * variance), 1, 0.35);  // 200 repeats of two outputs: standard error 0.07, the rest is what the ratio's own error does
+  EXPECT_NEAR(squares / (0.01 * variance), 1, 0.35);  // 200 repeats of two outputs have the standard error 0.07; the rest is the error of the ratio
 }
 
 TEST(MultilevelRegression, WithAnotherNoiseRatioIsLeastSquaresWithItsWeights) {
   const Design d = design(20, 7, 0.1);
   const MultilevelRegression e(d.runs, d.outputs, equal);
   const MultilevelRegression same = e.with_noise_ratio(e.noise_ratio()), other = e.with_noise_ratio({1, 0.3});
-  EXPECT_LT((same.fit(d.outputs) - e.fit(d.outputs)).norm(), 1e-4 * e.fit(d.outputs).norm());  // the ratio was found to a part in 10^6
+  EXPECT_LT((same.fit(d.outputs) - e.fit(d.outputs)).norm(), 1e-4 * e.fit(d.outputs).norm());  // the estimate of the ratio is exact to 1e-6
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(9, 9), right = Eigen::MatrixXd::Zero(9, 2);
   for (Eigen::Index j = 0; j < d.outputs.cols(); ++j) {
     const Eigen::VectorXd x = e.level_features(d.runs.u.col(j), d.runs.level[std::size_t(j)]);
@@ -150,7 +151,7 @@ TEST(MultilevelRegression, VarianceGrowsOutsideTheDesignAndFallsWithOneMoreRun) 
   EXPECT_GT(e.variance(e.features(2 * corner, 0)), 4 * e.variance(e.features(corner, 0)));
   const auto more = e.with_run(corner, 0);
   EXPECT_LT(more.variance(more.features(corner, 0)), e.variance(e.features(corner, 0)));
-  // As a refit with that run has it, whatever it gives.
+  // The result equals a refit with that run, whatever the run's values are.
   Design larger = d;
   larger.runs.u.conservativeResize(Eigen::NoChange, 27), larger.runs.u.col(26) = corner, larger.runs.level.push_back(0);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(9, 9);

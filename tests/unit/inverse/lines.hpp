@@ -13,11 +13,11 @@
 
 namespace calomel {
 
-/// A model for tests, a function of (parameters, time) a sensor each.
+/// A model for tests: each sensor is a function of (parameters, time).
 class AnalyticModel : public ForwardModel {
  public:
   using Function = std::function<double(std::span<const double> theta, double time)>;
-  /// `sensors`: of one condition after the other.
+  /// `sensors`: those of one condition after the other.
   AnalyticModel(std::vector<Parameter> parameters, std::vector<Function> sensors, std::size_t times, double step, std::string unit = "V",
                 std::vector<std::string> conditions = {"default"})
       : sensors_(std::move(sensors)) {
@@ -54,7 +54,7 @@ inline Parameter normal_parameter(const std::string& name, double mean, double s
   return p;
 }
 
-/// Stationary Ornstein-Uhlenbeck noise of unit variance, exact on even steps (Gillespie 1996); time 0: white.
+/// Stationary Ornstein-Uhlenbeck noise of unit variance, exact on even steps (Gillespie 1996); correlation time 0 is white noise.
 inline std::vector<double> ou_noise(std::size_t n, double step, double time, RandomStream& random) {
   const double r = time > 0 ? std::exp(-step / time) : 0;
   std::vector<double> e(n);
@@ -68,10 +68,10 @@ struct PulseRecipe {
   double noise_time = 0;
   double energy_sd = 0;
   bool zeroed = false;
-  double growth = 0;  ///< the noise's sd grows by this share of itself until the end of the record
+  double growth = 0;  ///< relative increase of the noise's sd until the end of the record
 };
 
-/// Pulses of the model at theta, signal proportional to the pulse's energy.
+/// Pulses of the model at theta, with a signal proportional to the energy of the pulse.
 inline Recordings pulses_of(const ForwardModel& model, const std::vector<double>& theta, const PulseRecipe& recipe, std::uint64_t seed) {
   const auto& shape = model.shape();
   Recordings r;

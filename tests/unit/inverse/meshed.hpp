@@ -5,7 +5,7 @@
 
 namespace calomel {
 
-/// Oscillations on a mesh: the element size slows the waves, damps them and lowers their amplitude, each in proportion to it; element 0 is exact.
+/// Oscillations on a mesh. The element size slows the waves, damps them and lowers their amplitude, each in proportion to it; element size 0 is exact.
 class Meshed final : public ForwardModel {
  public:
   explicit Meshed(double element) : element_(element) {}
@@ -22,7 +22,7 @@ class Meshed final : public ForwardModel {
   double element_;
 };
 
-/// The archive of a campaign without its files.
+/// The archive of a campaign, without files.
 inline Archive archive_of(const ForwardModel& model, const std::string& design, std::size_t runs, std::uint64_t seed) {
   Archive a;
   a.shape = model.shape(), a.design = design;

@@ -10,8 +10,8 @@
 
 namespace calomel {
 
-/// A model for tests: every sensor shows a damped oscillation whose frequency, damping and amplitude follow from (density, sound_speed,
-/// damping) in ways that differ from sensor to sensor, so that the three can be told apart.
+/// A model for tests. Every sensor shows a damped oscillation whose frequency, damping and amplitude depend on (density, sound_speed,
+/// damping) differently from sensor to sensor, so that the three parameters are identifiable.
 class Oscillations : public ForwardModel {
  public:
   explicit Oscillations(std::size_t n_times = 200, std::vector<std::string> sensors = {"A", "B", "C"}) {
@@ -31,7 +31,7 @@ class Oscillations : public ForwardModel {
     }
     return p;
   }
-  double error = 1;                                    ///< factor on the amplitude: what a surrogate gets wrong
+  double error = 1;                                    ///< factor on the amplitude, the error of a surrogate
   std::function<bool(std::span<const double>)> fails;  ///< where the model fails
   mutable std::atomic<int> runs{0};
 

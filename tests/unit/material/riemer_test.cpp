@@ -15,8 +15,8 @@ namespace {
 const Riemer mercury{28.4e9, 1.5e5, 2000};
 const double p0 = 1e6;
 
-/// Work done on a unit volume by pressure along a closed or open path of volumetric strains, at equal steps in time
-/// (trapezoidal, as the solver's energy balance has it), and what viscosity takes of it.
+/// Work done on a unit volume by the pressure along a path of volumetric strains at equal time steps (trapezoidal rule, as in the energy balance
+/// of the solver), and the part of it that viscosity dissipates.
 struct Drive {
   double work = 0, dissipated = 0;
 };
@@ -41,8 +41,8 @@ TEST(Riemer, IsTheEquationOfStateAboveTheCutoffAndMinusTheCutoffBelow) {
   EXPECT_DOUBLE_EQ(mercury.pressure(p0, 2e-5, 0), p0 - 28.4e9 * 2e-5);
   EXPECT_DOUBLE_EQ(mercury.pressure(p0, 2e-5, 10), p0 - 28.4e9 * 2e-5 - 2e4);
   EXPECT_DOUBLE_EQ(mercury.pressure(p0, 1e-3, 0), -1.5e5);
-  EXPECT_DOUBLE_EQ(mercury.pressure(p0, 1e-3, 1e3), -1.5e5);  // viscosity does not pull below the cutoff
-  // Reversible: when the strain comes back the ordinary equation of state resumes.
+  EXPECT_DOUBLE_EQ(mercury.pressure(p0, 1e-3, 1e3), -1.5e5);  // viscosity does not pull the pressure below the cutoff
+  // The law is reversible: when the strain returns, the equation of state holds again.
   EXPECT_DOUBLE_EQ(mercury.pressure(p0, 2e-5, 0), p0 - 28.4e9 * 2e-5);
 }
 
@@ -54,7 +54,7 @@ TEST(Riemer, IsMonotoneInStrainAndRate) {
     EXPECT_LE(mercury.pressure(p0, e + more, rate), mercury.pressure(p0, e, rate));
     EXPECT_LE(mercury.pressure(p0, e, rate + faster), mercury.pressure(p0, e, rate));
     falls += mercury.pressure(p0, e + more, rate) < mercury.pressure(p0, e, rate);
-    // Viscosity opposes the rate: what it adds to the pressure never has the rate's sign.
+    // Viscosity opposes the strain rate: its part of the pressure never has the sign of the rate.
     EXPECT_LE((mercury.pressure(p0, e, rate) - mercury.elastic_pressure(p0, e)) * rate, 0);
   }
   EXPECT_GT(falls, 1000);
@@ -65,7 +65,7 @@ TEST(Riemer, StoredEnergyHasMinusThePressureAsItsDerivative) {
     const double h = 1e-10, slope = (mercury.stored_energy(p0, e + h) - mercury.stored_energy(p0, e - h)) / (2 * h);
     EXPECT_NEAR(slope, -mercury.elastic_pressure(p0, e), 1e-5 * p0) << e;
   }
-  const double corner = (p0 + mercury.tensile_cutoff) / mercury.bulk_modulus;  // continuous where the cutoff begins
+  const double corner = (p0 + mercury.tensile_cutoff) / mercury.bulk_modulus;  // the pressure is continuous where the cutoff begins
   EXPECT_NEAR(mercury.stored_energy(p0, corner * (1 + 1e-12)), mercury.stored_energy(p0, corner * (1 - 1e-12)), 1e-9);
   EXPECT_GE(mercury.stored_energy(p0, corner), 0);
 }
@@ -79,12 +79,12 @@ TEST(Riemer, AClosedPathReturnsItsEnergyButForWhatViscosityTakes) {
   const Drive d = drive(mercury, swing, 1e-4, 20000);
   EXPECT_GT(d.dissipated, 1e-3 * stored);
   EXPECT_NEAR(d.work, d.dissipated, 1e-5 * stored);
-  // Without the cutoff the loss of a cycle is pi eta omega a^2 (Kelvin and Voigt).
+  // Without the cutoff a cycle dissipates pi eta omega a^2 (Kelvin and Voigt).
   Riemer linear = mercury;
   linear.tensile_cutoff = std::numeric_limits<double>::infinity();
   const double loss = M_PI * 2000 * (2 * M_PI / 1e-4) * 1e-8;
   EXPECT_NEAR(drive(linear, swing, 1e-4, 20000).dissipated, loss, 1e-3 * loss);
-  EXPECT_LT(d.dissipated, 0.9 * loss);  // the liquid that gives way dissipates nothing
+  EXPECT_LT(d.dissipated, 0.9 * loss);  // a cavitating liquid dissipates nothing
 }
 
 TEST(LiquidLaws, MakeTheLawFromItsOptions) {

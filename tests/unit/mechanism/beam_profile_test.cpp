@@ -46,7 +46,7 @@ std::vector<double> heating(const BuiltInModel& m) { return m.setup(m.forward_ca
 
 }  // namespace
 
-// p0 of an element: peak S g / max g with the source moved and scaled, as the mean over the eight Gauss points.
+// The initial pressure of an element is peak S g / max g of the moved and scaled source, averaged over eight Gauss points.
 TEST(BeamProfile, TheHeatingPressureIsThatOfTheMovedSource) {
   const BuiltInModel model(box(false, "offset_y = 4e-3\noffset_z = -3e-3\nwidth_ratio_y = 1.1\nwidth_ratio_z = 0.9\nenergy_ratio = 1.03\n"), {.pulses = 1});
   const Mesh& mesh = model.mesh();
@@ -93,7 +93,7 @@ TEST(BeamProfile, ABeamOffToOneSideNeedsTheFullModel) {
   EXPECT_NO_THROW(BuiltInModel(box(true, "offset_z = 1e-3\n"), {.pulses = 1}));
 }
 
-// The case's own beam, too: off the plane it would be two beams.
+// The same holds for the beam of the case: away from the symmetry plane it would be two beams.
 TEST(BeamProfile, AHalfModelRefusesABeamBesideItsPlane) {
   ForwardCase c = box(true, "");
   c.load.profile.center[0] = 0.01;
@@ -108,7 +108,7 @@ TEST(BeamProfile, AHalfModelRefusesABeamBesideItsPlane) {
   EXPECT_NO_THROW(BuiltInModel(c, {.pulses = 1}));
 }
 
-// A diagnosis of a model that is cut by a symmetry does not ask for what the model would refuse: a half model, and any mesh with a mirror plane.
+// A diagnosis of a model with a symmetry plane screens no change that the model would refuse: a half model, and any mesh with a mirror plane.
 TEST(BeamProfile, IsNotAskedForAnOffsetAcrossAMirrorPlane) {
   const auto numbers = [](const Mesh& mesh) {
     std::vector<std::string> names;
@@ -134,26 +134,26 @@ TEST(BeamProfile, ALoadGivenByItsEnergyKeepsIt) {
   EXPECT_NEAR(strong.describe().deposited_energy, 510, 1e-9);
   const auto a = heating(base), b = heating(wide);
   EXPECT_LT(*std::max_element(b.begin(), b.end()), 0.97 * *std::max_element(a.begin(), a.end()));
-  // Control: with its peak given, a wider beam brings more.
+  // Control: at a given peak a wider beam carries more energy.
   EXPECT_GT(by_peak.describe().deposited_energy, 1.03 * BuiltInModel(box(false, ""), {.pulses = 1}).describe().deposited_energy);
 }
 
 TEST(BeamProfile, ThePulseTakesItsLength) {
   const BuiltInModel longer(box(false, "pulse_length = 1.2e-6\n"), {.pulses = 1});
   EXPECT_EQ(longer.setup(longer.forward_case(), longer.mesh(), 0, {1.0}).pulse_length, 1.2e-6);
-  // Off, the length is the one in [load].
+  // When the mechanism is off, the length is that of [load].
   const BuiltInModel off(box(false, "energy_ratio = 1.01\n", "peak_pressure = 25e6\npulse_length = 0.3e-6"), {.pulses = 1});
   EXPECT_EQ(off.setup(off.forward_case(), off.mesh(), 0, {1.0}).pulse_length, 0.3e-6);
 }
 
-// The off value is the pulse of the case, whatever that is: the base model's bytes there, and no jump beside it.
+// The off value is the pulse of the case. There the run has the bytes of the base model, and values close to it change little.
 TEST(BeamProfile, ThePulseIsOffAtTheLengthOfTheLoadAndContinuousThere) {
   const std::string load = "peak_pressure = 25e6\npulse_length = 0.3e-6";
   const auto histories = [&](const std::string& mechanism) { return BuiltInModel(box(false, mechanism, load), {.pulses = 1}).evaluate({}).mean; };
   const auto base = histories("");
-  EXPECT_EQ(base, histories("offset_z = 0.0\n"));                                    // none of its own
-  EXPECT_EQ(base, histories("pulse_length = 0.3e-6\n"));                             // the same, set
-  EXPECT_GT(greatest_difference(histories("pulse_length = 0.7e-6\n"), base), 1e-3);  // the default length is another one here
+  EXPECT_EQ(base, histories("offset_z = 0.0\n"));                                    // the case sets none
+  EXPECT_EQ(base, histories("pulse_length = 0.3e-6\n"));                             // the case sets the same value
+  EXPECT_GT(greatest_difference(histories("pulse_length = 0.7e-6\n"), base), 1e-3);  // the default length is a different one here
   for (const double beside : {0.3e-6 * (1 - 1e-9), 0.3e-6 * (1 + 1e-9)}) {
     const double change = greatest_difference(histories("pulse_length = " + number_text(beside) + "\n"), base);
     EXPECT_GT(change, 0);
@@ -161,7 +161,7 @@ TEST(BeamProfile, ThePulseIsOffAtTheLengthOfTheLoadAndContinuousThere) {
   }
 }
 
-// What a fit starts from is the length of the load, and it follows that where it is a parameter itself.
+// A fit starts from the length of the load, and follows it where that length is a parameter itself.
 TEST(BeamProfile, APulseThatIsNotSetFollowsTheLoad) {
   const std::string load = "peak_pressure = 25e6\npulse_length = 0.3e-6";
   ForwardCase c = box(false, "energy_ratio = 1.01\n[parameter.p]\nkey = \"mechanism.beam_profile.pulse_length\"\nmin = 0\nmax = 2e-6\n", load);
@@ -170,7 +170,7 @@ TEST(BeamProfile, APulseThatIsNotSetFollowsTheLoad) {
   c.set_number("load.pulse_length", 0.5e-6);
   EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.5e-6);
   EXPECT_EQ(c.active_mechanisms().at(0).values["pulse_length"], 0.5e-6);
-  // Control: one of its own stays.
+  // Control: a length of the mechanism itself stays.
   c.set_number("mechanism.beam_profile.pulse_length", 0.9e-6);
   c.set_number("load.pulse_length", 0.6e-6);
   EXPECT_EQ(c.number("mechanism.beam_profile.pulse_length"), 0.9e-6);

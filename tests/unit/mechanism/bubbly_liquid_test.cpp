@@ -1,4 +1,4 @@
-// Bubbly liquid at one point and in a run; bubbles alone and the speed of sound are in tests/verification/bubble_test.cpp.
+// Bubbly liquid at one point and in a run. Single bubbles and the speed of sound are tested in tests/verification/bubble_test.cpp.
 #include "base/random.hpp"
 #include "tests/verification/bubbles.hpp"
 #include "tests/unit/mechanism/column.hpp"
@@ -14,7 +14,7 @@ TEST(BubblyLiquid, StaysAtRest) {
   EXPECT_EQ(point.radius(), 1e-4);
 }
 
-// Halving the step quarters the difference: p0 and e_v are linear within a step.
+// Halving the step quarters the difference, because p0 and e_v are linear within a step.
 TEST(BubblyLiquid, IsOfSecondOrderInTheStep) {
   const BubblyLiquid law({mercury.bulk_modulus, 1.5e5, 2000}, helium(1.16, 0.47, 0.5), 1e-4);
   const auto run = [&](double dt) {
@@ -43,7 +43,7 @@ TEST(BubblyLiquid, TheCutoffHoldsAndViscosityCounts) {
 
 namespace {
 
-/// What the kernels are to do, point by point: advance_bubble under the pressure of the law.
+/// The result that the kernels must have, point by point: advance_bubble under the pressure of the law.
 struct Reference {
   Riemer liquid;
   KellerMiksis bubble;
@@ -62,7 +62,7 @@ struct Reference {
 
 }  // namespace
 
-// Many points at once, of every instruction set, in any number: each as if it were alone, at rest, in gentle motion and in collapses of a hundred sub-steps.
+// Kernels of every instruction set advance many points at once. Each point is as if it were alone: at rest, in gentle motion and in collapses of 100 sub-steps.
 TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
   const Reference reference{{mercury.bulk_modulus, 1.5e5, 2000}, helium(1.16, 0.47, 0.5), 1e-4};
   RandomStream random(7, 0);
@@ -95,13 +95,13 @@ TEST(BubblyLiquid, ManyPointsMoveAsEachAlone) {
     measured(std::string("worst_") + name_of(isa), worst);
     EXPECT_LT(worst, 1e-9) << name_of(isa);
   }
-  // Control: with half the sub-steps' length the collapses end elsewhere, by much more than rounding.
+  // Control: with sub-steps half as long the collapses end elsewhere, by much more than rounding.
   KellerMiksis::State once{0.3 * reference.bubble.radius, -60}, finer = once;
   once = under(reference.bubble, once, 0, 2e-7), finer = under(reference.bubble, finer, 0, 2e-7, 2e-9);
   EXPECT_GT(std::abs(once.radius / finer.radius - 1), 1e-8);
 }
 
-// The first point that cannot be followed is named, whatever the others do.
+// The error names the first point that cannot be followed, whatever the other points do.
 TEST(BubblyLiquid, ThePointThatFailsIsNamed) {
   const KellerMiksis bubble = helium(1.16, 0.47, 0.5);
   for (const auto isa : instruction_sets()) {
@@ -147,14 +147,14 @@ TEST(BubblyLiquid, TooMuchGasStopsTheRunWithPlaceAndTime) {
   }
 }
 
-// In a column: a precursor at the liquid's own speed is small, the wave itself comes at Wood's (here the low-frequency) speed.
+// In a column a precursor at the liquid's own speed is small; the wave itself comes at Wood's speed, the low-frequency one.
 TEST(BubblyLiquid, AWaveInAColumnIsSlowed) {
   const double length = 0.6, alpha0 = 1e-4;
   const Mesh mesh = column(300, length, Region::mercury);
   RunSetup s = linear_setup(1.2e-3, 2e-6);
   const KellerMiksis bubble = helium(1, 0.47, 0.5);
   s.liquid_law = std::make_shared<BubblyLiquid>(s.liquid, bubble, alpha0);
-  // A push on the first tenth, slow against the bubbles.
+  // The first tenth is pushed slowly compared with the period of the bubbles.
   s.p0.assign(mesh.elements.size(), 0);
   for (std::size_t e = 0; e < 100; ++e) s.p0[e] = 1e3 * std::pow(std::cos(M_PI * (double(e) + 0.5) / 200), 2);
   s.pulse_length = 1e-4;

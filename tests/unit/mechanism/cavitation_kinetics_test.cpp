@@ -18,7 +18,7 @@ double strain_at(double t) { return 4e-4 * std::sin(2.1e5 * t) * std::sin(3e4 * 
 
 }  // namespace
 
-// With both times 0 it is Riemer's law, viscosity and heat included; with either of them it is not.
+// With both times 0 the law is Riemer's, viscosity and heat included. With either of them it is not.
 TEST(CavitationKinetics, WithoutTimesItIsRiemersLaw) {
   const double dt = 2e-7;
   const KineticLiquid at_once(riemer, 0, 0), slow(riemer, 5e-6, 0), slow_back(riemer, 0, 5e-6);
@@ -37,7 +37,7 @@ TEST(CavitationKinetics, WithoutTimesItIsRiemersLaw) {
   EXPECT_GT(closing, 0.1);
 }
 
-// Pulled at once and held, the mercury gives way with the time constant of growth, and pushed together with that of collapse: exact at any step.
+// Mercury that is stretched at once and held relaxes with the time constant of growth; compressed, with that of collapse. Both are exact at any step.
 TEST(CavitationKinetics, AHeldStretchRelaxesExponentially) {
   const double growth = 3e-5, collapse = 8e-5, pulled = 2e-4, x = pulled - cutoff / k;
   for (const double dt : {1e-7, 1e-5}) {
@@ -55,12 +55,12 @@ TEST(CavitationKinetics, AHeldStretchRelaxesExponentially) {
     for (int n = 1; n <= steps; ++n) EXPECT_NEAR(point.step(pushed), -cutoff + k * (alpha - y) * std::exp(-n * dt / collapse), 1e-9 * k * x);
     point.step(0);
     for (int n = 0; n < 100 * steps && point.state(0) > 0; ++n) point.step(-cutoff / k);
-    EXPECT_EQ(point.state(0), 0);  // it closes in the end, and the equation of state is back
+    EXPECT_EQ(point.state(0), 0);  // the void closes in the end, and the equation of state holds again
     EXPECT_NEAR(point.step(-1e-4), k * 1e-4, 1e-3);
   }
 }
 
-// Over a cycle the work done on it is (-p - sigma_c) dalpha, never negative in any part; Riemer's law takes none.
+// The work done on the void over a cycle is (-p - sigma_c) dalpha, never negative in any part. Riemer's law takes none.
 TEST(CavitationKinetics, GrowthAndCollapseDissipate) {
   const auto work = [](double growth, double collapse) {
     const double dt = 2e-8;
@@ -73,7 +73,7 @@ TEST(CavitationKinetics, GrowthAndCollapseDissipate) {
       done -= 0.5 * (p + p_before) * (e - before), lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
       before = e, p_before = p, alpha = now;
     }
-    for (int n = 0; n < 400000; ++n) {  // until it is closed
+    for (int n = 0; n < 400000; ++n) {  // until the void is closed
       const double p = point.step(0), now = point.state(0);
       lost -= (0.5 * (p + p_before) + cutoff) * (now - alpha);
       p_before = p, alpha = now;
@@ -86,8 +86,8 @@ TEST(CavitationKinetics, GrowthAndCollapseDissipate) {
   EXPECT_LT(std::abs(work(0, 0)), 1e-3);
 }
 
-// A wall that draws back from the mercury: for about the time of growth it is pulled by more than the cutoff. The traction of the pair is
-// (sigma_c + R v) / (1 + R (1/Z_s + 1/Z_m)), R = K growth_time / l, l half an element, v the velocity with which the mercury moves off.
+// A wall that recedes from the mercury is pulled by more than the cutoff for about the time of growth. The traction of the pair is
+// (sigma_c + R v) / (1 + R (1/Z_s + 1/Z_m)), R = K growth_time / l, l half an element, v the velocity with which the mercury separates.
 TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
   const double h = 0.001;
   Mesh mesh = block({80, 1, 1}, {-0.04, 0, 0}, {0.04, h, h}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
@@ -129,13 +129,13 @@ TEST(CavitationKinetics, AWallPartsAndMeetsAgainstAResistance) {
       EXPECT_LT(apart.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
       EXPECT_LT(together.energy_balance_error, *precision == 'd' ? 1e-9 : 1e-3);
       EXPECT_GT(apart.dissipated, 0);
-      // Control: what grows at once pulls with the cutoff; a time of the other kind changes nothing.
+      // Control: a void that grows at once pulls with the cutoff, and a time of the other kind changes nothing.
       EXPECT_NEAR(rate(solver.solve(moving(-v, 0, 0, 0), rows, o), 0), -hold / z_s, 0.01 * v);
       EXPECT_EQ(solver.solve(moving(-v, 0, 0, tau), rows, o).observations, solver.solve(moving(-v, 0, 0, 0), rows, o).observations);
     }
 }
 
-// Nuclei a nanometre apart are Riemer's law; a millimetre apart they are not.
+// With nuclei a nanometre apart the law is Riemer's; with nuclei a millimetre apart it is not.
 TEST(CavitationKinetics, ManyNucleiAreRiemersLaw) {
   const double dt = 2e-7;
   const NucleatedLiquid many(riemer, mercury_density, 1e-9), few(riemer, mercury_density, 1e-3);
@@ -149,13 +149,13 @@ TEST(CavitationKinetics, ManyNucleiAreRiemersLaw) {
   EXPECT_GT(away, 0.1);
 }
 
-// Pulled at once and held, a nucleus first grows as after Rayleigh under a held tension T = K x, R = t sqrt(2 T/(3 rho)); as the void takes the stretch up,
-// dr/dt = w sqrt(x - r^3), r = R/a, which quadrature solves. In the end it stands at the balance, to the bit of a cube root. Pushed together it closes in the
-// time of the same law backwards.
+// A nucleus in mercury that is stretched at once and held first grows after Rayleigh under a constant tension T = K x, R = t sqrt(2 T/(3 rho)). As the void
+// takes up the stretch, dr/dt = w sqrt(x - r^3), r = R/a, which quadrature solves. It ends at the balance, to the last bit of a cube root. Under compression it
+// closes in the time of the same law backwards.
 TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
   const double spacing = 2e-3, a = std::cbrt(3 / (4 * M_PI)) * spacing, pulled = 2e-4, x = pulled - cutoff / k, tension = k * x;
   const double w = std::sqrt(2 * k / (3 * mercury_density)) / a;
-  const auto time_to = [&](double r_end) {  // integral of dr / (w sqrt(x - r^3)), with r = r_max (1 - s^2) where the root vanishes
+  const auto time_to = [&](double r_end) {  // integral of dr / (w sqrt(x - r^3)), with r = r_max (1 - s^2) near the zero of the root
     const double top = std::cbrt(x), end = std::sqrt(1 - r_end / top);
     const int n = 20000;
     double sum = 0;
@@ -179,7 +179,7 @@ TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
     EXPECT_NEAR(half, time_to(0.5 * std::cbrt(x)), 1e-3 * half + 2 * dt);
     EXPECT_NEAR(whole, time_to(std::cbrt(x)), 0.02 * whole + 2 * dt);
     measured("half_grown_us", 1e6 * half), measured("grown_us", 1e6 * whole);
-    // It closes under a held pressure P - sigma_c far above what the void holds: the radius falls at sqrt(2 P/(3 rho)), and the equation of state is back.
+    // The void closes under a constant pressure P - sigma_c far above its own. The radius falls at sqrt(2 P/(3 rho)), and the equation of state holds again.
     double closed = 0;
     const double start = a * point.state(0), pushed = -3e-3;
     for (int n = 1; closed == 0 && n < 100000; ++n) {
@@ -191,7 +191,7 @@ TEST(CavitationKinetics, ANucleusGrowsAgainstTheInertiaOfTheMercury) {
   }
 }
 
-// What is lost is (-p - sigma_c) dalpha, never negative.
+// The dissipation is (-p - sigma_c) dalpha, never negative.
 TEST(CavitationKinetics, NucleiDissipate) {
   const double dt = 2e-8;
   const NucleatedLiquid law({k, cutoff, 0}, mercury_density, 2e-3);
@@ -205,7 +205,7 @@ TEST(CavitationKinetics, NucleiDissipate) {
   EXPECT_GT(lost, 0.05 * k * 4e-8);
 }
 
-// One of the two laws at a time.
+// Only one of the two laws may be used at a time.
 TEST(CavitationKinetics, TimesAndNucleiTogetherAreRefused) {
   const ForwardCase c = small_case("[mechanism.cavitation_kinetics]\nenabled = true\ngrowth_time = 1e-6\nnuclei_spacing = 1e-3\n");
   try {
@@ -217,7 +217,7 @@ TEST(CavitationKinetics, TimesAndNucleiTogetherAreRefused) {
   }
 }
 
-// It comes out of the base model without a jump: very short times change little, where a wall that never parts changes much.
+// The law departs from the base model without a jump: very short times change little, and a wall that never parts changes much.
 TEST(CavitationKinetics, ShortTimesAreNearTheBaseModel) {
   const auto histories = [](ForwardCase c) {
     const auto p = BuiltInModel(c, {.pulses = 1}).evaluate({});

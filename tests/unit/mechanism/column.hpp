@@ -1,5 +1,5 @@
 #pragma once
-/// A column along x that can only move along x, and how fast its standing waves die away.
+/// A column along x whose nodes move along x only, and the decay rate of its standing waves.
 #include <map>
 
 #include "forward/mechanism/mechanism.hpp"
@@ -14,7 +14,7 @@ inline Mesh column(int n, double length, Region region) {
   return m;
 }
 
-/// A mechanism's values by name, the others at their defaults.
+/// The values of a mechanism by name; the others have their defaults.
 inline MechanismValues values_of(const MechanismEntry& entry, const std::map<std::string, double>& set) {
   MechanismValues v(entry.keys);
   for (const auto& [key, value] : set) *v.find(key) = value;
@@ -23,11 +23,11 @@ inline MechanismValues values_of(const MechanismEntry& entry, const std::map<std
 
 struct Decay {
   double rate;          ///< [1/s]
-  double energy_error;  ///< of the balance
+  double energy_error;  ///< error of the energy balance
 };
 
-/// Rate at which the standing wave u = 1e-6 cos(k x) of angular frequency w dies away, from its amplitude over `periods` after the first `skip`; both
-/// ends are free, so k = n pi / length. The amplitude is that of the displacement and its quarter period.
+/// Decay rate of the standing wave u = 1e-6 cos(k x) of angular frequency w, from its amplitude over `periods` after the first `skip` periods. Both
+/// ends are free, so k = n pi / length. The amplitude is that of the displacement and of the displacement a quarter period later.
 inline Decay decay(const Mesh& mesh, RunSetup s, double k, double w, int periods, int skip = 0) {
   const double quarter = M_PI / (2 * w);
   s.output_interval = quarter, s.end = 4 * quarter * (skip + periods) + quarter;

@@ -1,4 +1,4 @@
-// Terms without a name: each against the law or the numbers that it must come to.
+// Correction terms without a named mechanism, each compared with the law or the numbers that it must reproduce.
 #include "forward/mechanism/correction.hpp"
 
 #include "forward/target/built_in_model.hpp"
@@ -20,7 +20,7 @@ const MercuryZone everything{-anywhere, anywhere, -anywhere, anywhere};
 double driven(double t) { return 4e-4 * std::sin(2.1e5 * t) * std::sin(3e4 * t) + 1e-4 * std::sin(0.9e5 * t); }
 double heated(double t) { return 5e6 * std::min(1.0, t / 7e-7); }
 
-/// Pressures of a law under that drive.
+/// Pressures of a law under this drive.
 std::vector<double> pressures(const LiquidLaw& law) {
   DrivenPoint point(law, step);
   std::vector<double> all;
@@ -35,14 +35,14 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
   return most / (of_mercury * 5e-4);
 }
 
-/// Of Riemer's law with other numbers.
+/// The same of Riemer's law with other numbers.
 std::vector<double> riemers(const Riemer& law) {
   std::vector<double> all;
   for (int n = 1; n < 2000; ++n) all.push_back(law.pressure(heated(n * step), driven(n * step), (driven(n * step) - driven((n - 1) * step)) / step));
   return all;
 }
 
-/// The small box with such a correction.
+/// The small box with this correction.
 ForwardCase with_term(const std::map<std::string, double>& set, ForwardCase c = small_case(), const char* name = "correction_1") {
   c.mechanisms.push_back({name, &correction(), values_of(correction(), set)});
   return c;
@@ -55,7 +55,7 @@ std::vector<double> records(const ForwardCase& c, int pulses = 1) {
 
 }  // namespace
 
-// Where there are other numbers of Riemer's law for it, a term is Riemer's law with those; outside its part it does nothing.
+// Where Riemer's law with other numbers has the same effect, a term reproduces it. Outside its part of the target a term does nothing.
 TEST(Correction, TermsOfTheMercuryAreOtherNumbersOfRiemersLaw) {
   const auto base = riemers(plain);
   EXPECT_LT(apart(pressures(corrected({})), base), 1e-12);
@@ -72,7 +72,7 @@ TEST(Correction, TermsOfTheMercuryAreOtherNumbersOfRiemersLaw) {
             0);
 }
 
-// Voids that close late are those of the kinetic law; a quadratic viscosity is that of a rate; the late share of a held pressure comes by its time constant.
+// Voids that close late follow the kinetic law. A quadratic viscosity acts as that of a rate. The late share of a constant pressure has its time constant.
 TEST(Correction, LateAndQuadraticTermsFollowTheirFormulas) {
   const Riemer calm{of_mercury, gives_way, 0};
   const CorrectedLiquid late(calm, {{{.void_lag = 1e-5}, everything}});
@@ -89,7 +89,7 @@ TEST(Correction, LateAndQuadraticTermsFollowTheirFormulas) {
     EXPECT_NEAR(held.step(-1e-4), of_mercury * 1e-4 * (1 - 0.3 * std::exp(-n * step / CorrectedLiquid::lag_time)), 1e-9 * of_mercury * 1e-4);
 }
 
-// Mass and drag on the walls, and drag along them, against runs that have the same by other numbers. Off the base model's bytes, alone and in lanes.
+// Mass and drag on the walls, and drag along them, are compared with runs that have the same effect by other numbers. Off, they leave the base bytes.
 TEST(Correction, TermsOfAWallActOnItsNodes) {
   for (const int pulses : {1, 2}) {
     const auto base = records(small_case(), pulses);
@@ -99,10 +99,10 @@ TEST(Correction, TermsOfAWallActOnItsNodes) {
       const auto top = records(with_term({{key, size}, {"wall", 3}}), pulses),
                  far = records(with_term({{key, size}, {"wall", 3}, {"begin", 1}, {"end", 2}}), pulses);
       EXPECT_GT(greatest_difference(top, base), 1e-3) << key;
-      EXPECT_EQ(far, base) << key;  // nothing of the wall is there
+      EXPECT_EQ(far, base) << key;  // the wall has no such nodes
     }
   }
-  // Mass on all nodes of the steel in its density's place.
+  // Mass on all nodes of the steel replaces a part of its density.
   const BuiltInModel model(small_case(), {.pulses = 1});
   RunSetup heavier = model.setup(model.forward_case(), model.mesh(), 0, {1.0}), carrying = heavier;
   heavier.steel_density *= 1.3;
@@ -114,14 +114,14 @@ TEST(Correction, TermsOfAWallActOnItsNodes) {
   const ExplicitSolver solver(model.mesh(), heavier.steel);
   const auto with_mass = solver.solve(carrying, rows, {}).observations, with_density = solver.solve(heavier, rows, {}).observations;
   EXPECT_LT(greatest_difference(with_mass, with_density), 1e-9);
-  // Drag on them in place of mass-proportional damping.
+  // Drag on these nodes replaces mass-proportional damping.
   RunSetup damped = model.setup(model.forward_case(), model.mesh(), 0, {1.0}), dragged = damped;
   damped.steel_mass_damping = 2e4;
   for (const double m : steel_mass) dragged.node_damping.push_back(2e4 * m);
   EXPECT_LT(greatest_difference(solver.solve(dragged, rows, {}).observations, solver.solve(damped, rows, {}).observations), 1e-9);
 }
 
-// Mercury that is dragged along the walls without limit moves with them as where they share their nodes; the balance of energy closes with all terms of a wall.
+// Mercury with unlimited drag along the walls moves as if it shared their nodes. The energy balance closes with all terms of a wall.
 TEST(Correction, DragAlongWallsHoldsTheMercury) {
   ForwardCase closed = small_case();
   closed.mercury.law = "linear", closed.geometry.wetted = "no_separation";
@@ -144,7 +144,7 @@ TEST(Correction, DragAlongWallsHoldsTheMercury) {
   EXPECT_GT(out.dissipated, 0);
 }
 
-// Two of them in one run, in two parts of the mercury, are the sum of what they do where they are small; a law of its own takes none.
+// Two small corrections in two parts of the mercury add in one run. A liquid law of its own accepts none.
 TEST(Correction, SeveralActInOneRun) {
   const std::map<std::string, double> front{{"stiffness", 1e-3}, {"x_end", 0.02}}, back{{"viscosity", 50}, {"x_begin", 0.03}};
   const auto base = records(with_term({{"stiffness", 1e-12}})), first = records(with_term(front)),
@@ -167,11 +167,11 @@ TEST(Correction, GroupsCoverMercuryAndWalls) {
     ASSERT_EQ(g.added.size(), 1u);
     EXPECT_EQ(g.added[0].strengths.size(), 1u);
     whole += g.place == "in all of the mercury", walls += g.name == "mass";
-    EXPECT_EQ(g.place.find("the side"), std::string::npos);  // a slice has none
+    EXPECT_EQ(g.place.find("the side"), std::string::npos);  // a slice has no such part
   }
   EXPECT_EQ(whole, 6u);
-  EXPECT_EQ(walls, 15u);                             // front, top and bottom, each and its quarters; no rear wall
-  const AddedParameter& third = groups[2].added[0];  // each is of a correction of its own, as its place is
+  EXPECT_EQ(walls, 15u);                             // front, top and bottom, each with its quarters, and no rear wall
+  const AddedParameter& third = groups[2].added[0];  // each place has a correction of its own
   EXPECT_EQ(third.parameter.key.find("mechanism.correction_3."), 0u);
   for (const auto& [key, value] : third.with) EXPECT_EQ(key.find("mechanism.correction_3."), 0u);
 }

@@ -1,4 +1,4 @@
-// Conduction of heat in a bubble, which one polytropic exponent and one thermal viscosity stand for: where the defaults come from, and the table of
+// Heat conduction in a bubble, represented by one polytropic exponent and one thermal viscosity: the source of the defaults and of the table in
 // docs/theory/mechanisms.md.
 #include "tests/verification/bubbles.hpp"
 
@@ -10,8 +10,8 @@ namespace {
 /// Helium at 330 K.
 constexpr double ratio_of_heats = 5.0 / 3, conductivity = 0.166, heat_capacity = 5193, gas_constant = 2077;  // W/(m K), J/(kg K)
 
-/// What heat makes of a bubble that swings at w: kappa = Re Phi / 3 and mu_th = p_e Im Phi / 4w (Commander and Prosperetti 1989), p_e the gas's pressure at
-/// rest.
+/// Polytropic exponent and thermal viscosity of a bubble that oscillates at w: kappa = Re Phi / 3 and mu_th = p_e Im Phi / 4w (Commander and Prosperetti 1989),
+/// p_e the pressure of the gas at rest.
 struct Conduction {
   double polytropic, viscosity;  ///< [-], [Pa s]
 };
@@ -30,7 +30,7 @@ KellerMiksis bubble(double radius, double ambient, const Conduction& heat) {
   return b;
 }
 
-/// At the bubble's own frequency, which depends on it.
+/// The same at the natural frequency of the bubble, which depends on them.
 Conduction at_resonance(double radius, double ambient) {
   Conduction heat{1.2, 0};
   for (int i = 0; i < 100; ++i) heat = conduction(std::sqrt(bubble(radius, ambient, heat).natural_squared()), radius, ambient);
@@ -46,7 +46,7 @@ double speed_with_heat(double f, double conducts = conductivity) {
 TEST(HeatConduction, HasThePublishedSpeedsAndTheDefaultsAtItsResonance) {
   EXPECT_NEAR(speed_with_heat(1e3), 451.9, 0.005 * 451.9);
   EXPECT_NEAR(speed_with_heat(1e4), 348.7, 0.005 * 348.7);
-  EXPECT_GT(std::abs(speed_with_heat(1e4, 0.5 * conductivity) / 348.7 - 1), 0.02);  // the control: half the conduction
+  EXPECT_GT(std::abs(speed_with_heat(1e4, 0.5 * conductivity) / 348.7 - 1), 0.02);  // control: half the conductivity
   const Conduction heat = at_resonance(1e-4, 3e5);
   EXPECT_NEAR(heat.polytropic, 1.16, 0.01);
   EXPECT_NEAR(heat.viscosity, 0.5, 0.02);

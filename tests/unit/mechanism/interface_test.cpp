@@ -10,8 +10,8 @@ using namespace calomel;
 using namespace calomel::testing;
 using ::testing::HasSubstr;
 
-// Taylor's plate (1941): a wave p0 exp(-t/theta) pushes a free plate of mass m an area until the mercury would pull, at which moment the plate moves with
-// (2 p0 theta / m) B^(B/(1-B)), B = rho c theta / m. Over a face without strength it keeps that velocity; held, it is pulled back.
+// Taylor's plate (1941): a wave p0 exp(-t/theta) pushes a free plate of mass m an area until the mercury would pull. At that moment the plate moves with
+// (2 p0 theta / m) B^(B/(1-B)), B = rho c theta / m. Over a face without strength it keeps that velocity; a face that holds pulls it back.
 TEST(Interface, APlateThatNothingPullsBackKeepsItsVelocity) {
   const double thickness = 0.008, theta = 20e-6, p0 = 1e6, m = steel_density * thickness, c = mercury_speed, b = mercury_density * c * theta / m;
   Mesh mesh = block({1200 + 32, 1, 1}, {-0.3, 0, 0}, {thickness, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
@@ -27,7 +27,7 @@ TEST(Interface, APlateThatNothingPullsBackKeepsItsVelocity) {
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
     const double x = mesh.nodes[n][0], p = in_steel[n] ? 0 : p0 * std::exp(std::min(x, 0.0) / (c * theta));
     s.initial_velocity.push_back({p / (mercury_density * c), 0, 0});
-    s.initial_displacement.push_back({in_steel[n] ? 0 : (p0 - p) / stiffness * c * theta, 0, 0});  // that of x = 0 is 0: the wave has not come yet
+    s.initial_displacement.push_back({in_steel[n] ? 0 : (p0 - p) / stiffness * c * theta, 0, 0});  // 0 at x = 0, where the wave has not arrived
   }
   const auto mass = masses(mesh, s);
   ObservationRow plate;
@@ -44,20 +44,20 @@ TEST(Interface, APlateThatNothingPullsBackKeepsItsVelocity) {
   const double kept = 2 * p0 * theta / m * std::pow(b, b / (1 - b));
   measured("velocity_over_taylor_s", velocity(0, all) / kept);
   EXPECT_NEAR(velocity(0, all), kept, 0.02 * kept);
-  EXPECT_EQ(velocity(0, rear), velocity(0, all));  // the plate is the rear wall of what it closes
+  EXPECT_EQ(velocity(0, rear), velocity(0, all));  // the plate is the rear wall of its part
   EXPECT_LT(velocity(std::numeric_limits<double>::infinity(), all), 0.5 * kept);
-  const double some = velocity(1e5, all);  // held up to a tenth of the wave
+  const double some = velocity(1e5, all);  // the face holds up to a tenth of the wave
   EXPECT_LT(some, velocity(0, all));
   EXPECT_GT(some, 0.9 * kept);
   RunSetup other = s;
-  EXPECT_THROW(entry.fields(values_of(entry, {{"strength", 0}, {"wall", 1}, {"begin", -1}}), mesh, LoadOptions{}, other), InputError);  // front: none
+  EXPECT_THROW(entry.fields(values_of(entry, {{"strength", 0}, {"wall", 1}, {"begin", -1}}), mesh, LoadOptions{}, other), InputError);  // the front has none
 }
 
 namespace {
 
 std::string weak(const std::string& lines) { return "[mechanism.interface]\nenabled = true\nstrength = 5e4\n" + lines; }
 
-/// Of a node at x with neighbours h away: its part of [begin, end].
+/// The part of [begin, end] that a node at x represents, whose neighbours are h away.
 double share_of_stretch(double x, double h, double begin, double end) {
   return std::clamp((std::min(x + h / 2, end) - std::max(x - h / 2, begin)) / h, 0.0, 1.0);
 }
@@ -87,18 +87,18 @@ TEST(Interface, OnlyTheNamedStretchIsWeak) {
   EXPECT_GT(parts, 1);
 }
 
-// What the gauges see of a stretch changes little by little with where it ends: a diagnosis looks for it.
+// The gauges respond gradually to the end of a stretch, so that a diagnosis can search for it.
 TEST(Interface, TheEndOfAStretchMovesWithoutSteps) {
   const auto changed = [](double end) {
     const auto history = BuiltInModel(small_case(weak(fmt::format("wall = \"top\"\nbegin = 0.02\nend = {}\n", end))), {.pulses = 1}).evaluate({}).mean;
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(history.data(), Eigen::Index(history.size())));
   };
-  const Eigen::VectorXd at = changed(0.0390), near = changed(0.0391), far = changed(0.0420);  // within what one pair of nodes stands for, and beyond it
+  const Eigen::VectorXd at = changed(0.0390), near = changed(0.0391), far = changed(0.0420);  // within the length of one pair of nodes, and beyond it
   EXPECT_GT((near - at).norm(), 0);
   EXPECT_LT((near - at).norm(), 0.3 * (far - at).norm());
 }
 
-// Above what the mercury holds it cannot show.
+// A strength above that of the mercury has no effect.
 TEST(Interface, AFaceStrongerThanTheMercuryIsTheBaseModel) {
   const auto histories = [](const std::string& lines) { return BuiltInModel(small_case(lines), {.pulses = 1}).evaluate({}).mean; };
   const std::string table = "[mechanism.interface]\nenabled = true\n";

@@ -5,7 +5,7 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// A plane wave dies away over its path as w^2 (zeta + eta) / (2 rho c^3), a standing one in time c times as fast.
+// A plane wave decays along its path as w^2 (zeta + eta) / (2 rho c^3); a standing wave decays in time c times as fast.
 TEST(LiquidViscosity, AttenuatesWithTheSquareOfTheFrequency) {
   const double length = 0.1;
   const Mesh mesh = column(100, length, Region::mercury);

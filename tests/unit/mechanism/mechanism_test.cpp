@@ -1,4 +1,4 @@
-// What every mechanism promises, and how the case file speaks of them.
+// Promises that every mechanism keeps, and its keys in the case file.
 #include "forward/mechanism/mechanism.hpp"
 
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ TEST(Mechanisms, AllThirteenAreNamed) {
   EXPECT_EQ(built().size(), 13u);
 }
 
-// Not a small number: the same bytes, in single runs, in lanes and in single precision.
+// The bytes are the same, not only close, in single runs, in lanes and in single precision.
 TEST_P(EveryMechanism, AtItsOffValuesIsTheBaseModelByteForByte) {
   for (const int pulses : {1, 2})
     for (const char* precision : {"double", "single"}) {
@@ -57,7 +57,7 @@ TEST_P(EveryMechanism, AnyKeyThatDecidesChangesTheHistoriesWhenItIsSet) {
   const auto base = evaluate(small_case(), 1);
   for (const auto& k : mechanisms().get(GetParam(), "").keys) {
     if (!k.decides || k.name == "offset_y" || k.name == "width_ratio_y" || k.name == "transverse") continue;  // nothing changes across y in the slice
-    if (GetParam() == "previous_pulses" && k.name.size() > 6) continue;                                       // the first nine states speak for all
+    if (GetParam() == "previous_pulses" && k.name.size() > 6) continue;                                       // the first nine states are enough
     const auto on = evaluate(small_case(table(GetParam(), k.name + " = " + number_text(somewhere(k)) + "\n")), 1);
     ASSERT_TRUE(on.ok) << k.name << ": " << on.message;
     EXPECT_NE(base.mean, on.mean) << k.name;
@@ -101,7 +101,7 @@ TEST_P(EveryMechanism, AMisspeltKeyIsAnErrorWithASuggestion) {
 
 INSTANTIATE_TEST_SUITE_P(Built, EveryMechanism, ::testing::ValuesIn(built()), [](const auto& info) { return info.param; });
 
-// A verdict names it to people who know no law.
+// A verdict names the mechanism in words for people who do not know its law.
 TEST(Mechanisms, EachHasAPlainNameOfItsOwnAndSomethingToCheck) {
   std::set<std::string> names;
   for (const auto& row : mechanisms().rows()) {
@@ -133,7 +133,7 @@ TEST(Mechanisms, TwoThatReplaceTheLawOfTheLiquidAreRefused) {
   EXPECT_THAT(p.message, HasSubstr("only one can"));
 }
 
-// A mechanism is fitted by a parameter that names its key.
+// A parameter whose key names the mechanism fits it.
 TEST(Mechanisms, AParameterMovesAKeyFromItsOffValue) {
   const std::string text = table("liquid_viscosity") + "[parameter.z]\nkey = \"mechanism.liquid_viscosity.zeta\"\nmin = 0\nmax = 1e4\n";
   const BuiltInModel model(small_case(text), {.pulses = 1});
@@ -141,7 +141,7 @@ TEST(Mechanisms, AParameterMovesAKeyFromItsOffValue) {
   EXPECT_EQ(model.evaluate(std::vector<double>{3000}).mean, evaluate(small_case(table("liquid_viscosity", "zeta = 3000\n")), 1).mean);
 }
 
-// The same through the viscosity of the base model, so that a law that takes the place of Riemer's is sure to see it.
+// The same through the viscosity of the base model shows that a law in place of Riemer's sees it.
 TEST(Mechanisms, ViscosityReachesTheBubblyLiquid) {
   const std::string bubbles = table("bubbly_liquid", "alpha0 = 1e-5\n");
   const auto added = evaluate(small_case(bubbles + table("liquid_viscosity", "zeta = 3000\n")), 1);

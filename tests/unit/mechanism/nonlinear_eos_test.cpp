@@ -15,7 +15,7 @@ constexpr double never = std::numeric_limits<double>::infinity(), k = mercury_de
 
 }  // namespace
 
-// (K/m) ((1 - e)^m - 1) of e = e_v - p0/K, with the viscosity on top and the cutoff below; at m = 1 Riemer's law.
+// The pressure is (K/m) ((1 - e)^m - 1) of e = e_v - p0/K plus the viscous part, with the cutoff below. At m = 1 it is Riemer's law.
 TEST(NonlinearEos, IsItsFormula) {
   for (const double m : {1.0, 2.5, 10.8}) {
     const StiffeningLiquid law({k, never, 0}, m, 1e9);
@@ -28,7 +28,7 @@ TEST(NonlinearEos, IsItsFormula) {
           EXPECT_NEAR(exact, p0 - k * e, 1e-9 * std::abs(exact) + 1e-3);
         }
         if (m > 2 && e < -1e-6) {
-          EXPECT_GT(exact, (1 - 0.5 * (m - 1.2) * (e - p0 / k)) * (p0 - k * e));  // control: it is not the linear law
+          EXPECT_GT(exact, (1 - 0.5 * (m - 1.2) * (e - p0 / k)) * (p0 - k * e));  // control: the law is not the linear one
         }
       }
   }
@@ -40,7 +40,7 @@ TEST(NonlinearEos, IsItsFormula) {
   EXPECT_NEAR(rest.step(-1e-6), k * 1e-6 * (1 + 0.5 * 9.8e-6) + 2000, 1e-3);
 }
 
-// The stiffness that it tells the solver is that of its greatest pressure, and no point may come above.
+// The law reports to the solver the stiffness at its greatest pressure, which no point may exceed.
 TEST(NonlinearEos, ItsStiffnessIsBoundedByItsGreatestPressure) {
   const double m = 10.8, greatest = 120e6;
   const StiffeningLiquid law({k, never, 0}, m, greatest);
@@ -59,7 +59,7 @@ TEST(NonlinearEos, ItsStiffnessIsBoundedByItsGreatestPressure) {
   }
 }
 
-// A simple wave: every strain runs on with its own speed c (1 - e)^((m - 1)/2), behind it v = -integral of that speed over the strain.
+// In a simple wave every strain travels with its own speed c (1 - e)^((m - 1)/2); behind it v = -integral of that speed over the strain.
 TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
   const double m = 10.8, q = 0.5 * (m - 1), c = mercury_speed, peak = 5e-3, sd = 0.01, from = 0.05, time = 0.1 / c;
   const Mesh mesh = column(1000, 0.25, Region::mercury);
@@ -67,7 +67,7 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
   const auto ahead = [&](double x) {
     return peak * sd * std::sqrt(M_PI / 2) * std::erfc((x - from) / (sd * std::sqrt(2)));
   };  // u = -integral of the strain ahead
-  // Where a strain is at the end, and the displacement there, by the trapezoidal rule from ahead.
+  // Place of a strain at the end and the displacement there, by the trapezoidal rule from ahead of the wave.
   std::vector<double> place, moved;
   for (double x = from + 8 * sd; x > from - 8 * sd; x -= 1e-5) {
     const double e = strain(x), now = x + c * std::pow(1 - e, q) * time;
@@ -99,7 +99,7 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
   EXPECT_GT(tait, 0.005);
 }
 
-// In a case: the step follows the stiffness, two laws of the liquid are one too many, and at the default exponent nothing is called.
+// In a case the step follows the stiffness, two laws of the liquid are refused, and at the default exponent no function of the mechanism is called.
 TEST(NonlinearEos, ACaseTellsItsGreatestPressure) {
   const auto c = small_case("[mechanism.nonlinear_eos]\nenabled = true\nexponent = 10.8\n");
   const BuiltInModel model(c, {.pulses = 1});

@@ -10,8 +10,8 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// Of motion at rest, at 2 kHz and at 60 kHz: the first goes with the mean of all, the last with the low pass, the tone stays whole, displacement and velocity
-// alike.
+// The motion is a constant, a tone of 2 kHz and one of 60 kHz. The mean of all samples removes the first, the low pass the last, and the tone of 2 kHz stays
+// whole, in displacement and velocity alike.
 TEST(LeftStates, AreFreeMotionWithoutHighTones) {
   LeftStates left(1e-3, 1e-6);
   const double slow = 2 * M_PI * 2e3, fast = 2 * M_PI * 60e3;
@@ -39,7 +39,7 @@ TEST(LeftStates, AreFreeMotionWithoutHighTones) {
 
 namespace {
 
-/// A box of mercury, of a kind that never gives way unless another is said, one lively record.
+/// A box of mercury with one lively record; unless the test sets a cutoff the mercury never cavitates.
 ForwardCase box(const std::string& mechanism, double record, const std::string& mercury = "law = \"linear\"", double peak = 1e6) {
   CaseFile file = CaseFile::from_text(R"([geometry]
 kind = "box"
@@ -93,7 +93,7 @@ double size(const Records& y) {
 constexpr double interval = 4e-6, record = 0.8e-3;
 constexpr int half = 32;  ///< samples of a triangle of 0.26 ms, which leaves little above 10 kHz
 
-/// Of one gauge, the triangle's mean about sample i.
+/// Mean of a gauge's history about sample i, weighted by the triangle.
 double smooth(const double* y, std::ptrdiff_t i) {
   double sum = 0;
   for (int k = -half; k <= half; ++k) sum += (half + 1 - std::abs(k)) * y[i + k];
@@ -102,8 +102,8 @@ double smooth(const double* y, std::ptrdiff_t i) {
 
 }  // namespace
 
-// In mercury that never gives way the record is that of the pulse and of the motion that was left: the model's own longer record, from the time of the state
-// on, gauges at zero when it begins.
+// In mercury that never cavitates the record is that of the pulse plus that of the residual motion, which is the model's own longer record from the time of the
+// state on, with the gauges set to zero at its beginning.
 TEST(PreviousPulses, TheRunGoesOnWithWhatAPulseHasLeft) {
   const Records whole = mean_of(box("", 5e-3)), base = mean_of(box("", record));
   const std::size_t times = base.size() / 2, all = whole.size() / 2;
@@ -134,7 +134,7 @@ TEST(PreviousPulses, TheRunGoesOnWithWhatAPulseHasLeft) {
   EXPECT_LT(size(minus(minus(both, one), two)), 1e-9 * size(both));
 }
 
-// Where the mercury gives way the two do not add: the pulse acts in a target that moves, and what was left goes on in walls without mercury.
+// Where the mercury cavitates the two do not add: the pulse acts on a target that moves, and the residual motion goes on in walls without mercury.
 TEST(PreviousPulses, WhereMercuryGivesWayTheEffectIsNotTheMotionAlone) {
   const auto change = [&](const std::string& mercury) {
     return minus(mean_of(box("left_1 = 0.1\n", record, mercury, 2e7)), mean_of(box("", record, mercury, 2e7)));

@@ -18,14 +18,14 @@ RunSetup with_coefficient(double r, double end, double interval) {
 
 }  // namespace
 
-// A pulse comes back with r times its pressure; its displacement with -r.
+// A pulse returns with r times its pressure and -r times its displacement.
 TEST(RearReflection, APlanePulseComesBackWithTheCoefficient) {
   const double sd = 0.01, from = 0.1;
   Mesh mesh = column(400, length, Region::mercury);
   mesh.rear = faces_at(mesh, 0, length);
   const auto bell = [&](double x) { return std::exp(-0.5 * std::pow((x - from) / sd, 2)); };
   for (const double r : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
-    RunSetup s = with_coefficient(r, length / mercury_speed, length / mercury_speed);  // there and back to where it was
+    RunSetup s = with_coefficient(r, length / mercury_speed, length / mercury_speed);  // time to the rear and back to its first place
     s.initial_displacement = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * bell(x[0]), 0, 0}; });
     s.initial_velocity = field(mesh, [&](const Vec3& x) { return Vec3{1e-6 * mercury_speed * (x[0] - from) / (sd * sd) * bell(x[0]), 0, 0}; });
     const auto u = final_displacement(mesh, ExplicitSolver(mesh, steel()).solve(s, all_components(mesh), {}));
@@ -36,7 +36,7 @@ TEST(RearReflection, APlanePulseComesBackWithTheCoefficient) {
   }
 }
 
-// Heated to one pressure, the liquid pushes on what lies behind with that pressure only: all stays at rest, whatever r.
+// Liquid that is heated evenly pushes on the rear with its pressure only, so that everything stays at rest for any r.
 TEST(RearReflection, UniformlyHeatedMercuryStaysAtRest) {
   Mesh mesh = column(50, length, Region::mercury);
   fix(mesh, 1, plane(0, 0));
@@ -49,7 +49,7 @@ TEST(RearReflection, UniformlyHeatedMercuryStaysAtRest) {
   }
 }
 
-// A sudden push on what is nearly a rigid wall: the face gives way once, it does not tremble from step to step.
+// Under a sudden push on a nearly rigid wall the face gives way once and does not oscillate from step to step.
 TEST(RearReflection, TheFaceDoesNotTremble) {
   Mesh mesh = column(100, length, Region::mercury);
   mesh.rear = faces_at(mesh, 0, length);

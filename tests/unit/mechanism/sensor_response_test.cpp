@@ -29,7 +29,7 @@ std::vector<double> sine(double f, std::size_t n) {
 
 }  // namespace
 
-// 1 / (1 + i sqrt(2) f/f0 - (f/f0)^2), Butterworth of second order.
+// 1 / (1 + i sqrt(2) f/f0 - (f/f0)^2), a Butterworth filter of second order.
 TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
   const double cutoff = 50e3;
   for (const double f : {10e3, 50e3, 150e3}) {
@@ -51,10 +51,10 @@ TEST(SensorResponse, TheLowPassAnswersAStepAsItsFormulaSays) {
   const double cutoff = 50e3, a = 2 * M_PI * cutoff / std::numbers::sqrt2;
   const auto y = respond({{"low_pass", cutoff}}, std::vector<double>(600, 1.0));
   for (std::size_t k = 0; k < y.size(); ++k) {
-    const double t = (double(k) + 0.5) * interval;  // the step is a ramp over the sample before
+    const double t = (double(k) + 0.5) * interval;  // the step is a ramp over the sample before it
     EXPECT_NEAR(y[k], 1 - std::exp(-a * t) * (std::cos(a * t) + std::sin(a * t)), 1e-3);
   }
-  EXPECT_GT(*std::max_element(y.begin(), y.end()), 1.04);  // it overshoots by 4.3 %
+  EXPECT_GT(*std::max_element(y.begin(), y.end()), 1.04);  // the response overshoots by 4.3 %
 }
 
 TEST(SensorResponse, DelayGainAndOffset) {
@@ -66,7 +66,7 @@ TEST(SensorResponse, DelayGainAndOffset) {
   for (std::size_t k = 0; k + 12 < x.size(); ++k) EXPECT_NEAR(early[k], x[k + 10], 1e-12);
 }
 
-// A gauge turned by an angle towards normal x direction, with a transverse sensitivity, in a uniform strain: exactly m.E.m + k n.E.n.
+// A gauge that is turned towards normal x direction and has a transverse sensitivity reads exactly m.E.m + k n.E.n in a uniform strain.
 TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.08, g.width = 0.06, g.height = 0.05, g.wall = 0.004, g.element_size = 0.004;
@@ -97,7 +97,7 @@ const std::string enabled = "[mechanism.sensor_response]\nenabled = true\n";
 
 }  // namespace
 
-// A gauge's own table overrides what it names; the rest stays common.
+// The table of one gauge overrides the keys that it names; the other keys stay common.
 TEST(SensorResponse, AGaugesOwnTableOverridesWhatItNames) {
   const auto base = strain("");
   const auto own = strain(enabled + "gain = 1.1\n[mechanism.sensor_response.T]\noffset = 1e-5\n");
@@ -120,7 +120,7 @@ TEST(SensorResponse, ATableOfNoSensorIsAnErrorWithASuggestion) {
   }
 }
 
-// A parameter of one gauge leaves the others alone, and one for all passes over a gauge that has its own.
+// A parameter of one gauge leaves the others unchanged, and a common parameter skips a gauge that has its own.
 TEST(SensorResponse, ParametersReachOneGaugeOrAll) {
   const std::string one = "[parameter.g]\nkey = \"mechanism.sensor_response.F.gain\"\nmin = 0.8\nmax = 1.2\n";
   const std::string all = "[parameter.g]\nkey = \"mechanism.sensor_response.gain\"\nmin = 0.8\nmax = 1.2\n";

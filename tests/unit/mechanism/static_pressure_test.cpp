@@ -24,7 +24,7 @@ std::vector<double> histories(const ForwardCase& c) {
 
 }  // namespace
 
-// The motion holds the sum alone: however it is shared between cutoff and pressure, the histories are the same bytes.
+// The motion depends on the sum only: the histories have the same bytes however the sum is divided between cutoff and pressure.
 TEST(StaticPressure, OnlyItsSumWithTheCutoffIsInTheMotion) {
   const auto sum = histories(with(0, 3.5e5));
   EXPECT_EQ(histories(with(2e5, 1.5e5)), sum);
@@ -33,7 +33,7 @@ TEST(StaticPressure, OnlyItsSumWithTheCutoffIsInTheMotion) {
   EXPECT_NE(histories(with(1e5, 3.5e5)), sum);
 }
 
-// Also where mercury meets a wall; a linear liquid stays one.
+// The same holds where mercury meets a wall; a linear liquid stays linear.
 TEST(StaticPressure, ReachesWallsAndLeavesALinearLiquidAlone) {
   const auto setup_of = [](const ForwardCase& c) {
     const BuiltInModel model(c, {.pulses = 1});

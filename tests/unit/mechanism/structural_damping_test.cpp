@@ -11,7 +11,7 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// A mode dies away at zeta w, zeta = (mass / w + stiffness w) / 2.
+// A mode decays at zeta w, zeta = (mass / w + stiffness w) / 2.
 TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
   const double length = 0.1;
   const Mesh mesh = column(160, length, Region::steel);
@@ -33,8 +33,8 @@ TEST(StructuralDamping, EveryModeOfABarHasRayleighsRatio) {
     }
 }
 
-// A mode of a bar with branches answers s^2 + w^2 (1 + sum m s t / (1 + s t)) = 0, which Newton's method solves; its ratio is what `loss` says a decade about
-// `frequency`.
+// A mode of a bar with branches satisfies s^2 + w^2 (1 + sum m s t / (1 + s t)) = 0, which Newton's method solves. Its damping ratio is `loss` for a decade
+// about `frequency`.
 TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
   using Complex = std::complex<double>;
   const double length = 0.1, loss = 0.02;
@@ -53,13 +53,13 @@ TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
         return z * z + w * w * sum;
       };
       for (int i = 0; i < 20; ++i) root -= residual(root) / ((residual(root + 1.0) - residual(root - 1.0)) / 2.0);
-      const auto got = decay(mesh, s, k, root.imag(), 4, 4);  // what the branches begin with, at rest, has gone
+      const auto got = decay(mesh, s, k, root.imag(), 4, 4);  // the initial transient of the branches has decayed
       const std::string name = std::to_string(n) + "_" + std::to_string(int(10 * times));
       measured("rate_over_theory_" + name, got.rate / -root.real());
       measured("ratio_over_loss_" + name, -root.real() / w / loss);
       measured("energy_balance_" + name, got.energy_error);
       EXPECT_NEAR(got.rate, -root.real(), 0.005 * -root.real()) << name;
-      EXPECT_LT(got.energy_error, 1e-4 * n * n) << name;  // what is lost is counted to second order in w dt
+      EXPECT_LT(got.energy_error, 1e-4 * n * n) << name;  // the dissipation is counted to second order in w dt
       if (times == 1) {
         EXPECT_NEAR(-root.real() / w, loss, 0.1 * loss);  // the modulus at w is a little above the slow one
       } else if (times == 3) {
@@ -69,7 +69,7 @@ TEST(StructuralDamping, EveryModeOfABarLosesWhatItsBranchesTake) {
   }
 }
 
-// In a target: only the steel is damped, and what is lost is counted.
+// In a target only the steel is damped, and the dissipation is counted.
 TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.03, g.wall = 0.003, g.plane_strain = true, g.rear = "wall", g.element_size = 0.0015;
@@ -102,7 +102,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
   }
 }
 
-// Mass and stiffness are left to the case: about a high frequency the loss does what a stiffness does, and costs no steps.
+// The case keeps its own mass and stiffness damping. About a high frequency `loss` has the effect of a stiffness term without its cost in steps.
 TEST(StructuralDamping, ADiagnosisAsksForTheLossAboutAFrequency) {
   for (const auto& g : offered_groups(small_case(), make_mesh(small_case().geometry)))
     if (g.name == "structural_damping") {

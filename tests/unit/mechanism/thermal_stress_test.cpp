@@ -7,7 +7,7 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// Steel that is heated at once by delta_t exp(-x / decay), held sideways, free at x = 0: the stress that this leaves runs out as two waves, and the free end
+// Steel is heated at once by delta_t exp(-x / decay), held sideways and free at x = 0. The resulting stress leaves as two waves, and the free end
 // moves with u = -(3 lambda + 2 mu)/(lambda + 2 mu) a delta_t decay (1 - exp(-c t / decay)).
 TEST(ThermalStress, AHeatedHalfSpacePushesItsFreeSurfaceOut) {
   const double length = 0.3, decay = 0.03, delta_t = 1.5, end = 3e-5, lambda = steel().lambda, mu = steel().mu;
@@ -40,7 +40,7 @@ RunSetup setup_of(const ForwardCase& c, std::size_t condition = 0) {
 
 }  // namespace
 
-// a delta_t S(z) exp(-x / decay) in the steel, nothing in the mercury, S that of the beam as another mechanism moves it.
+// The thermal strain is a delta_t S(z) exp(-x / decay) in the steel and 0 in the mercury, S that of the beam as another mechanism moves it.
 TEST(ThermalStress, TheHeatIsThatOfTheBeam) {
   const BuiltInModel model(heated("[mechanism.beam_profile]\nenabled = true\noffset_z = 2e-3\nwidth_ratio_z = 1.1\nenergy_ratio = 1.02\n"), {.pulses = 1});
   const Mesh& mesh = model.mesh();
@@ -58,7 +58,7 @@ TEST(ThermalStress, TheHeatIsThatOfTheBeam) {
   EXPECT_GT(steel_elements, 50);
 }
 
-// A condition of half the strength heats the steel half as much, whether it is given by pressure or energy.
+// A condition of half the strength heats the steel half as much, whether pressure or energy gives the strength.
 TEST(ThermalStress, FollowsTheStrengthOfTheCondition) {
   const auto one = setup_of(heated()).thermal_strain;
   const auto c = heated("[[condition]]\nname = \"half\"\npeak_pressure = 12.5e6\n[[condition]]\nname = \"full\"\npeak_pressure = 25e6\n");

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 namespace {
 
-/// The box with 4 mm of top wall, and thinning by the mechanism.
+/// The box with 4 mm of top wall, thinned by the mechanism.
 ForwardCase thinned(const std::string& thinning) { return ringing_box(0.004, "[mechanism.wall_thinning]\nenabled = true\n" + thinning); }
 
 double frequency(const ForwardCase& c) {
@@ -41,7 +41,7 @@ InputError refused(const std::string& lines) {
 
 }  // namespace
 
-// The wall rings as one that is made so thin; another wall, a stretch of it, or less of it is not that.
+// The wall rings like a wall that is made so thin. Thinning of another wall, of a stretch of it, or of less does not give that.
 TEST(WallThinning, TheWallRingsAsAThinnerOne) {
   const double thin = frequency(ringing_box(0.0028)), by_mechanism = frequency(thinned("wall = \"top\"\nfraction = 0.3\n"));
   measured("thinned_over_thin", by_mechanism / thin);
@@ -57,7 +57,7 @@ TEST(WallThinning, OnlyTheInsideOfTheStretchMoves) {
   double deepest = 0;
   for (const auto& p : model.mesh().slip) {
     const Vec3 &x = model.mesh().nodes[std::size_t(p.steel)], &was = base.mesh().nodes[std::size_t(p.steel)];
-    // A node stands for the wall half an element either way, and moves by the share of it in the stretch.
+    // A node represents the wall for half an element on either side, and moves by the share of that length in the stretch.
     const double share = was[2] < 0.01 ? std::clamp((std::min(was[0] + 0.0015, 0.04) - std::max(was[0] - 0.0015, 0.02)) / 0.003, 0.0, 1.0) : 0;
     EXPECT_NEAR(was[2] - x[2], share * 0.4 * 0.003, 1e-12);
     EXPECT_EQ(x[0], was[0]);
@@ -73,12 +73,12 @@ TEST(WallThinning, AWallThatIsNotThereIsAnErrorWithItsPlace) {
   EXPECT_GT(lid.parts().line, 0);
   for (const char* name : {"lid", "front", "rear", "side", "top", "bottom"}) EXPECT_THAT(lid.what(), HasSubstr(name));
   EXPECT_EQ(refused("fraction = 0.1\nwall = 3\n").parts().key, "mechanism.wall_thinning.wall");
-  EXPECT_EQ(refused("fraction = 0.1\nwall = \"rear\"\n").parts().key, "mechanism.wall_thinning.wall");  // non-reflecting: there is none
+  EXPECT_EQ(refused("fraction = 0.1\nwall = \"rear\"\n").parts().key, "mechanism.wall_thinning.wall");  // a non-reflecting rear has no wall
   EXPECT_EQ(refused("fraction = 0.1\nwall = \"top\"\nbegin = 0.5\n").parts().key, "mechanism.wall_thinning.wall");
   EXPECT_EQ(refused("fraction = 0.1\nbegin = 0.02\nend = 0.01\n").parts().key, "mechanism.wall_thinning.end");
 }
 
-// A wall is a word and no number: it is echoed as such, and no parameter can move it.
+// A wall is a word and not a number: it is echoed as a word, and no parameter can change it.
 TEST(WallThinning, TheWallIsNoParameter) {
   const std::string text = "[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\n";
   EXPECT_EQ(small_case(text).echo()["mechanism"]["wall_thinning"]["wall"], "top");
@@ -86,7 +86,7 @@ TEST(WallThinning, TheWallIsNoParameter) {
   EXPECT_NO_THROW((void)small_case(text + "[parameter.w]\nkey = \"mechanism.wall_thinning.fraction\"\nmin = 0\nmax = 0.5\n"));
 }
 
-// The ends of a stretch are likeliest where it is looked at first, and may lie as far out as the wall reaches.
+// The prior of a stretch prefers ends within the region that is searched first, and allows ends as far out as the wall reaches.
 TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
   const ForwardCase c = small_case();
   std::size_t wholes = 0, parts = 0;
@@ -110,7 +110,7 @@ TEST(WallThinning, AStretchMayReachToTheEndsOfTheWall) {
   EXPECT_EQ(parts, 3u * 7u);
 }
 
-// The ends of plates that reach the rear end are no part of its wall.
+// The ends of plates that reach the rear end do not belong to its wall.
 TEST(WallThinning, LeavesTheEndsOfPlatesAlone) {
   GeometryOptions g;
   g.kind = "jet_flow", g.half = true, g.rear = "wall", g.element_size = 0.012;
@@ -119,16 +119,16 @@ TEST(WallThinning, LeavesTheEndsOfPlatesAlone) {
   thin_wall(after, {.wall = "rear", .fraction = 0.1, .begin = -1, .end = 1});
   const double end = std::max_element(before.nodes.begin(), before.nodes.end(), [](const Vec3& a, const Vec3& b) { return a[0] < b[0]; })->at(0);
   double most = 0, elsewhere = 0;
-  for (const auto& pair : before.slip) {  // of steel; the mercury follows
+  for (const auto& pair : before.slip) {  // the steel moves, and the mercury follows
     const auto n = std::size_t(pair.steel);
     const double moved = std::abs(after.nodes[n][0] - before.nodes[n][0]);
     (before.nodes[n][0] > end - 0.02 ? most : elsewhere) = std::max(before.nodes[n][0] > end - 0.02 ? most : elsewhere, moved);
   }
   EXPECT_NEAR(most, 0.1 * 0.004, 1e-5);
-  EXPECT_LE(elsewhere, most);  // by what the mercury beside it gives way; a tenth of a plate's length would turn elements inside out
+  EXPECT_LE(elsewhere, most);  // the mercury beside it limits the movement; a tenth of a plate's length would turn elements inside out
 }
 
-// An end that the case does not set is where the wall ends; a parameter of it begins at the nearer of its bounds.
+// An end that the case does not set is the end of the wall. A parameter for it begins at the nearer of its bounds.
 TEST(WallThinning, AnEndMayBeAParameterWithoutANominalValue) {
   const ForwardCase c = small_case(
       "[mechanism.wall_thinning]\nenabled = true\nwall = \"top\"\nfraction = 0.2\nend = 0.05\n[parameter.b]\nkey = \"mechanism.wall_thinning.begin\"\nmin = "
@@ -136,7 +136,7 @@ TEST(WallThinning, AnEndMayBeAParameterWithoutANominalValue) {
   EXPECT_EQ(*c.parameters[0].nominal, 0);
 }
 
-// ringing_box has a rear wall; plane strain has no side.
+// ringing_box has a rear wall, and plane strain has no side walls.
 TEST(WallThinning, IsOfferedOnTheWallsThatThereAre) {
   const auto walls = [](const ForwardCase& c) {
     std::set<std::string> names;

@@ -50,7 +50,7 @@ TEST(Box, VolumesAndAreasAreThoseOfTheDrawing) {
     EXPECT_NEAR(area(m, m.outer), 0.06 * 0.05 + 2 * 0.08 * (0.06 + 0.05), 1e-12);
     EXPECT_NEAR(area(m, m.wetted), 0.054 * 0.043 + 2 * 0.077 * (0.054 + 0.043), 1e-12);
     EXPECT_NEAR(area(m, m.rear), 0.054 * 0.043, 1e-12);
-    // Wetted and rear faces close the mercury, outer faces and the rear cut the whole.
+    // The wetted and rear faces close the mercury; the outer faces and the rear close the whole body.
     EXPECT_LT((area_sum(m, m.wetted) + area_sum(m, m.rear)).norm(), 1e-14);
     EXPECT_LT((area_sum(m, m.outer) + hexahedron::Point(0.06 * 0.05, 0, 0)).norm(), 1e-14);
     EXPECT_EQ(m.quality.least_wall_elements, 2);
@@ -66,7 +66,7 @@ TEST(Box, ElementSizeIsAnUpperBoundAndWallsHaveTwoElements) {
   g.wall_elements = 3;
   EXPECT_NEAR(make_mesh(g).quality.shortest_edge, 0.001, 1e-12);
   EXPECT_EQ(make_mesh(g).quality.least_wall_elements, 3);
-  // 43 mm of mercury in 11 elements is the least of the mercury's edges.
+  // The shortest edges of the mercury are 43 mm in 11 elements.
   EXPECT_NEAR(m.liquid_element_size, 0.077 / 20, 1e-9);
 }
 
@@ -84,13 +84,13 @@ TEST(Box, ARearWallClosesTheVessel) {
 TEST(Box, SlipDirectionsAreOneOnFacesTwoOnEdgesThreeInCorners) {
   const Mesh m = make_mesh(box(0.005));
   const auto n = pair_counts(m);
-  // Mercury: 16 x 11 x 9 elements (x, y, z); open at the rear, so 4 corners, and edges 4 along x, 4 about the front.
+  // The mercury has 16 x 11 x 9 elements (x, y, z). It is open at the rear, so it has 4 corners, 4 edges along x and 4 edges about the front.
   EXPECT_EQ(n[3], 4);
   EXPECT_EQ(n[2], 4 * 16 + 2 * 10 + 2 * 8);
   EXPECT_EQ(n[1], 10 * 8 + 2 * 16 * 10 + 2 * 16 * 8);
   for (const auto& p : m.slip) {
     if (p.count != 1) continue;
-    // Out of the mercury: away from the middle of the box.
+    // The normal points out of the mercury, away from the middle of the box.
     const auto x = hexahedron::point(m.nodes[std::size_t(p.mercury)]);
     const auto normal = hexahedron::point(p.normals[0]);
     if (std::abs(normal.x()) > 0.9)
@@ -154,6 +154,6 @@ TEST(DistinctNormals, MergesWithinFortyDegreesAndAcrossThinSheets) {
   EXPECT_EQ(distinct_normals(sheet, 0, n), 1);
   const std::vector<Point> roof{{1, 0, 1}, {-1, 0, 1}};
   EXPECT_EQ(distinct_normals(roof, 0, n), 2);
-  EXPECT_EQ(distinct_normals(roof, 1, n), 1);  // x is fixed: both leave z
+  EXPECT_EQ(distinct_normals(roof, 1, n), 1);  // x is fixed, and both nodes leave the plane in z
   EXPECT_NEAR(n[0][2], 1, 1e-12);
 }

@@ -39,7 +39,7 @@ TEST(DisplaceNodes, MovesPartnersTogetherAndRefusesToInvert) {
   displace_nodes(m, u);
   expect_sound(m, 0.9);
   EXPECT_NEAR(m.quality.mercury_volume, 1.1 * before.quality.mercury_volume, 1e-12);
-  // A collapse is refused and leaves the mesh as it was.
+  // A deformation that collapses an element is refused and leaves the mesh unchanged.
   for (std::size_t n = 0; n < u.size(); ++n) u[n] = {-2 * m.nodes[n][0], 0, 0};
   const auto nodes = m.nodes;
   EXPECT_THROW(displace_nodes(m, u), NumericsError);
@@ -104,12 +104,12 @@ TEST(ThinWall, KeepsToItsStretchAndItsWall) {
     const auto& x = m.nodes[std::size_t(p.steel)];
     const auto& old = before.nodes[std::size_t(p.steel)];
     if (old[0] >= 0.02 && old[0] <= 0.04 && old[2] > 0.045) thinnest = std::min(thinnest, 0.05 - x[2]);
-    const double half = 0.5 * 0.056 / 12;  // a node stands for the wall half an element either way
+    const double half = 0.5 * 0.056 / 12;  // a node represents the wall for half an element on either side
     EXPECT_TRUE((old[0] > 0.02 - half && old[0] < 0.04 + half) || x == old);
   }
   EXPECT_NEAR(thinnest, 0.002, 1e-12);
   EXPECT_THROW(thin_wall(m, {.wall = "lid", .fraction = 0.1}), InputError);
-  EXPECT_THROW(thin_wall(m, {.wall = "rear", .fraction = 0.1}), InputError);  // non-reflecting: there is none
+  EXPECT_THROW(thin_wall(m, {.wall = "rear", .fraction = 0.1}), InputError);  // a non-reflecting rear has no wall
   EXPECT_THROW(thin_wall(m, {.wall = "top", .fraction = 1}), InputError);
 }
 

@@ -20,7 +20,7 @@ GeometryOptions half_box() {
   g.half = true;
   return g;
 }
-/// The rows of a character variable.
+/// Returns the rows of a character variable.
 std::vector<std::string> names_in(const std::filesystem::path& path, const char* variable) {
   int file = 0, id = 0;
   std::array<int, 2> dims{};
@@ -71,7 +71,7 @@ TEST(ExodusFieldWriter, WritesWhatAnExodusReaderFinds) {
     EXPECT_NEAR(uz[n], 3 * m.nodes[n][2], 1e-8);
     EXPECT_NEAR(vz[n], m.nodes[n][0], 1e-8);
   }
-  // Element fields lie block by block; the corners run round the bottom and then round the top.
+  // Element fields are stored block by block. The corners of an element go round the bottom and then round the top.
   const auto steel = r.doubles("vals_elem_var1eb1"), mercury = r.doubles("vals_elem_var2eb2");
   const auto connect = r.integers("connect1");
   const auto x = r.doubles("coordx"), y = r.doubles("coordy"), z = r.doubles("coordz");
@@ -92,7 +92,7 @@ TEST(ExodusFieldWriter, WritesWhatAnExodusReaderFinds) {
   }
   EXPECT_EQ(2 * i, steel.size());
   EXPECT_EQ(2 * j, mercury.size());
-  // Node set of the symmetry plane, side sets of outer and wetted and rear faces.
+  // The file has a node set of the symmetry plane and side sets of the outer, wetted and rear faces.
   const auto plane = r.integers("node_ns1");
   EXPECT_EQ(plane.size(), std::size_t(std::count(m.fixed.begin(), m.fixed.end(), 2)));
   for (const int n : plane) EXPECT_EQ(m.nodes[std::size_t(n - 1)][1], 0);
@@ -110,7 +110,7 @@ TEST(ExodusFieldWriter, LeavesNothingBehindWithoutCommit) {
   EXPECT_THROW(ExodusFieldWriter("/proc/nowhere/fields.exo", m), InputError);
 }
 
-// Left behind at any step, closed or not, a file is gone on with: steps after the agreed one are written over.
+// A file that was left at any step, closed or not, is continued. Steps after the agreed one are overwritten.
 TEST(ExodusFieldWriter, GoesOnWithAFileThatWasLeft) {
   const Mesh m = make_mesh(half_box());
   const auto path = scratch_file("gone_on_with.exo");
@@ -141,7 +141,7 @@ TEST(ExodusFieldWriter, GoesOnWithAFileThatWasLeft) {
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
 
   { ExodusFieldWriter(path, m).leave(); }
-  EXPECT_THROW(ExodusFieldWriter(path, m, 1), InputError);  // fewer steps than agreed
+  EXPECT_THROW(ExodusFieldWriter(path, m, 1), InputError);  // the file has fewer steps than agreed
   GeometryOptions other = half_box();
   other.element_size = 0.005;
   const Mesh n = make_mesh(other);

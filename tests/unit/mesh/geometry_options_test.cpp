@@ -9,7 +9,7 @@ using ::testing::HasSubstr;
 
 namespace {
 
-/// The message of reading `text` as a case, or "" when it is right; `key` is the error's key.
+/// Returns the message of reading `text` as a case, "" when it is valid; `key` is set to the key of the error.
 std::string message_of(const std::string& text, std::string* key = nullptr) {
   CaseFile file = CaseFile::from_text(text);
   GeometryOptions g;

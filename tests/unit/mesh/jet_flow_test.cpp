@@ -45,17 +45,17 @@ TEST(JetFlow, EveryElementIsSoundForSeveralSizesAndShapes) {
 }
 
 TEST(JetFlow, VolumeConvergesToThatOfTheDrawing) {
-  // Outline of the section: a stadium's front half and a rectangle.
+  // The section is the front half of a stadium and a rectangle.
   const double L = 0.55, W = 0.4, H = 0.12, R = H / 2, t = 0.004, c = 0.02, b = 0.005;
   const double whole = (L - R) * H + std::numbers::pi * R * R / 2;
-  // Wall: straight legs, and round the nose the integral of (R - t/2) t over the angle, t = wall + (window - wall) sin^2.
+  // The wall has straight legs. Round the nose its area is the integral of (R - t/2) t over the angle, t = wall + (window - wall) sin^2.
   double nose = 0;
   const int n = 20000;
   for (int i = 0; i < n; ++i) {
     const double a = std::numbers::pi * (i + 0.5) / n, s = std::sin(a), wall = t + (0.002 - t) * s * s;
     nose += (R - wall / 2) * wall * std::numbers::pi / n;
   }
-  // Plates: straight, and the lower one round by 50 degrees (wall thickness varies there as well).
+  // The plates are straight, and the lower one is bent by 50 degrees, where the thickness of the wall varies too.
   double plate = 2 * (L - R) * b;
   for (int i = 0; i < n; ++i) {
     const double a = 50 * std::numbers::pi / 180 * (i + 0.5) / n, s = std::sin(a), wall = t + (0.002 - t) * s * s;

@@ -1,5 +1,5 @@
 #pragma once
-/// What holds for every mesh, whatever its shape.
+/// Checks that hold for every mesh, whatever its shape.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -20,7 +20,7 @@ inline hexahedron::Point area_sum(const Mesh& mesh, const std::vector<Face>& fac
   for (const auto& f : faces) sum += hexahedron::area_vector(mesh, f);
   return sum;
 }
-/// Volume by a 2 x 2 x 2 Gauss rule, exact for trilinear hexahedra: independent of hexahedron::volume.
+/// Volume of an element by a 2 x 2 x 2 Gauss rule, which is exact for trilinear hexahedra and independent of hexahedron::volume.
 inline double gauss_volume(const hexahedron::Corners& x) {
   double v = 0;
   const double g = 1 / std::sqrt(3.0);
@@ -36,7 +36,7 @@ inline double gauss_volume(const hexahedron::Corners& x) {
   return v;
 }
 
-/// Checks all that a solver relies on; `least_quality` bounds the scaled Jacobian from below.
+/// Checks everything that a solver relies on; `least_quality` is a lower bound on the scaled Jacobian.
 inline void expect_sound(const Mesh& mesh, double least_quality) {
   ASSERT_EQ(mesh.region.size(), mesh.elements.size());
   ASSERT_EQ(mesh.fixed.size(), mesh.nodes.size());
@@ -56,7 +56,7 @@ inline void expect_sound(const Mesh& mesh, double least_quality) {
   for (const int u : used) ++count[u];
   EXPECT_EQ(count[0], 0u) << "nodes without element";
 
-  // Every steel node has one partner at most and the other way round; they coincide; normals are orthonormal and not fixed.
+  // Every node of the steel has at most one partner in the mercury and vice versa. Partners coincide; normals are orthonormal and not fixed.
   std::set<NodeId> steels, mercuries;
   for (const auto& p : mesh.slip) {
     EXPECT_TRUE(steels.insert(p.steel).second);
@@ -76,7 +76,7 @@ inline void expect_sound(const Mesh& mesh, double least_quality) {
   }
   EXPECT_TRUE(mesh.slip.empty() || count[3] == 0) << "nodes shared by steel and mercury";
 
-  // Faces: nodes belong to their element, normals point out of it; every wetted node is paired.
+  // The nodes of a face belong to its element, the normal points out of it, and every wetted node has a partner.
   for (const auto* list : {&mesh.outer, &mesh.wetted, &mesh.rear, &mesh.loaded})
     for (const auto& f : *list) {
       const auto& e = mesh.elements[std::size_t(f.element)];
@@ -90,7 +90,7 @@ inline void expect_sound(const Mesh& mesh, double least_quality) {
       for (const NodeId n : f.nodes) EXPECT_TRUE(mercuries.contains(n));
     }
 
-  // The boundary of the steel, seen from steel, matches the wetted faces of the mercury.
+  // The boundary of the steel towards the mercury matches the wetted faces of the mercury.
   const auto tied = tied_elements(mesh);
   const auto match = matching_faces(tied, mesh.nodes.size());
   std::size_t interface = 0;
@@ -104,7 +104,7 @@ inline void expect_sound(const Mesh& mesh, double least_quality) {
   EXPECT_EQ(interface, mesh.wetted.size());
   EXPECT_NEAR(steel_side, area(mesh, mesh.wetted), 1e-12 + 1e-9 * steel_side);
 
-  // Mercury and steel are each one piece.
+  // The mercury and the steel are connected, each by itself.
   std::array<std::size_t, 2> pieces{0, 0};
   std::vector<char> seen(tied.size(), 0);
   for (std::size_t start = 0; start < tied.size(); ++start) {

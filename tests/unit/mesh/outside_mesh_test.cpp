@@ -53,7 +53,7 @@ void expect_same_faces(const std::vector<Face>& a, const std::vector<Face>& b) {
   }
 }
 
-/// Positions within `tolerance` [m]; all else equal.
+/// Meshes are equal: positions within `tolerance` [m], everything else exactly.
 void expect_same(const Mesh& a, const Mesh& b, double tolerance = 0) {
   ASSERT_EQ(a.nodes.size(), b.nodes.size());
   for (std::size_t n = 0; n < a.nodes.size(); ++n)
@@ -66,7 +66,7 @@ void expect_same(const Mesh& a, const Mesh& b, double tolerance = 0) {
   EXPECT_EQ(a.quality.least_wall_elements, b.quality.least_wall_elements);
   expect_same_faces(a.outer, b.outer), expect_same_faces(a.wetted, b.wetted), expect_same_faces(a.rear, b.rear), expect_same_faces(a.loaded, b.loaded);
   ASSERT_EQ(a.slip.size(), b.slip.size());
-  std::map<NodeId, SlipPair> pair;  // pairs stand in no order
+  std::map<NodeId, SlipPair> pair;  // the order of the pairs is free
   for (const auto& p : a.slip) pair[p.steel] = p;
   for (const auto& p : b.slip) {
     ASSERT_TRUE(pair.contains(p.steel));
@@ -82,8 +82,8 @@ void expect_same(const Mesh& a, const Mesh& b, double tolerance = 0) {
   }
 }
 
-/// The text of an Abaqus file: one mercury cube of 2 x 1 x 1 elements between steel below and above of two layers each, all
-/// other sides in symmetry planes; 10 elements of 1 cm.
+/// An Abaqus file of 10 elements of 1 cm: mercury of 2 x 1 x 1 elements between two layers of steel below and two above.
+/// All other sides are symmetry planes.
 std::string column() {
   std::string s = "*Heading\nanything\n** a comment\n*Node\n";
   int n = 0;
@@ -136,7 +136,7 @@ TEST(OutsideMesh, ComesBackTheSameThroughBothFormats) {
       const auto path = scratch_file(name + ending);
       write_mesh(before, path);
       const Mesh after = make_mesh(from(path, g.wetted));
-      // Abaqus reads at most 20 characters of a number: the last digit of a small coordinate may be rounded.
+      // Abaqus reads at most 20 characters of a number, so the last digit of a small coordinate may be rounded.
       expect_same(before, after, ending == std::string(".inp") ? 1e-17 : 0);
       if (g.kind != "bar") expect_sound(after, 0.2);
       EXPECT_THAT(after.notes, ::testing::IsEmpty());
@@ -163,7 +163,7 @@ TEST(OutsideMesh, ReadsGeneratedSetsSetsOfSetsAndMaterialsOfAbaqusFiles) {
 }
 
 TEST(OutsideMesh, ScaleAndLooseNodesAndMerging) {
-  // The upper wall gets nodes of its own, as parts that were meshed apart have them.
+  // The upper wall gets nodes of its own, like parts that were meshed separately.
   std::string text = column();
   const Mesh whole = make_mesh(column_options("whole.inp", text));
   std::string own = "*NODE, NSET=again\n";
@@ -194,7 +194,7 @@ TEST(OutsideMesh, ScaleAndLooseNodesAndMerging) {
   EXPECT_THAT(large.notes, ::testing::Contains(HasSubstr("millimetres")));
 }
 
-// Fields files hold split nodes in single precision.
+// Exodus field files hold split nodes in single precision.
 TEST(OutsideMesh, ReadsWhatTheFieldWriterWritesOnceItsNodesAreMerged) {
   GeometryOptions g = box(0.005);
   g.half = true;
@@ -239,7 +239,7 @@ TEST(OutsideMesh, LongIntegersAndSetsWithoutNames) {
   EXPECT_NEAR(m.quality.steel_volume, 2, 1e-12);
 }
 
-// Cut at any length, a file is refused with a message, or it is whole.
+// A file that is cut at any length is refused with a message, or it is still complete.
 TEST(OutsideMesh, FilesThatAreCutShortAreRefused) {
   GeometryOptions g = box(0.01);
   g.half = true;
@@ -256,7 +256,7 @@ TEST(OutsideMesh, FilesThatAreCutShortAreRefused) {
       refused += said != "accepted";
     }
     EXPECT_EQ(refused, 40);
-    if (std::string(ending) == ".inp") continue;  // text does not tell that its last lines are missing
+    if (std::string(ending) == ".inp") continue;  // a text file does not show that its last lines are missing
     for (const std::size_t missing : {1, 5, 20, 200, 2000}) {
       std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() - missing);
       EXPECT_NE(message_of(from(path)), "accepted") << missing;
@@ -272,7 +272,7 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
     write_mesh(make_mesh(g), path);
     EXPECT_EQ(make_mesh(from(path)).quality.least_wall_elements, layers);
   }
-  // One layer less above: 1 element through the upper wall.
+  // The upper wall has one layer less, so 1 element through its thickness.
   std::string text = column();
   const auto last = text.find("\n9, 25") + 1;
   text.erase(last, text.find("*ELEMENT", last) == std::string::npos ? text.find("*ELSET", last) - last : text.find("*ELEMENT", last) - last);

@@ -57,7 +57,7 @@ void expect_exact(const Mesh& mesh, const LocatedGauge& g) {
   for (const auto* row : {&g.axial, &g.transverse, &g.shear}) EXPECT_NEAR((*row)(rigid), 0, 1e-8);
 }
 
-/// On a curved surface transverse and shear strains are means over faces of several planes; the axial one stays exact
+/// On a curved surface transverse and shear strains are means over faces of several planes; the axial strain is exact
 /// along the chord.
 void expect_exact_axial(const Mesh& mesh, const LocatedGauge& g) {
   const Eigen::Matrix3d G = Eigen::Matrix3d::Identity() * 3;
@@ -90,7 +90,7 @@ TEST(Gauge, ElementCentreStrainIsExactInALinearDisplacement) {
   expect_exact(m, g);
 }
 
-// u_x = sin(kx): the strain over a length l is that of the secant, to second order in the element size.
+// For u_x = sin(kx) the strain over a length l is the finite difference over l, to second order in the element size.
 TEST(Gauge, ConvergesToTheSecantOverItsLength) {
   const double k = 60, x = 0.0407, l = 0.006;
   std::vector<double> error, point_error;
@@ -113,7 +113,7 @@ TEST(Gauge, OfAHalfModelIsMirrored) {
   const Mesh full = make_mesh(options);
   options.half = true;
   const Mesh half = make_mesh(options);
-  // A field that is symmetric about y = 0.
+  // The field is symmetric about y = 0.
   const auto field = [](const Mesh& m) {
     std::vector<Vec3> u;
     for (const auto& [x, y, z] : m.nodes) u.push_back({std::sin(20 * x) * std::cos(30 * y), std::sin(30 * y) * x, z + 10 * y * y * x});
@@ -127,7 +127,7 @@ TEST(Gauge, OfAHalfModelIsMirrored) {
       EXPECT_GE(b.placed[1], 0);
       EXPECT_NEAR(b.direction[1], y < 0 ? -a.direction[1] : a.direction[1], 1e-12);
       const auto ua = field(full), ub = field(half);
-      // The two meshes differ away from the plane, so compare within the discretisation error, and exactly in sign.
+      // The two meshes differ away from the plane: values are compared within the discretisation error, signs exactly.
       EXPECT_NEAR(a.axial(ua), b.axial(ub), 0.02 * std::abs(a.axial(ua)) + 0.02) << y << ' ' << l;
       EXPECT_NEAR(a.transverse(ua), b.transverse(ub), 0.05) << y << ' ' << l;
       EXPECT_NEAR(a.shear(ua), b.shear(ub), 0.1) << y << ' ' << l;
@@ -158,7 +158,7 @@ TEST(Gauge, IsMovedToTheSurfaceAndSaysHowFar) {
   EXPECT_NEAR(g.placed[2], 0.05, 1e-12);
   EXPECT_NEAR(g.normal[2], 1, 1e-12);
   EXPECT_NEAR(g.direction[0], 1, 1e-12);
-  // On an edge the face along the direction is taken.
+  // On an edge the gauge takes the face that contains its direction.
   EXPECT_NEAR(locate_gauge(m, sensor({0.0, 0.01, 0.05}, {1, 0, 0})).normal[2], 1, 1e-12);
   EXPECT_NEAR(locate_gauge(m, sensor({0.0, 0.01, 0.05}, {0, 0, 1})).normal[0], -1, 1e-12);
 }
@@ -182,7 +182,7 @@ TEST(Gauge, OfAQuarterBarIsMirroredInBothPlanes) {
   options.kind = "bar";
   options.length = 0.05, options.radius = 0.01;
   const Mesh m = make_mesh(options);
-  // Symmetric about both planes: u_x even, u_y odd in y, u_z odd in z.
+  // The field is symmetric about both planes: u_x even, u_y odd in y, u_z odd in z.
   std::vector<Vec3> u;
   for (const auto& [x, y, z] : m.nodes) u.push_back({2 * x, -3 * y, 5 * z});
   for (const double y : {0.0, 0.006, -0.006})
@@ -192,11 +192,11 @@ TEST(Gauge, OfAQuarterBarIsMirroredInBothPlanes) {
       EXPECT_EQ(g.mirrored, y < 0 || z < 0);
       EXPECT_GE(g.placed[2], 0);
     }
-  // A gauge across the plane z = 0, transverse to the axis.
+  // The gauge lies across the plane z = 0, transverse to the axis.
   EXPECT_NEAR(locate_gauge(m, sensor({0.02, 0.01, 0.0}, {0, 0, 1}, 0.002)).axial(u), 5, 0.1);
 }
 
-// gamma changes its sign with the hand of (d, t): a mirrored gauge reads what the original would.
+// gamma changes its sign with the handedness of (d, t): a mirrored gauge reads the value of the original.
 TEST(Gauge, ShearOfAMirroredGaugeKeepsItsSign) {
   auto options = box(0.004);
   const Mesh full = make_mesh(options);
@@ -225,7 +225,7 @@ TEST(Gauge, MistakesNameTheSensorAndTheKey) {
     return std::string("none");
   };
   EXPECT_EQ(mistake(sensor({0.03, 0.01, 0.06}, {1, 0, 0})), "position");
-  EXPECT_EQ(mistake(sensor({0.08, 0.01, 0.025}, {0, 0, 1})), "position");  // the rear cut is no surface
+  EXPECT_EQ(mistake(sensor({0.08, 0.01, 0.025}, {0, 0, 1})), "position");  // the cut at the rear is not a surface
   EXPECT_EQ(mistake(sensor({0.03, 0.01, 0.05}, {0, 0.1, 1})), "direction");
   EXPECT_EQ(mistake(sensor({0.03, 0.01, 0.05}, {0, 0, 0})), "direction");
   EXPECT_EQ(mistake(sensor({0.001, 0.01, 0.05}, {1, 0, 0}, 0.01)), "gauge_length");

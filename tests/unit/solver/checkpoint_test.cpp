@@ -1,4 +1,4 @@
-// A run that is stopped and goes on from its checkpoint ends as if nothing had happened, byte for byte.
+// A run that is stopped and continued from its checkpoint ends with the same bytes as a run that was not stopped.
 #include <fstream>
 
 #include "tests/scratch.hpp"
@@ -10,7 +10,7 @@ using ::testing::HasSubstr;
 
 namespace {
 
-/// Creeps: p = -K (e_v - x), x' = (e_v - x) / tau; a law with state.
+/// A creeping liquid, p = -K (e_v - x), x' = (e_v - x) / tau: a law with a state.
 class Creeping : public LiquidLaw {
  public:
   explicit Creeping(double k) : k_(k) {}
@@ -50,7 +50,7 @@ struct Stopped {
     o.checkpoint = {.path = path, .every_seconds = 0, .identity = "this run", .before_saving = {}, .on_resume = {}};
     return o;
   }
-  /// Runs until the share `until` and is stopped there.
+  /// Runs until the share `until` of the time and stops there.
   void stop_at(double until, SolveOptions o) const {
     std::atomic<bool> stop{false};
     o.checkpoint.every_seconds = 1e9;
@@ -86,7 +86,7 @@ TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
           EXPECT_EQ(resumed.dissipated, whole.dissipated);
           EXPECT_EQ(resumed.greatest_stress, whole.greatest_stress);
         }
-        EXPECT_FALSE(std::filesystem::exists(s.path));  // a finished run leaves none
+        EXPECT_FALSE(std::filesystem::exists(s.path));  // a finished run leaves no checkpoint
       }
 }
 
@@ -95,7 +95,7 @@ TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
   SolveOptions o = s.options("double", true);
   o.checkpoint.every_seconds = 1e9, o.checkpoint.keep = true;
   int pictures = 0;
-  o.field_interval = 7e-6;  // does not divide the end
+  o.field_interval = 7e-6;  // the step does not divide the end
   o.on_field = [&](const FieldSnapshot&) { ++pictures; };
   const auto whole = s.solver.solve(s.setup, s.rows, o);
   const int all = pictures;
@@ -108,7 +108,7 @@ TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
   };
   const auto again = s.solver.solve(s.setup, s.rows, o);
   EXPECT_TRUE(ended);
-  EXPECT_EQ(pictures, all);  // none is handed out twice
+  EXPECT_EQ(pictures, all);  // no run is given out twice
   EXPECT_EQ(again.resumed_from, whole.steps);
   EXPECT_EQ(again.observations, whole.observations);
   EXPECT_EQ(again.energy_balance_error, whole.energy_balance_error);
@@ -133,7 +133,7 @@ TEST(Checkpoint, OfAnotherRunIsAnError) {
   other.checkpoint.identity = "that run";
   refused(other);
   refused(s.options("single", true));
-  EXPECT_NO_THROW((void)s.solver.solve(s.setup, s.rows, s.options("double", true)));  // and it is still there for its own
+  EXPECT_NO_THROW((void)s.solver.solve(s.setup, s.rows, s.options("double", true)));  // the checkpoint is still there for its own run
 }
 
 TEST(Checkpoint, ThatIsCutOffOrNoneAtAllIsAnError) {

@@ -1,4 +1,4 @@
-// The B-bar element checks the fast one; finite strain is small strain for small loads and knows rotations.
+// The B-bar element agrees with the fast element. Finite strain agrees with small strain for small loads and is exact under rotations.
 #include "base/random.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -41,8 +41,8 @@ TEST(BBarElement, AgreesWithTheFastOneInAThickBlock) {
     const double d = difference(histories(solver, s, rows, "b_bar", "small"), histories(solver, s, rows, "assumed_strain", "small"));
     measured("b_bar_against_fast" + std::string(distortion > 0 ? "_distorted" : ""), d);
     EXPECT_LT(d, 0.03);
-    EXPECT_GT(d, 1e-6);  // and is another element
-    // Control: 10 % in the modulus is more.
+    EXPECT_GT(d, 1e-6);  // and the two elements are not the same
+    // Control: 10 % in the modulus makes a larger difference.
     const LinearElastic softer = LinearElastic::from_young(0.9 * young, poisson);
     RunSetup t = s;
     t.steel = softer;
@@ -50,8 +50,8 @@ TEST(BBarElement, AgreesWithTheFastOneInAThickBlock) {
   }
 }
 
-// Bent as u = (k x z, 0, -k x^2 / 2), one element through: the assumed strain is exact whatever the shape of the element; the B-bar
-// element's energy over the exact one is (2 mu / E') (2/3 + (l/h)^2 / 2), its parasitic shear included, by hand.
+// Bending u = (k x z, 0, -k x^2 / 2) of one element through the thickness: the assumed strain is exact for any shape of the element. The energy of the B-bar
+// element over the exact one is (2 mu / E') (2/3 + (l/h)^2 / 2) by hand, parasitic shear included.
 TEST(BBarElement, IsTooStiffInBendingByItsParasiticShear) {
   const double h = 0.002, curvature = 1e-3, plane_modulus = young / (1 - poisson * poisson);
   for (const double aspect : {1.0, 2.0, 4.0}) {
@@ -77,7 +77,7 @@ TEST(BBarElement, IsTooStiffInBendingByItsParasiticShear) {
   }
 }
 
-// Irons' patch test for the elements that the table of docs/verification does not hold.
+// Irons' patch test for the elements that are not in the table of docs/verification.
 TEST(ElementKinds, LinearFieldsLeaveTheInnerNodesOfADistortedPatchAtRest) {
   Mesh mesh = block({4, 4, 4}, {0, 0, 0}, {0.008, 0.008, 0.008}, Region::steel);
   const auto inner = [](const Vec3& x) { return std::all_of(x.begin(), x.end(), [](double c) { return c > 1e-4 && c < 0.0079; }); };
@@ -112,7 +112,7 @@ TEST(BBarElement, IsOneOfSmallStrain) {
   EXPECT_THROW((void)histories(solver, linear_setup(1e-6, 1e-6), {}, "b_bar", "finite"), InputError);
 }
 
-// The difference of the two kinematics falls with the load.
+// The difference of the two kinematics decreases with the load.
 TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
   for (const bool with_liquid : {false, true})
     for (const double distortion : {0.0, 0.1}) {
@@ -137,7 +137,7 @@ TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
     }
 }
 
-// Turned as a whole, the body is without stress: nothing moves from its place. In small strain it would burst.
+// A body that is turned as a whole has no stress and stays at rest. With small strain it would burst.
 TEST(FiniteStrain, ARotatedBodyIsAtRest) {
   for (const bool liquid : {false, true})
     for (const double distortion : {0.0, 0.15}) {
@@ -162,7 +162,7 @@ TEST(FiniteStrain, ARotatedBodyIsAtRest) {
     }
 }
 
-// Stretched by far and turned, each face of a block bears the exact traction: P N with P = F S, S = lambda tr(E) + 2 mu E, E = (F^T F - 1) / 2 in the
+// On a block that is stretched by far and turned, each face carries the exact traction: P N with P = F S, S = lambda tr(E) + 2 mu E, E = (F^T F - 1) / 2 in the
 // steel, and P = -p cof F, p = -K (det F - 1) in the liquid.
 TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockBearTheExactTraction) {
   const double side = 0.006;
@@ -182,7 +182,7 @@ TEST(FiniteStrain, FacesOfAStretchedAndTurnedBlockBearTheExactTraction) {
       const auto a = accelerations(solver, s, u, o);
       double worst = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        // Inside a face only that face pulls: its four inner nodes carry a ninth of the area each.
+        // Inside a face only that face pulls: each of its four inner nodes carries a ninth of the area.
         for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
           const Vec3& x = mesh.nodes[n];
           const auto within = [&](int k) { return x[std::size_t(k)] > 1e-9 && x[std::size_t(k)] < side - 1e-9; };

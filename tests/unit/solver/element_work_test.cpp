@@ -9,15 +9,15 @@
 namespace calomel {
 namespace {
 
-/// Counted by hand from the formulas of kernel_elements.hpp.
+/// Operations counted by hand from the formulas of kernel_elements.hpp.
 TEST(ElementWork, IsWhatTheFormulasAskFor) {
-  // Butterflies of eight values: 8 + 8 + 7 operations there, 6 + 8 + 8 back, then 24 sums at the nodes.
-  // A product with n terms: n multiplications and n - 1 additions.
+  // Butterflies of eight values take 8 + 8 + 7 operations forwards and 6 + 8 + 8 back, and then 24 sums at the nodes.
+  // A product with n terms takes n multiplications and n - 1 additions.
   const int to_modes = 3 * 23, to_corners = 3 * 22 + 24;
   const int pressure = 2 + 2 + 1 + 1;                                         // trace, p0 - K e, times volume, p0 x share
   const int stress = 6 + (2 + 1) + 3 * 2 + 3 + 9;                             // 2 e, lambda tr e, diagonal, shears, times volume
   const int bending = 9 * (9 + 8) + 3 * (3 + 2);                              // 9 x 9 and 3 x 3
-  const int projected = 12 * (3 + 2 + 1), taken_off = 12;                     // q - X.grad; the hourglass forces themselves
+  const int projected = 12 * (3 + 2 + 1), taken_off = 12;                     // q - X.grad, and the hourglass forces themselves
   const int share_steel = 9 * 4 * 2, share_liquid = 3 * 4 * 2 + 6 * (4 + 3);  // X.force in the mean stress; only the liquid's diagonal has a pressure to add to
 
   const ElementWork liquid = element_work(true, Form::parallelepiped);

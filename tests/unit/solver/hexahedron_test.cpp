@@ -29,7 +29,7 @@ const LinearElastic steel = LinearElastic::from_young(193e9, 0.29);
 
 }  // namespace
 
-// B_iI V = dV/dx_iI (Flanagan and Belytschko 1981); V is linear in each coordinate, so differences are exact.
+// B_iI V = dV/dx_iI (Flanagan and Belytschko 1981). V is linear in each coordinate, so that differences are exact.
 TEST(HexGeometry, MeanGradientsAreDerivativesOfTheVolume) {
   const Corners x = brick(0.002, 0.003, 0.001, 0.2);
   const HexGeometry g = hex_geometry(x);
@@ -78,7 +78,7 @@ TEST(HourglassStiffness, IsPositiveAndSymmetric) {
   }
 }
 
-// Exact in bending for parallelepipeds: the field of pure bending about y in a plate whose elements lean over,
+// Parallelepipeds are exact in bending: the field of pure bending about y in a plate with inclined elements,
 // u_x = kappa x z, u_y = -nu kappa y z, u_z = -kappa (x^2 - nu y^2 + nu z^2)/2, stores E kappa^2/2 int z^2 dV.
 TEST(HourglassStiffness, IsExactInPureBendingOfALeaningElement) {
   const double nu = 0.29, kappa = 0.1, h = 0.001;

@@ -32,7 +32,7 @@ TEST(Layout, EveryElementNodeAndRuleHasItsPlaceOnce) {
     for (std::size_t i = 0; i < b.elements.size(); ++i) {
       EXPECT_TRUE(elements.insert(b.elements[i]).second);
       EXPECT_EQ(mesh.region[std::size_t(b.elements[i])] == Region::mercury, b.liquid);
-      // Local connectivity leads back to the mesh.
+      // The local connectivity leads back to that of the mesh.
       for (std::size_t k = 0; k < 8; ++k) {
         const int local = b.connectivity[i * 8 + k];
         const std::int32_t solver = local < b.interior ? b.first_node + local : b.shared[std::size_t(local - b.interior)];
@@ -45,7 +45,7 @@ TEST(Layout, EveryElementNodeAndRuleHasItsPlaceOnce) {
   EXPECT_EQ(*solver_ids.begin(), 0);
   EXPECT_EQ(*solver_ids.rbegin(), layout.nodes - 1);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) EXPECT_EQ(layout.fixed[std::size_t(layout.to_solver[n])], mesh.fixed[n]);
-  // A shared node is plain, leads a rule or is the partner of one.
+  // A shared node is plain, leads a rule, or is the partner in one.
   std::set<std::int32_t> shared(layout.plain.begin(), layout.plain.end());
   std::size_t pairs = 0;
   for (const auto& s : layout.special) {

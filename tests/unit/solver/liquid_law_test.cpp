@@ -1,4 +1,4 @@
-// The seam for a liquid law of one's own: Riemer's law put through it gives the base model's histories.
+// The interface for liquid laws: Riemer's law by way of it gives the histories of the base model.
 #include "forward/solver/liquid_law.hpp"
 
 #include <mutex>
@@ -11,7 +11,7 @@ using namespace calomel::testing;
 
 namespace {
 
-/// Riemer's law, written as a law of its own.
+/// Riemer's law as a LiquidLaw.
 class RiemerAgain : public LiquidLaw {
  public:
   explicit RiemerAgain(const Riemer& law) : law_(law) {}
@@ -23,7 +23,7 @@ class RiemerAgain : public LiquidLaw {
   Riemer law_;
 };
 
-/// Steel over mercury; distorted: general hexahedra.
+/// Steel over mercury; `distorted`: general hexahedra.
 Mesh target(bool distorted) {
   Mesh m = block({8, 3, 6}, {0, 0, 0}, {0.016, 0.006, 0.012}, [](const Vec3& x) { return x[2] > 0.008 ? Region::steel : Region::mercury; });
   if (distorted) {
@@ -81,14 +81,14 @@ TEST(LiquidLaw, RiemersThroughTheSeamGivesTheBaseHistories) {
               measured(name + "_balance", seam.energy_balance_error);
               EXPECT_LT(seam.energy_balance_error, 2 * base.energy_balance_error + 1e-6) << name;
             }
-            // Control: a softer law is seen.
+            // Control: the comparison detects a softer law.
             s.liquid_law = std::make_shared<RiemerAgain>(Riemer{0.98 * s.liquid.bulk_modulus, s.liquid.tensile_cutoff, s.liquid.viscosity});
             EXPECT_GT(greatest_difference(base, solver.solve(s, rows, o)), 1e-3) << name;
           }
   }
 }
 
-// With an initial state the rate of the first step is that of the initial velocity.
+// With an initial state the strain rate of the first step is that of the initial velocity.
 TEST(LiquidLaw, KnowsTheStrainBeforeTheFirstStep) {
   const Mesh mesh = target(true);
   const ExplicitSolver solver(mesh, steel());
@@ -110,7 +110,7 @@ TEST(LiquidLaw, KnowsTheStrainBeforeTheFirstStep) {
 
 namespace {
 
-/// Answers with a number of its own at each point, from the place it was given.
+/// Returns a number of its own at each point, from the place that it was given.
 class NumberOfThePlace : public LiquidLaw {
  public:
   static double at(const Vec3& x) { return 1 + 1e3 * x[0] + 1e4 * x[1] + 1e5 * x[2]; }
@@ -155,7 +155,7 @@ TEST(LiquidLaw, NumbersOfThePlaceReachTheRightPoints) {
 
 namespace {
 
-/// p = p0 - f K e_v - eta de_v/dt, f times as stiff as the run's own K; says so, or does not.
+/// p = p0 - f K e_v - eta de_v/dt, f times as stiff as the run's own K. The law reports its stiffness or, as a control, does not.
 class Stiffer : public LiquidLaw {
  public:
   Stiffer(const Riemer& law, double factor, bool told) : law_(law), factor_(factor), told_(told) {}
@@ -171,7 +171,7 @@ class Stiffer : public LiquidLaw {
   bool told_;
 };
 
-/// Tait's form without heat, p = (K/m) ((1 - e)^m - 1): stiffer the more it is compressed. Its stiffness has no bound of its own; it is followed to
+/// Tait's form without heat, p = (K/m) ((1 - e)^m - 1), which stiffens under compression. Its stiffness has no bound of its own; the law is defined down to
 /// e = -`most`.
 class Tait : public LiquidLaw {
  public:
@@ -193,7 +193,7 @@ class Tait : public LiquidLaw {
 
 }  // namespace
 
-// A law that is stiffer than the run's bulk modulus and says so runs as the same liquid with that bulk modulus does, and at its step.
+// A law that is stiffer than the run's bulk modulus, and reports it, runs like the same liquid with that bulk modulus, at the same step.
 TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
   Mesh mesh = block({12, 2, 2}, {0, 0, 0}, {0.012, 0.002, 0.002}, Region::mercury);
   fix(mesh, 1, plane(0, 0)), fix(mesh, 2, plane(1, 0)), fix(mesh, 4, plane(2, 0));
@@ -211,19 +211,19 @@ TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
       const auto reference = solver.solve(same, rows, o), base = solver.solve(s, rows, o);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, true);
       const auto told = solver.solve(s, rows, o);
-      EXPECT_LE(told.time_step, reference.time_step * (1 + 1e-12));  // the damping is counted on the safe side
+      EXPECT_LE(told.time_step, reference.time_step * (1 + 1e-12));  // the bound of the damping is on the safe side
       EXPECT_GT(told.time_step, 0.7 * reference.time_step);
       SolveOptions alike = o;
       alike.time_step_safety = 0.3;
       EXPECT_LT(greatest_difference(solver.solve(same, rows, alike), solver.solve(s, rows, alike)), 0.02);
-      // Controls: the base liquid steps farther, and the same law untold is unstable at that step.
+      // Controls: the base liquid takes a longer step, and the same law is unstable at that step when it does not report its stiffness.
       EXPECT_GT(base.time_step, 1.5 * told.time_step);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, false);
       EXPECT_THROW((void)solver.solve(s, rows, o), NumericsError);
     }
 }
 
-// A mass on a column of one element: (rho V / 2) x'' = A p(x / h), thrown against it. The greatest compression is that whose stored energy is the mass's.
+// A mass hits a column of one element: (rho V / 2) x'' = A p(x / h). At the greatest compression the stored energy is the energy of the mass.
 TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
   const double h = 0.001, m = 10.8, speed = 100;
   Mesh mesh = block({1, 1, 1}, {0, 0, 0}, {h, h, h}, Region::mercury);
@@ -233,7 +233,7 @@ TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
   s.hourglass = 0;
   s.initial_velocity = field(mesh, [&](const Vec3& x) { return Vec3{x[0] > h / 2 ? -speed : 0, 0, 0}; });
   const auto law = std::make_shared<Tait>(s.liquid.bulk_modulus, m, 0.06);
-  const double energy = 0.25 * s.liquid_density * speed * speed;  // of the moving half, per volume
+  const double energy = 0.25 * s.liquid_density * speed * speed;  // energy of the moving half, per volume
   double low = 0, high = 0.06;
   for (int i = 0; i < 60; ++i) (law->stored(-(low + high) / 2) < energy ? low : high) = (low + high) / 2;
   const double expected = low, linear = std::sqrt(2 * energy / s.liquid.bulk_modulus);
@@ -250,8 +250,8 @@ TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
   s.liquid_law = law;
   measured("greatest_compression", greatest_compression(s));
   EXPECT_NEAR(greatest_compression(s), expected, 2e-3 * expected);
-  EXPECT_GT(linear, 1.05 * expected);  // control: without stiffening it gives way farther
-  // Thrown harder it leaves what its step was made for, and says where.
+  EXPECT_GT(linear, 1.05 * expected);  // control: without stiffening the column is compressed further
+  // A faster mass exceeds the strain for which the step was made, and the error names the place.
   for (auto& v : s.initial_velocity) v[0] *= 2;
   try {
     (void)greatest_compression(s);

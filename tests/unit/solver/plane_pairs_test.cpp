@@ -1,4 +1,4 @@
-// In plane strain half of the nodes tell all: which pairs there are, and that runs in the lanes on them are those of the hexahedra.
+// In plane strain half of the nodes determine the motion. The tests check the pairs of nodes, and compare runs on pairs in lanes with runs on hexahedra.
 #include "forward/solver/plane_pairs.hpp"
 
 #include <array>
@@ -16,14 +16,14 @@ using namespace calomel::testing;
 
 namespace {
 
-/// A slice with walls all round its mercury but for the rear face, which lets waves out; `distorted`: no element is a parallelepiped.
+/// A slice with walls round its mercury except at the rear, which is non-reflecting; `distorted`: no element is a parallelepiped.
 Mesh slice(bool distorted) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.03, g.width = 0.02, g.height = 0.02, g.wall = 0.004, g.plane_strain = true, g.element_size = 0.002;
   Mesh mesh = make_mesh(g);
-  for (auto& x : mesh.nodes) x[1] *= 5;  // so that the shortest edges lie in the plane, whether or not anybody says plane strain
+  for (auto& x : mesh.nodes) x[1] *= 5;  // so that the shortest edges lie in the plane, whether or not plane strain is declared
   if (!distorted) return mesh;
-  for (auto& x : mesh.nodes) {  // alike on both faces; what lies on a face stays in it
+  for (auto& x : mesh.nodes) {  // the same on both faces; nodes on a face stay in it
     const double bump = 6e-4 * std::sin(M_PI * x[0] / 0.03) * std::sin(M_PI * (x[2] - 0.004) / 0.012) * std::sin(M_PI * x[2] / 0.02);
     if (x[2] > 0.0041 && x[2] < 0.0159 && x[0] > 0.0041) x[0] += bump, x[2] -= 0.5 * bump;
   }
@@ -56,25 +56,25 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(d / n);
 }
 
-/// The mesh as hexahedra, pairs or not.
+/// The mesh as hexahedra, with or without pairs.
 Mesh solid(Mesh mesh) {
   mesh.plane_strain = false;
   return mesh;
 }
 
-/// Relative difference of all histories by pairs of nodes and by hexahedra.
+/// Relative difference of all histories between pairs of nodes and hexahedra.
 double difference(const Mesh& mesh, const RunSetup& s, const SolveOptions& o = {}) { return difference(histories(mesh, s, o), histories(solid(mesh), s, o)); }
 
-/// What a change of the pulse by so small a share makes of the histories by hexahedra: after the first cavitation the law is chaotic.
+/// Relative change of the histories by hexahedra for so small a relative change of the pulse: after the first cavitation the motion is chaotic.
 double chaos(const Mesh& mesh, RunSetup s, double share) {
   const auto before = histories(solid(mesh), s, {});
   for (auto& e : s.energies) e *= 1 + share;
   return difference(histories(solid(mesh), s, {}), before);
 }
 
-constexpr double rounding = 1e-10;  ///< grown over some 500 steps
+constexpr double rounding = 1e-10;  ///< growth over some 500 steps
 
-/// A liquid law of its own: softer by half, the more so the more it was strained.
+/// A liquid law that softens by up to half, the more so the more the liquid was strained.
 class Softer : public LiquidLaw {
  public:
   explicit Softer(double bulk_modulus) : bulk_modulus_(bulk_modulus) {}
@@ -117,7 +117,7 @@ TEST(PlanePairs, HalfOfTheNodesOfASliceLead) {
 }
 
 TEST(PlanePairs, ThereAreNoneWhereNodesMayMoveApart) {
-  EXPECT_FALSE(plane_pairs(block({2, 1, 2}, {0, 0, 0}, {1, 1, 1}, Region::steel)));  // nobody says plane strain
+  EXPECT_FALSE(plane_pairs(block({2, 1, 2}, {0, 0, 0}, {1, 1, 1}, Region::steel)));  // plane strain is not declared
   Mesh free = slice(false);
   for (auto& f : free.fixed) f = std::uint8_t(f & ~2);
   EXPECT_FALSE(plane_pairs(free));
@@ -136,7 +136,7 @@ TEST(PlanePairs, ThereAreNoneWhereNodesMayMoveApart) {
 TEST(PlanePairs, AnyAxisOfAnElementMayRunAcross) {
   for (const std::uint8_t across : {0, 1, 2})
     for (const auto k : plane_corners(across)) EXPECT_EQ(k & (1 << across), 0);
-  // The same slice with the axes of its elements turned in a circle.
+  // The same slice with the axes of its elements in cyclic order.
   const Mesh mesh = slice(true);
   const RunSetup s = pulse(mesh, 1e15);
   for (int turn = 0; turn < 3; ++turn) {
@@ -182,7 +182,7 @@ TEST(PlanePairs, WithStressHeatAndMotionBeforeTheRun) {
   }
   s.initial_velocity = field(mesh, [](const Vec3& x) { return Vec3{10 * x[0] * x[2], 0, 0.1 * x[2]}; });
   EXPECT_LT(difference(mesh, s), rounding);
-  // Control: a tenth of the heat less shows.
+  // Control: the comparison detects a tenth less of the heat.
   RunSetup cooler = s;
   for (auto& t : cooler.thermal_strain) t *= 0.9;
   const std::vector<ObservationRow> row{component(nearest(mesh, {0.015, 0, 0.02}), 2)};

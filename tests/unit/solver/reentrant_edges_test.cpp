@@ -57,7 +57,7 @@ TEST(ReentrantEdges, OfASolidBoxAreTheEdgesBetweenItsWettedFaces) {
     bool touches = false;
     for (const auto& edge : hexahedron::edges) {
       const auto &a = mesh.nodes[std::size_t(mesh.elements[e][std::size_t(edge[0])])], &b = mesh.nodes[std::size_t(mesh.elements[e][std::size_t(edge[1])])];
-      const auto planes = [](const Vec3& x) {  // bits of the wetted planes that hold x, and x on the mercury's surface
+      const auto planes = [](const Vec3& x) {  // bits of the wetted planes that contain x, and whether x is on the surface of the mercury
         const double eps = 1e-9;
         if (x[0] < 0.004 - eps || std::abs(x[1]) > 0.008 + eps || x[2] < 0.004 - eps || x[2] > 0.016 + eps) return 0;
         return (std::abs(x[0] - 0.004) < eps ? 1 : 0) | (std::abs(std::abs(x[1]) - 0.008) < eps ? 2 : 0) |
@@ -78,7 +78,7 @@ TEST(ReentrantEdges, ABarHasNone) {
   EXPECT_TRUE(centres(make_mesh(g)).empty());
 }
 
-// The rounded nose has none; what a jet-flow target has are the edges between its side wall and the others.
+// The rounded nose has no re-entrant edge. A jet-flow target has the edges between its side wall and the others.
 TEST(ReentrantEdges, OfAJetFlowTargetLieAtItsSideWall) {
   GeometryOptions g;
   g.kind = "jet_flow", g.half = true, g.element_size = 0.008;

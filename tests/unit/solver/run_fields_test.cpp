@@ -1,4 +1,4 @@
-// Fields of a run beyond the base model: heat in the steel, a stress before the run, faces that come apart.
+// Fields of a run beyond the base model: heat in the steel, a stress before the run, faces that separate.
 #include "base/random.hpp"
 #include "forward/solver/explicit_solver.hpp"
 #include "tests/verification/small_runs.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 const double youngs = young, lambda = steel().lambda, mu = steel().mu;
 
-/// A bar of steel on three planes of symmetry, free otherwise, or held on its whole surface; `distorted`: general hexahedra.
+/// A bar of steel on three symmetry planes, free otherwise or held on its whole surface; `distorted`: general hexahedra.
 Mesh bar(bool distorted, bool held = false) {
   Mesh m = block({6, 3, 3}, {0, 0, 0}, {0.012, 0.006, 0.006}, Region::steel);
   if (distorted) {
@@ -26,7 +26,7 @@ Mesh bar(bool distorted, bool held = false) {
   return m;
 }
 
-/// Long enough, and damped enough, to come to rest: critical in the slowest mode.
+/// The run is long enough, and critically damped in the slowest mode, so that the bar comes to rest.
 RunSetup settling() {
   RunSetup s = linear_setup(1e-4, 1e-4);
   s.steel_mass_damping = 2 * M_PI / 2 * std::sqrt(young / steel_density) / 0.012;
@@ -41,11 +41,11 @@ double volume(const Mesh& mesh) {
 
 struct Settled {
   SolveSummary summary;
-  double worst = 0;                 ///< greatest departure of a node from the expected place [m]
-  double stress = 0, pressure = 0;  ///< greatest at the end [Pa]
+  double worst = 0;                 ///< greatest distance of a node from its expected place [m]
+  double stress = 0, pressure = 0;  ///< greatest stress at the end [Pa]
 };
 
-/// Runs to the end and holds every node against u_c = stretch_c x_c, each run with its own stretches.
+/// Runs to the end and compares every node with u_c = stretch_c x_c, each run with its own stretches.
 Settled settle(const Mesh& mesh, const RunSetup& s, SolveOptions o, const std::vector<Vec3>& stretch) {
   Settled out;
   o.field_interval = s.end;
@@ -65,7 +65,7 @@ Settled settle(const Mesh& mesh, const RunSetup& s, SolveOptions o, const std::v
 
 }  // namespace
 
-// A free bar that is heated evenly grows by alpha dT in every direction and carries no stress.
+// A free bar that is heated evenly grows by alpha dT in every direction and has no stress.
 TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
   const double a = 1.6e-4;  // 10 K
   for (const bool distorted : {false, true})
@@ -87,12 +87,12 @@ TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
           EXPECT_LT(hot.worst, (twice ? 1e-7 : 2e-4) * a * 0.012) << name;
           EXPECT_LT(hot.stress, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
           EXPECT_LT(hot.pressure, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
-          s.thermal_strain.clear();  // control: without heat it stays where it is
+          s.thermal_strain.clear();  // control: without heat it stays at rest
           EXPECT_EQ(settle(mesh, s, o, {Vec3{}}).worst, 0) << name;
         }
 }
 
-// Held on its surface it comes under the pressure (3 lambda + 2 mu) alpha dT, and heat puts in what that stores, however fast it comes.
+// A bar that is held on its surface gets the pressure (3 lambda + 2 mu) alpha dT. The heat adds the energy that this stores, however fast it comes.
 TEST(ThermalStrain, AHeldBarComesUnderPressure) {
   const double a = 1.6e-4, pressure = (3 * lambda + 2 * mu) * a;
   const Mesh mesh = bar(true, true);
@@ -109,7 +109,7 @@ TEST(ThermalStrain, AHeldBarComesUnderPressure) {
   }
 }
 
-// Unevenly heated steel under stress that moves: what heat puts in is stored or in motion.
+// Unevenly heated steel under stress moves: the energy that the heat adds is stored or kinetic.
 TEST(ThermalStrain, EnergyIsKept) {
   for (const bool distorted : {false, true})
     for (const char* kinematics : {"small", "finite"})
@@ -128,8 +128,8 @@ TEST(ThermalStrain, EnergyIsKept) {
       }
 }
 
-// A bar that is heated at once moves as one that is let go from -alpha dT x without heat: the same is dissipated by damping of the steel, which is counted
-// apart.
+// A bar that is heated at once moves like one without heat that is released from -alpha dT x. The damping of the steel dissipates the same, which is counted
+// separately.
 TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
   const double a = 1e-4;
   for (const bool distorted : {false, true}) {
@@ -150,7 +150,7 @@ TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
   }
 }
 
-// A stress before the run is there at once, and a free bar gives way to it until it is gone: epsilon = -C^-1 sigma.
+// A stress before the run acts at once, and a free bar deforms until it is gone: epsilon = -C^-1 sigma.
 TEST(InitialStress, AFreeBarGivesWayToItAndAHeldOneStays) {
   const std::array<double, 6> sigma{30e6, -10e6, 20e6, 0, 0, 0};
   const double trace = sigma[0] + sigma[1] + sigma[2];
@@ -182,7 +182,7 @@ TEST(InitialStress, AFreeBarGivesWayToItAndAHeldOneStays) {
 
 namespace {
 
-/// Mercury on 0 < x < 0.05 m, motion along x only, x = 0 fixed.
+/// Mercury on 0 < x < 0.05 m that moves along x only, with x = 0 fixed.
 Mesh mercury_column(bool rear) {
   Mesh m = block({50, 1, 1}, {0, 0, 0}, {0.05, 0.001, 0.001}, Region::mercury);
   fix(m, 2 | 4, everywhere()), fix(m, 1, plane(0, 0));
@@ -190,7 +190,7 @@ Mesh mercury_column(bool rear) {
   return m;
 }
 
-/// p = p0 - K e_v in the words of a law of its own.
+/// p = p0 - K e_v as a LiquidLaw.
 class Linear : public LiquidLaw {
  public:
   explicit Linear(double k) : k_(k) {}
@@ -204,7 +204,7 @@ class Linear : public LiquidLaw {
 
 }  // namespace
 
-// Mercury under pressure leaves a face that nothing holds at p / (rho c), for Riemer's law and one of its own; mercury like it behind the rear face holds it.
+// Mercury under pressure leaves a free face at p / (rho c), by Riemer's law and by one of its own. Mercury of the same pressure behind the rear face holds it.
 TEST(InitialStress, MercuryUnderPressurePushesAFreeFaceAndRestsAgainstItsLike) {
   const double p = 1e6, end = 2e-5;
   for (const bool own : {false, true})
@@ -221,7 +221,7 @@ TEST(InitialStress, MercuryUnderPressurePushesAFreeFaceAndRestsAgainstItsLike) {
       }
 }
 
-// Under tension it is cut off from the start, where a linear liquid would hold.
+// Mercury under tension separates from the start, where a linear liquid would hold.
 TEST(InitialStress, TensionBeforeTheRunStopsAtTheCutoff) {
   Mesh mesh = mercury_column(false);
   fix(mesh, 7, everywhere());
@@ -250,7 +250,7 @@ TEST(RunFields, TheElementThatChecksTheFastOneRefusesThem) {
 
 namespace {
 
-/// Per node, whether an element of the region has it.
+/// For each node, whether an element of the region has it.
 std::vector<bool> nodes_in(const Mesh& mesh, Region region) {
   std::vector<bool> in(mesh.nodes.size(), false);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
@@ -259,7 +259,7 @@ std::vector<bool> nodes_in(const Mesh& mesh, Region region) {
   return in;
 }
 
-/// Mercury on -0.04 < x < 0 m against steel on 0 < x < 0.04 m, motion along x only, both ends free.
+/// Mercury on -0.04 < x < 0 m against steel on 0 < x < 0.04 m. All motion is along x, and both ends are free.
 struct WettedFace {
   WettedFace() : mesh(block({80, 1, 1}, {-0.04, 0, 0}, {0.04, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; })) {
     fix(mesh, 2 | 4, everywhere());
@@ -267,7 +267,7 @@ struct WettedFace {
     mesh.wetted = faces_at(mesh, 0, 0);
     in_mercury = nodes_in(mesh, Region::mercury);
   }
-  /// The mercury moves with this velocity, a distance before the steel.
+  /// The mercury moves with this velocity and begins at a distance from the steel.
   [[nodiscard]] RunSetup moving(double velocity, double gap, double strength, double end) const {
     RunSetup s = linear_setup(end, end / 200);
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -277,7 +277,7 @@ struct WettedFace {
     s.slip_strength.assign(mesh.slip.size(), strength);
     return s;
   }
-  /// Sum of mass times displacement of the steel (or of all), whose rate is the momentum.
+  /// Sum of mass times displacement of the steel (or of everything); its rate is the momentum.
   [[nodiscard]] ObservationRow moment(const RunSetup& s, bool all) const {
     const auto m = masses(mesh, s);
     ObservationRow row;
@@ -295,7 +295,7 @@ const double z_mercury = mercury_density * mercury_speed, z_steel = steel_densit
 
 }  // namespace
 
-// Mercury that moves away from a face without strength leaves the steel at rest and flies on unstrained; from one that holds it pulls.
+// Mercury that moves away from a face without strength leaves the steel at rest and stays unstrained. From a face that holds, it pulls.
 TEST(OpeningFace, CarriesNoTension) {
   const WettedFace face;
   for (const char* precision : {"double", "single"})
@@ -313,14 +313,14 @@ TEST(OpeningFace, CarriesNoTension) {
       }
       s.slip_strength.assign(face.mesh.slip.size(), never);
       const auto held = solver.solve(s, rows, o);
-      const double speed = z_mercury / (z_mercury + z_steel);  // of the face, until the ends answer
+      const double speed = z_mercury / (z_mercury + z_steel);  // of the face, until waves return from the ends
       EXPECT_NEAR(row_of(held, 0)[80] / held.times[80], -speed, 0.05 * speed);
-      s.slip_strength.clear();  // control: the base model's bytes
+      s.slip_strength.clear();  // control: the bytes of the base model
       EXPECT_EQ(solver.solve(s, rows, o).observations, held.observations);
     }
 }
 
-// It holds to its strength: pulled by mercury whose pull grows smoothly to Z_m Z_s / (Z_m + Z_s) v, it opens at half of that and not at twice.
+// A face holds up to its strength. Under a pull that grows smoothly to Z_m Z_s / (Z_m + Z_s) v it opens at half of that strength and not at twice.
 TEST(OpeningFace, HoldsUpToItsStrength) {
   const WettedFace face;
   const double v = 0.5, pull = z_mercury * z_steel / (z_mercury + z_steel) * v;
@@ -344,11 +344,11 @@ TEST(OpeningFace, HoldsUpToItsStrength) {
   EXPECT_NEAR(fastest_held, pull / z_steel, 0.1 * pull / z_steel);
 }
 
-// Mercury meets the steel over a gap: momentum is kept, the face moves with Z_m v / (Z_m + Z_s), the impact does not bounce and its loss is counted; the
+// Mercury meets the steel over a gap: momentum is conserved, the face moves with Z_m v / (Z_m + Z_s), and the impact does not bounce. Its loss is counted. The
 // steel is pushed and never pulled.
 TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   const WettedFace face;
-  const double v = 2, gap = 2e-6, end = 8e-5;  // meets after 1 us; the mercury's free end answers after 55 us
+  const double v = 2, gap = 2e-6, end = 8e-5;  // they meet after 1 us; a wave returns from the mercury's free end after 55 us
   const ExplicitSolver solver(face.mesh, steel());
   RunSetup s = face.moving(v, gap, 0, end);
   const std::vector<ObservationRow> rows{component(face.wall(), 0), face.moment(s, false), face.moment(s, true), component(face.mesh.slip[0].mercury, 0)};
@@ -372,16 +372,16 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   EXPECT_GE(least_push, -1e-9);                                         // the steel is never pulled
   EXPECT_GE(least_gap, -1e-9 * gap);                                    // nothing overlaps
   EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they stay together
-  EXPECT_GT(wall[wall.size() - 1] - mercury[mercury.size() - 1], gap);  // and part when the pull comes
+  EXPECT_GT(wall[wall.size() - 1] - mercury[mercury.size() - 1], gap);  // and separate when the pull comes
   const auto m = masses(face.mesh, s);
   double lost = 0;
   for (const auto& pair : face.mesh.slip) lost += 0.5 * m[pair.steel] * m[pair.mercury] / (m[pair.steel] + m[pair.mercury]) * v * v;
-  const auto once = solver.solve(face.moving(v, gap, 0, 1.2e-5), rows, o);  // the one impact
-  EXPECT_NEAR(once.dissipated, lost, 0.1 * lost);                           // and the contact's work over what is left of the gap
+  const auto once = solver.solve(face.moving(v, gap, 0, 1.2e-5), rows, o);  // the loss of the one impact
+  EXPECT_NEAR(once.dissipated, lost, 0.1 * lost);                           // and the work of the contact over the remaining gap
   EXPECT_LT(once.energy_balance_error, 1e-9);
   EXPECT_GE(out.dissipated, lost);
   EXPECT_LT(out.energy_balance_error, 1e-9);
-  // Control: held together from the start, the steel is pulled too.
+  // Control: if they are held together from the start, the steel is pulled too.
   s = face.moving(v, 0, never, end);
   const auto held = solver.solve(s, rows, o);
   const auto swung = row_of(held, 1);
@@ -390,7 +390,7 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   EXPECT_LT(greatest_pull, -1e-4);
 }
 
-// Mercury that gives way at the face: it moves off and pulls with the cutoff, no more and no less. Of the waves in either half space follow
+// Mercury that cavitates at the face separates and pulls with exactly the cutoff. The waves in the two half spaces give
 // v_s = -sigma / Z_s and v_m = -v + sigma / Z_m, and the gap is their difference times the time.
 TEST(PartingFace, PullsWithTheCutoffWhileApart) {
   const WettedFace face;
@@ -420,8 +420,8 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
   }
 }
 
-// A plate that is thrown off mercury without strength flies at its own velocity: no layer of mercury hangs on it. Control: without parting, half an element of
-// mercury does, and takes its share of the momentum.
+// A plate that leaves mercury without strength keeps its own velocity, because no layer of mercury adheres to it. Control: if the faces stay together, half an
+// element of mercury adheres and takes its share of the momentum.
 TEST(PartingFace, HangsNoMercuryOnTheWall) {
   Mesh mesh = block({44, 1, 1}, {-0.04, 0, 0}, {0.004, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
   fix(mesh, 2 | 4, everywhere());
@@ -446,7 +446,7 @@ TEST(PartingFace, HangsNoMercuryOnTheWall) {
   EXPECT_NEAR(flown(0), 1, 1e-9);
   const double hangs = 0.5 * mercury_density / (0.5 * mercury_density + 4 * steel_density);  // half an element of mercury beside four of steel
   EXPECT_NEAR(flown(never), 1 - hangs, 0.2 * hangs);
-  // A film that stays on the plate flies with it: what pulls them back, the cutoff, has both to slow down.
+  // A film that adheres to the plate moves with it; the cutoff pulls both back.
   const double pull = 1e5;
   const auto slowed = [&](double film) {
     s.wall_film = film, s.wetted_cutoff = pull;
@@ -455,10 +455,10 @@ TEST(PartingFace, HangsNoMercuryOnTheWall) {
   const double bare = slowed(0), plate = 4e-3 * steel_density;
   EXPECT_NEAR(bare, 0.5 * pull / plate * s.end, 0.01 * bare);
   for (const double film : {1e-4, 2.5e-4, -1e-4}) EXPECT_NEAR(slowed(film) / bare, plate / (plate + film * mercury_density), 0.005) << film;
-  EXPECT_NEAR(slowed(1e-3) / slowed(3e-4), 1, 1e-12);  // no more than 0.6 of the half element
+  EXPECT_NEAR(slowed(1e-3) / slowed(3e-4), 1, 1e-12);  // the film is at most 0.6 of the half element
 }
 
-// With a film as without: momentum and energy are kept, through impacts, in lanes as in single runs, and the step is short enough for the lighter mercury.
+// With and without a film, momentum and energy are conserved through impacts, in lanes and in single runs. The step is short enough for the lighter mercury.
 TEST(PartingFace, AFilmKeepsTheBalance) {
   Mesh mesh = block({6, 4, 8}, {0, 0, 0}, {0.006, 0.004, 0.008}, [](const Vec3& x) { return x[2] > 0.005 ? Region::steel : Region::mercury; });
   split(mesh, {Vec3{0, 0, 1}});

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 namespace {
 
-/// Greatest stable step of the whole mesh, from the stiffness that the solver shows: central differences with damping C that lags
+/// Greatest stable step of the whole mesh, from the stiffness that the solver applies: central differences with damping C that lags
 /// half a step are stable while 4 M - 2 dt C - dt^2 K is positive definite. C is beta K, beta of the liquid or of the steel, and the
 /// two stiffnesses come from runs in which the other material has next to none.
 double true_limit(const Mesh& mesh, const RunSetup& setup) {
@@ -31,7 +31,7 @@ double true_limit(const Mesh& mesh, const RunSetup& setup) {
   }
   Eigen::VectorXd scale(n);
   for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1 / std::sqrt(m[i / 3]);
-  // The pairs of a slip interface move together along their normals: the solver shows P K, and P K P is what counts.
+  // The pairs of a slip interface move together along their normals: the solver applies P K, and P K P determines the step.
   Eigen::MatrixXd together = Eigen::MatrixXd::Identity(n, n);
   for (const auto& pair : mesh.slip)
     for (int i = 0; i < pair.count; ++i) {
@@ -56,7 +56,7 @@ double true_limit(const Mesh& mesh, const RunSetup& setup) {
   return low;
 }
 
-/// A column that can only move along x: there the element's bound is the limit of the mesh.
+/// A column that moves along x only, in which the bound of an element is the limit of the mesh.
 Mesh column(int n) {
   Mesh m = block({n, 1, 1}, {0, 0, 0}, {0.001 * n, 0.001, 0.001}, Region::mercury);
   fix(m, 2 | 4, everywhere());
@@ -78,8 +78,8 @@ TEST(StableTimeStep, IsTheLimitOfADampedOscillator) {
     }
 }
 
-// Between the bound of the worst element and the limit of the mesh, near to the latter.
-// v+ = f v - dt omega^2 u, f = exp(-a dt): damping of the motion after each step takes from the step, too.
+// The step lies between the bound of the worst element and the limit of the mesh, close to the limit.
+// v+ = f v - dt omega^2 u, f = exp(-a dt): damping of the motion after each step shortens the stable step, too.
 TEST(StableTimeStep, IsStableWithDampingOfTheMotion) {
   const double w2 = 4e12, without = stable_time_step(w2, 0);
   const auto radius = [&](double dt, double a) {
@@ -166,7 +166,7 @@ TEST(StableTimeStep, SharpWhereElementsAreAlike) {
   }
 }
 
-// A branch adds to the stiffness what its spring has, however slow it is, and no more.
+// A branch adds the stiffness of its spring, however slow it is, and no more.
 TEST(StableTimeStep, OfSteelWithRelaxingBranchesIsThatOfTheStifferSteel) {
   const Mesh mesh = block({20, 1, 1}, {0, 0, 0}, {0.02, 0.001, 0.001}, [](const Vec3&) { return Region::steel; });
   const ExplicitSolver solver(mesh, steel());
@@ -218,7 +218,7 @@ TEST(StableTimeStep, ALiquidWithoutStiffnessIsANumericsError) {
 
 namespace {
 
-/// A liquid of a stiffness that it tells.
+/// A liquid that reports its stiffness.
 class OfStiffness : public LiquidLaw {
  public:
   explicit OfStiffness(double stiffness) : stiffness_(stiffness) {}
@@ -233,18 +233,18 @@ class OfStiffness : public LiquidLaw {
 
 }  // namespace
 
-// Liquid that closes counts with b rho c h of each element: as that viscosity where all are alike, and by the small elements' own size where they are not.
+// Liquid that closes counts with b rho c h of each element: as that viscosity where all are alike, by the small elements' own size where they are not.
 TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
   const auto column_of = [](double least) {
     Mesh m = block({6, 2, 2}, {0, 0, 0}, {0.006, 0.002, 0.002}, Region::mercury);
     for (auto& x : m.nodes)
-      if (x[0] > 0.0005 && x[0] < 0.0015) x[0] = least;  // the first layer is that thin
+      if (x[0] > 0.0005 && x[0] < 0.0015) x[0] = least;  // the first layer is so thin
     return m;
   };
   const auto step = [](const Mesh& m, double closing, double viscosity) {
     RunSetup s = linear_setup(0, 0);
     s.liquid.tensile_cutoff = 1e5, s.collapse_viscosity = closing, s.liquid.viscosity = viscosity;
-    s.hourglass = 0;  // whose springs the one damps and the other does not
+    s.hourglass = 0;  // one of them damps the springs, the other does not
     return ExplicitSolver(m, steel()).stable_step(s);
   };
   const double impedance = mercury_density * mercury_speed;
@@ -266,8 +266,8 @@ TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
   EXPECT_GT(ExplicitSolver(uneven, steel()).solve(s, {}, o).dissipated, 0);
 }
 
-// A thin wall that mercury weighs down is fast once the mercury lets it go: where faces may part the step is that of the mesh with both apart, and a run in
-// which they do stays bounded.
+// A thin wall with mercury on it is faster once the mercury leaves it. Where faces may separate, the step is that of the mesh with both apart, and a run in
+// which they separate stays bounded.
 TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   Mesh mesh = block({6, 4, 5}, {0, 0, 0}, {0.012, 0.008, 0.0085}, [](const Vec3& x) { return x[2] > 0.0068 ? Region::steel : Region::mercury; });
   for (auto& x : mesh.nodes)
@@ -291,7 +291,7 @@ TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   EXPECT_LT(ExplicitSolver(mesh, steel()).solve(s, {}, o).energy_balance_error, 0.05);
 }
 
-// A solver remembers the last step that it found: whatever a mechanism changes of the run, the answer is that of a solver which remembers nothing.
+// A solver remembers the last step that it found. Whatever a mechanism changes of the run, the step is the one that a solver without memory finds.
 TEST(StableTimeStep, WhatIsRememberedIsTakenForNoOtherSetup) {
   Mesh mesh = block({4, 3, 6}, {0, 0, 0}, {0.004, 0.003, 0.006}, [](const Vec3& x) { return x[2] < 0.002 ? Region::steel : Region::mercury; });
   split(mesh, {Vec3{0, 0, 1}});

@@ -1,4 +1,4 @@
-// Sub-cycling: which elements are slow, that nothing is lost between them and the others, and where it stops being stable.
+// Sub-cycling: the choice of slow elements, the conservation laws between slow and fast elements, and the limit of stability.
 #include "forward/solver/subcycles.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ using namespace calomel::testing;
 
 namespace {
 
-/// A plane-strain or solid box whose walls hold three elements.
+/// A plane-strain or solid box with three elements through its walls.
 Mesh box(bool plane_strain = true) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.05, g.width = 0.04, g.height = 0.03, g.wall = 0.003, g.plane_strain = plane_strain, g.half = !plane_strain;
@@ -47,7 +47,7 @@ TEST(Subcycles, SlowElementsKeepTheirDistance) {
   std::size_t before = mesh.elements.size() + 1;
   for (const int buffer : {0, 1, 2}) {
     const auto slow = slow_elements(mesh, buffer);
-    std::vector<int> layer(mesh.nodes.size(), 99);  // layers of mercury between a node and the steel, the slip pairs and the rear
+    std::vector<int> layer(mesh.nodes.size(), 99);  // number of mercury layers between a node and the steel, the slip pairs and the rear
     for (std::size_t e = 0; e < slow.size(); ++e)
       if (mesh.region[e] == Region::steel)
         for (const NodeId n : mesh.elements[e]) layer[std::size_t(n)] = 0;
@@ -91,7 +91,7 @@ TEST(Subcycles, SlowBlocksAndTheirNodesComeLast) {
   }
   EXPECT_GT(border, 0u);
   for (const auto& s : layout.special) EXPECT_EQ(touched[std::size_t(s.node)], 1);
-  // Fast rows of the outbox come first, whoever wrote them.
+  // Fast rows of the outbox come first, whichever block wrote them.
   for (std::size_t k = 0; k < layout.outbox_fast_end.size(); ++k)
     for (std::size_t i = layout.outbox_begin[k]; i < layout.outbox_begin[k + 1]; ++i, ++rows)
       EXPECT_EQ(layout.outbox_rows[i] < layout.blocks[layout.first_slow_block].outbox, i < layout.outbox_fast_end[k]);
@@ -116,13 +116,13 @@ TEST(Subcycles, TheCheapestDivisionThatTheLiquidBears) {
   EXPECT_EQ(at_most(12, 3, 4), std::pair(12, 4));
   EXPECT_EQ(at_most(12, 5, 4), std::pair(12, 2));   // 3 would need 15 steps
   EXPECT_EQ(at_most(12, 12, 4), std::pair(12, 1));  // a liquid as fast as the steel
-  EXPECT_EQ(at_most(6, 1, 4), std::pair(6, 3));     // not 8 steps for the sake of 4
+  EXPECT_EQ(at_most(6, 1, 4), std::pair(6, 3));     // 8 steps are not taken in order to have 4
   EXPECT_EQ(at_most(1, 1, 4), std::pair(1, 1));
-  layout.first_slow_block = 2;  // nothing is slow
+  layout.first_slow_block = 2;  // no element is slow
   EXPECT_EQ(at_most(12, 3, 4), std::pair(12, 1));
 }
 
-// Every impulse has its counterpart: a free body that pulls at itself keeps its momentum, to rounding.
+// Every impulse has its counterpart: a free body with internal forces keeps its momentum to rounding.
 TEST(Subcycles, MomentumIsKept) {
   Mesh mesh = block({12, 6, 8}, {0, 0, 0}, {0.024, 0.012, 0.016}, [](const Vec3& x) { return x[2] > 0.013 ? Region::steel : Region::mercury; });
   split(mesh, {Vec3{0, 0, 1}});
@@ -153,13 +153,13 @@ TEST(Subcycles, OneIsTheRunWithoutThem) {
   EXPECT_EQ(plain.subcycles, 1);
   EXPECT_GT(four.subcycles, 1);
   EXPECT_NE(four.observations, plain.observations);
-  // A liquid faster than the steel leaves nothing to gain.
+  // With a liquid faster than the steel nothing is gained.
   RunSetup fast = s;
   fast.liquid.bulk_modulus *= 100;
   EXPECT_EQ(solver.solve(fast, rows, cycled(4)).subcycles, 1);
 }
 
-// Any number of threads, lanes of runs and both precisions; liquid laws of their own see the long step.
+// The result holds for any number of threads, lanes of runs and both precisions; liquid laws of their own receive the long step.
 TEST(Subcycles, ThreadsAndLanesDoNotMatter) {
   const Mesh mesh = box(false);
   const ExplicitSolver solver(mesh, steel());
@@ -181,14 +181,14 @@ TEST(Subcycles, ThreadsAndLanesDoNotMatter) {
     for (std::size_t i = 0; i < one.observations.size(); ++i)
       apart += std::pow(pair.observations[i] - one.observations[i], 2), size += std::pow(one.observations[i], 2);
     EXPECT_LT(std::sqrt(apart / size), *precision == 'd' ? 1e-9 : 2e-3);
-    s.energies = {1.0 + 1e-6, 1.0};  // control: the other lane is another run
+    s.energies = {1.0 + 1e-6, 1.0};  // control: the other lane is a different run
     EXPECT_NE(solver.solve(s, rows, o).observations, pair.observations);
   }
 }
 
 namespace {
 
-/// Riemer's law by way of the seam, noting the steps that it is handed.
+/// Riemer's law as a LiquidLaw that records the steps which it receives.
 class Noting : public LiquidLaw {
  public:
   explicit Noting(const Riemer& r) : riemer_(r) {}
@@ -221,7 +221,7 @@ TEST(Subcycles, ALawOfItsOwnIsHandedTheLongStep) {
 
 namespace {
 
-/// Greatest error of the balance of energy of noise in every node, which holds every mode, over `steps` of the output interval.
+/// Greatest error of the energy balance over `steps` of the output interval, for initial noise at every node, which excites every mode.
 double balance_of_noise(const Mesh& mesh, const ExplicitSolver& solver, double viscosity, double interval, double steps, const SolveOptions& options) {
   RunSetup s = linear_setup(interval * steps, interval);
   s.liquid.viscosity = viscosity;
@@ -236,7 +236,7 @@ double balance_of_noise(const Mesh& mesh, const ExplicitSolver& solver, double v
   return out.energy_balance_error;
 }
 
-/// Mercury and steel in a row, the steel's elements 1.4 mm long and the mercury's 2 mm, free to move along x only.
+/// Mercury and steel in a row, with steel elements of 1.4 mm and mercury elements of 2 mm, free to move along x only.
 Mesh column() {
   Mesh m = block({40, 1, 1}, {0, 0, 0}, {0.08, 0.002, 0.002}, [](const Vec3& x) { return x[0] > 0.06 ? Region::steel : Region::mercury; });
   for (auto& x : m.nodes)
@@ -248,7 +248,7 @@ Mesh column() {
 
 }  // namespace
 
-// Modes that resonate with the long step would grow without bound. One layer between keeps them away; without it they do grow.
+// Modes that resonate with the long step would grow without bound. One layer of mercury in between prevents it; without the layer they grow.
 TEST(Subcycles, NoModeGrowsBesideALayerOfFastMercury) {
   const Mesh mesh = box();
   const ExplicitSolver solver(mesh, steel());
@@ -280,14 +280,14 @@ TEST(Subcycles, NoModeOfAColumnGrowsWhateverTheStep) {
   EXPECT_GT(without, 1);
 }
 
-// The long step's own limit is that of the liquid alone.
+// The limit of the long step is that of the liquid alone.
 TEST(Subcycles, TheLongStepEndsWhereTheLiquidsDoes) {
   const Mesh mesh = column();
   const ExplicitSolver solver(mesh, steel());
   const double limit = 0.002 / mercury_speed;  // of equal elements in a row, h / c
   for (const double factor : {0.98, 1.02}) {
     SolveOptions o = cycled(6);
-    o.time_step_safety = factor * 1.001;  // also of the steel's step, which divides the long one by more than it must
+    o.time_step_safety = factor * 1.001;  // the same for the step of the steel, which divides the long step by more than necessary
     const auto run = [&] { return balance_of_noise(mesh, solver, 0, factor * limit, 4000, o); };
     if (factor < 1) {
       EXPECT_LT(run(), 0.2);
@@ -297,7 +297,7 @@ TEST(Subcycles, TheLongStepEndsWhereTheLiquidsDoes) {
   }
 }
 
-// The balance swings with the impulses but does not drift: four times the time changes little.
+// The balance oscillates with the impulses but does not drift: four times the time changes little.
 TEST(Subcycles, EnergySwingsButDoesNotDrift) {
   Mesh mesh = box();
   mesh.rear.clear();

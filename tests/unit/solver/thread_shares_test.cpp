@@ -33,7 +33,7 @@ double greatest(const std::vector<int>& cost, const std::vector<std::size_t>& fi
   return most;
 }
 
-/// The smallest greatest share of the blocks from `from` on, by trying all.
+/// The least greatest share of the blocks from `from` on, by trying all divisions.
 double best_greatest(const std::vector<int>& cost, std::size_t from, int threads) {
   if (threads == 1) return std::accumulate(cost.begin() + std::ptrdiff_t(from), cost.end(), 0.0);
   double best = 1e300, mine = 0;
@@ -81,7 +81,7 @@ TEST(UsefulThreads, ASmallRunTakesOneAndALargeOneAll) {
 }
 
 TEST(UsefulThreads, MoreThanTheBlocksCanFeedAreNotTaken) {
-  // One block is most of the work: a second thread takes the rest, a third would change nothing.
+  // One block is most of the work: a second thread takes the rest, and a third would change nothing.
   const auto choice = useful_threads(layout_of({2048, 700, 700}), false, 1, 1, 3);
   EXPECT_EQ(choice.threads, 2);
   EXPECT_LT(choice.gain, 3448.0 / 2048);
@@ -111,7 +111,7 @@ TEST(StepBarrier, NobodyPassesBeforeAllHaveCome) {
     for (int t = 0; t < threads; ++t)
       pool.emplace_back([&, t] {
         for (int round = 0; round < rounds; ++round) {
-          if (round % 400 == 0 && t == round / 400 % threads) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the others fall asleep
+          if (round % 400 == 0 && t == round / 400 % threads) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the other threads fall asleep
           ++arrived;
           barrier.arrive_and_wait();
           if (arrived < threads * (round + 1)) early = true;

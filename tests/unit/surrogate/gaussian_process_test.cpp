@@ -49,8 +49,8 @@ TEST(Warp, GivesTheParameterAndItsInverseOnALogarithmicFeature) {
   }
 }
 
-// The loop against its formula; it takes exp(-r) no smaller than exp(-700) = 1e-304. Features from the first to the last point of the box and warps on both
-// sides of the series.
+// The kernels are compared with their formula, which takes exp(-r) no smaller than exp(-700) = 1e-304. Features lie between the first and the last point of the
+// box, and the warps on both sides of the switch to the series.
 TEST(MaternMeans, AgreeWithTheFormulaByEveryInstructionSet) {
   constexpr std::ptrdiff_t points = 3 * matern_padding;
   RandomStream random(6, 0);
@@ -120,8 +120,8 @@ TEST(GaussianProcess, InterpolatesAndItsGradientAgreesWithDifferences) {
   }
 }
 
-// 400 new points of noise sd 0.2: standardised squares have mean 1 with standard error sqrt(2 / 400) = 0.07 beside the
-// error of the fitted noise from 80 points (about 0.16); bounds at 3 of them. Control: without the nugget the ratio is far off.
+// At 400 new points of noise sd 0.2 the standardised squares have mean 1 with standard error sqrt(2 / 400) = 0.07, beside the
+// error of the fitted noise from 80 points (about 0.16). The bounds are 3 standard errors. Control: without the nugget the ratio is far off.
 TEST(GaussianProcess, PredictiveVarianceIsHonestOnNewNoisyPoints) {
   const Data d = wavy(480, 0.2);
   const Eigen::MatrixXd x = d.x.leftCols(80);

@@ -41,7 +41,7 @@ Data with_ones(const Data& p) {
   return q;
 }
 
-/// A sparse truth seen through random rows, with noise.
+/// A sparse truth, observed through random rows with noise.
 Data random_problem(Eigen::Index rows, Eigen::Index columns, Eigen::VectorXd& truth, std::uint64_t seed) {
   RandomStream random(seed, 0);
   Data p{Eigen::MatrixXd(rows, columns), Eigen::VectorXd(rows)};
@@ -69,7 +69,7 @@ std::string output_of(const std::string& command) {
 
 const std::string folder = CALOMEL_SOURCE_DIR "/tests/unit/surrogate/";
 
-/// Holds our optimal values against a table of lasso_reference.py; returns the number of rows.
+/// Compares our optimal values with a table of lasso_reference.py and returns the number of rows.
 int compare(const std::string& table) {
   std::istringstream in(table);
   std::string line;
@@ -126,7 +126,7 @@ TEST(Lasso, FulfilsTheOptimalityConditions) {
       else
         EXPECT_NEAR(g[j], std::copysign(lambda, fit.z[j]), 1e-5 * lambda);
     }
-    // Negative control: a step away along any coordinate costs.
+    // Negative control: a step along any coordinate increases the objective.
     for (Eigen::Index j = 0; j < 300; j += 37) {
       Eigen::VectorXd z = fit.z;
       z[j] += 1e-3;
@@ -142,7 +142,7 @@ TEST(Lasso, FindsASparseTruthFromFewRows) {
   const auto fit = lasso.solve(0.01 * lasso.lambda_max());
   EXPECT_LT((fit.z - truth).norm() / truth.norm(), 0.05);
   const Eigen::VectorXd least_norm = p.A.transpose() * solve_symmetric(p.A * p.A.transpose(), p.b);
-  EXPECT_GT((least_norm - truth).norm() / truth.norm(), 0.5);  // the negative control
+  EXPECT_GT((least_norm - truth).norm() / truth.norm(), 0.5);  // negative control
 }
 
 TEST(Lasso, APathEndsWhereSingleSolutionsDo) {

@@ -73,7 +73,7 @@ TEST(Activation, UnknownNameListsTheKnown) {
   }
 }
 
-// Two steps by hand with g = 2, then g = -1: m1 = 0.2, v1 = 0.004, so x moves by rate 2 / (2 + eps);
+// Two steps by hand with g = 2, then g = -1: m1 = 0.2, v1 = 0.004, so that x moves by rate 2 / (2 + eps);
 // m2 = 0.08, v2 = 0.004996, m2 / (1 - 0.81) = 0.4210526, v2 / (1 - 0.998001) = 2.4992496.
 TEST(Adam, FollowsTwoStepsWorkedByHand) {
   Adam adam{.rate = 0.1, .epsilon = 1e-8};
@@ -104,12 +104,12 @@ TEST(PlateauSchedule, LowersTheRateAfterFiveEpochsWithoutImprovement) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(schedule.next(2.0), 1.0);
   EXPECT_DOUBLE_EQ(schedule.next(2.5), 0.95);
   for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(schedule.next(2.0), 0.95);
-  EXPECT_DOUBLE_EQ(schedule.next(1.9), 0.95);  // an improvement starts the count again
+  EXPECT_DOUBLE_EQ(schedule.next(1.9), 0.95);  // an improvement restarts the count
   for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(schedule.next(1.9), 0.95);
   EXPECT_DOUBLE_EQ(schedule.next(1.9), 0.95 * 0.95);
 }
 
-// The fused step over blocks of output rows is Adam on the gradient of back-propagation, nothing else.
+// The fused step over blocks of output rows equals Adam on the gradient of back-propagation.
 TEST(NetworkTrainer, BlockwiseStepIsAdamOnTheWholeGradient) {
   RandomStream random(5, 1);
   Network<double> blocked({3, 6, 1300}, Activation::tanh, random);

@@ -32,25 +32,25 @@ TEST(PolynomialBasis, IsOrthonormalUnderTheChebyshevMeasure) {
     const Eigen::MatrixXd gram = a.transpose() * a / double(n * n);
     EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-12) << kind;
   }
-  // Negative control: uniform nodes are not that measure.
+  // Negative control: uniform nodes do not follow that measure.
   const Eigen::MatrixXd a = basis_matrix(PolynomialSpace{"total_degree", 3}.degrees(2), random_points(2, 20000, 1));
   EXPECT_GT((a.transpose() * a / 20000.0 - Eigen::MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.2);
 }
 
 TEST(PolynomialBasis, HasThePublishedNumbersOfTerms) {
-  // Seed paper: 286 to 1330 degrees of freedom in total degree 10 to 18, 216 to 1728 in tensor products 5 to 11.
+  // The published method reports 286 to 1330 degrees of freedom in total degree 10 to 18, and 216 to 1728 in tensor products 5 to 11.
   EXPECT_EQ(PolynomialSpace({"total_degree", 10}).terms(3, 100000), 286u);
   EXPECT_EQ(PolynomialSpace({"total_degree", 18}).degrees(3).cols(), 1330);
   EXPECT_EQ(PolynomialSpace({"tensor_product", 5}).terms(3, 100000), 216u);
   EXPECT_EQ(PolynomialSpace({"tensor_product", 11}).degrees(3).cols(), 1728);
-  EXPECT_EQ(PolynomialSpace({"tensor_product", 11}).terms(8, 5000), 5000u);  // counted no further
+  EXPECT_EQ(PolynomialSpace({"tensor_product", 11}).terms(8, 5000), 5000u);  // the count stops there
   const auto cross = PolynomialSpace{"hyperbolic_cross", 3}.degrees(2);      // (i+1)(j+1) <= 4
   EXPECT_EQ(cross.cols(), 8);
   EXPECT_EQ(cross.col(0), Eigen::Vector2i(0, 0));
 }
 
 TEST(SparseGridSpace, HasAsManyTermsAsTheSparseGridHasNodes) {
-  // Nodes of the Clenshaw-Curtis sparse grids of levels 0, 1, 2, ..., as tabulated since Novak and Ritter (1996).
+  // Numbers of nodes of the Clenshaw-Curtis sparse grids of levels 0, 1, 2, ..., as tabulated since Novak and Ritter (1996).
   const auto sizes = [](std::size_t d, int levels) {
     std::vector<std::size_t> n;
     for (int l = 0; l <= levels; ++l) n.push_back(PolynomialSpace{"sparse_grid", l}.terms(d, 1000000));
@@ -60,7 +60,7 @@ TEST(SparseGridSpace, HasAsManyTermsAsTheSparseGridHasNodes) {
   EXPECT_EQ(sizes(2, 6), (std::vector<std::size_t>{1, 5, 13, 29, 65, 145, 321}));
   EXPECT_EQ(sizes(3, 7), (std::vector<std::size_t>{1, 7, 25, 69, 177, 441, 1073, 2561}));
   EXPECT_EQ(sizes(10, 4), (std::vector<std::size_t>{1, 21, 221, 1581, 8801}));
-  // Closed form: a level of one dimension adds 1, 2, 2, 4, 8, ... degrees; sums of their products over |l|_1 <= L.
+  // In closed form a level of one dimension adds 1, 2, 2, 4, 8, ... degrees; the number of terms is the sum of their products over |l|_1 <= L.
   for (std::size_t d = 1; d <= 6; ++d) {
     std::vector<std::size_t> by_level{1, 0, 0, 0, 0};
     for (std::size_t k = 0; k < d; ++k) {
@@ -87,7 +87,7 @@ TEST(SparseGridSpace, IsTheUnionOfItsBoxesAndClosedDownwards) {
   std::set<std::vector<int>> space;
   for (Eigen::Index t = 0; t < degrees.cols(); ++t) space.insert({degrees(0, t), degrees(1, t), degrees(2, t)});
   EXPECT_EQ(space, boxes);
-  EXPECT_EQ(Eigen::Index(space.size()), degrees.cols());  // every product once
+  EXPECT_EQ(Eigen::Index(space.size()), degrees.cols());  // every product occurs once
   EXPECT_EQ(degrees.col(0), Eigen::Vector3i(0, 0, 0));
   for (const auto& product : space)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -103,7 +103,7 @@ TEST(Expansion, IsTheSumOfItsTerms) {
     const auto degrees = PolynomialSpace{"total_degree", d == 5 ? 4 : 9}.degrees(std::size_t(d));
     RandomStream random(3, std::uint64_t(d));
     Eigen::VectorXd c = Eigen::VectorXd::NullaryExpr(degrees.cols(), [&] { return random.uniform() < 0.4 ? random.normal() : 0.0; });
-    const auto units = random_points(d, 37, 4);  // no multiple of the block
+    const auto units = random_points(d, 37, 4);  // not a multiple of the block
     const Expansion f(degrees, c);
     EXPECT_EQ(f.terms(), std::size_t((c.array() != 0).count()));
     Eigen::VectorXd values(37);

@@ -1,4 +1,4 @@
-/// Held-out accuracy and cost of every kind of surrogate on the analytic families; run by hand:
+/// Prints the held-out accuracy and the cost of every kind of surrogate on the analytic families; run by hand:
 ///   surrogate_accuracy [runs] [times] [epochs] [kinds...]
 #include <chrono>
 #include <cstdio>

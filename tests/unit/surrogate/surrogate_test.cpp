@@ -14,7 +14,7 @@ using namespace calomel;
 
 namespace {
 
-/// Options under which every kind trains within a second.
+/// Options with which every kind trains within a second.
 SurrogateOptions quick(const std::string& kind) {
   SurrogateOptions options;
   options.kind = kind;
@@ -24,7 +24,7 @@ SurrogateOptions quick(const std::string& kind) {
   return options;
 }
 
-/// The family with targets dealt to the wrong runs: nothing to learn.
+/// The family with its histories assigned to the wrong runs, so that nothing can be learnt.
 Archive shuffled(Archive archive) {
   RandomStream random(9, 9);
   const auto order = random.permutation(archive.runs());
@@ -50,7 +50,7 @@ TEST(Modes, AreOrthonormalAndRebuildTheHistories) {
     for (Eigen::Index k = 0; k < z.rows(); ++k) EXPECT_NEAR(z.row(k).squaredNorm() / double(z.cols()), 1, 1e-3) << k;
     const Eigen::MatrixXf back = basis.histories(z, 1);
     EXPECT_GT(fit_metrics(back, archive.mean).r2, 0.9999);
-    // What the kept modes miss is what `variance` says they miss.
+    // The part that the kept modes miss has the size that `variance` reports.
     const double missed = (back - archive.mean).squaredNorm() / double(archive.runs());
     EXPECT_NEAR(basis.variance(Eigen::VectorXd::Zero(basis.modes())).sum() / missed, 1, 0.02);
   }
@@ -114,7 +114,7 @@ TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
   const Archive archive = damped_oscillations(60, 3, 50, 3);
   SurrogateSummary summary;
   auto options = quick(GetParam());
-  options.activation = "tanh";  // a kink of ReLU within the step would be no error of the gradient
+  options.activation = "tanh";  // a kink of ReLU within the step would not be an error of the gradient
   const auto surrogate = train_surrogate(options, archive, 4, 1, summary);
   ASSERT_TRUE(surrogate->has_gradient());
   RandomStream random(2, 2);
@@ -130,7 +130,7 @@ TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
   };
   for (std::size_t j = 0; j < 3; ++j) {
     auto up = at, down = at;
-    up[j] += 5e-3, down[j] -= 5e-3;  // predictions are single precision
+    up[j] += 5e-3, down[j] -= 5e-3;  // predictions are in single precision
     EXPECT_NEAR(g[Eigen::Index(j)], (sum(up) - sum(down)) / 1e-2, 5e-3 * g.norm()) << j;
   }
 }
@@ -166,7 +166,7 @@ TEST_P(EveryKind, HistoriesAreAnOffsetAndDirectionsTimesCoefficients) {
     }
 }
 
-// Held out: 30 of 150 runs. The control deals the histories to the wrong runs, so that there is nothing to learn.
+// 30 of 150 runs are held out. The control assigns the histories to the wrong runs, so that nothing can be learnt.
 TEST(ModeNetworkSurrogate, LearnsDampedOscillationsAndNothingFromShuffledOnes) {
   SurrogateOptions options;
   options.kind = "mode_network";
@@ -202,7 +202,7 @@ TEST(NetworkSurrogate, PublishedFormLearnsDampedOscillations) {
   EXPECT_GT(summary.test.r2, 0.8);
 }
 
-// Arrival times over 1000 to 2000 m/s are what makes modes hard: the processes still carry 99 % of the variance.
+// Arrival times over 1000 to 2000 m/s make many modes necessary: the processes still carry 99 % of the variance.
 TEST(ModeGaussianProcessSurrogate, FollowsMovingArrivals) {
   SurrogateOptions options;
   options.kind = "mode_gaussian_process";

@@ -43,7 +43,7 @@ TEST(RunSplit, HoldsOutAFifthOfTheUsableRuns) {
   EXPECT_NE(split.test, split_runs(archive, 0.2, 2).test);
 }
 
-// 603 runs give the paper's 482 and 121.
+// 603 runs give the published 482 and 121.
 TEST(RunSplit, GivesThePublishedNumbers) {
   Archive archive = damped_oscillations(603, 1, 2, 3);
   const RunSplit split = split_runs(archive, 0.2, 1);
@@ -62,7 +62,7 @@ TEST(RunSplit, TooFewRunsNameTheKey) {
   }
 }
 
-// y = (1, 3 | 2, 6) with predictions (1, 4 | 2, 4): errors 0, 1, 0, -2; about the run means 1 + 1 + 4 + 4 = 10.
+// y = (1, 3 | 2, 6) with predictions (1, 4 | 2, 4) has the errors 0, 1, 0, -2; the squares about the run means are 1 + 1 + 4 + 4 = 10.
 TEST(FitMetrics, AgreeWithHandWork) {
   Eigen::MatrixXf actual(2, 2), predicted(2, 2);
   actual << 1, 3, 2, 6;
@@ -129,7 +129,7 @@ TEST(TrainStage, ReportsEveryKindAndWritesTheContractedSummary) {
   }
   EXPECT_EQ(json.at("surrogates")[1].at("train_loss").size(), 5u);
   EXPECT_TRUE(json.at("provenance").contains("identity"));
-  // Pooled squares of the sensors add up to the whole.
+  // The pooled squares of the sensors add up to those of the whole.
   double squares = 0;
   for (const auto& s : training.summary.surrogates[0].sensors) squares += s.fit.rmse * s.fit.rmse / 3;
   EXPECT_NEAR(std::sqrt(squares), training.summary.surrogates[0].test.rmse, 1e-9);

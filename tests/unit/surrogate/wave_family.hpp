@@ -1,5 +1,5 @@
 #pragma once
-/// Analytic archives to learn: damped oscillations, and records that mimic strain gauges on a vessel of mercury, whose
+/// Analytic archives for training: damped oscillations, and records that mimic strain gauges on a vessel of mercury, whose
 /// arrival times move with the sound speed.
 #include <cmath>
 #include <numbers>
@@ -58,8 +58,8 @@ inline Archive damped_oscillations(std::size_t runs, std::size_t sensors, std::s
                     });
 }
 
-/// Strain [-] of a gauge over 1 ms: a steel precursor, mercury waves of travel times d / c and their echoes (amplitude
-/// by the impedances rho c against the wall's, fronts 1.5 cm wide, tension clipped softly at the cutoff), and a wall that rings with the
+/// Strain [-] of a gauge over 1 ms. It has a steel precursor, mercury waves of travel times d / c with their echoes (amplitude
+/// by the impedances rho c against the wall's, fronts 1.5 cm wide, tension clipped smoothly at the cutoff), and a wall that rings with the
 /// mercury's added mass from each arrival on. theta = (tensile_cutoff, density, sound_speed).
 inline double mimic_strain(const Eigen::VectorXd& theta, std::size_t sensor, double t) {
   const double sigma = theta[0], rho = theta[1], c = theta[2], x = 0.03 + 0.02 * double(sensor % 12);

@@ -1,4 +1,4 @@
-// ENC and SPE with the correction for the mesh: whether a biased mesh is seen through, and what the artefacts say of it.
+// ENC and SPE with the mesh correction: whether they remove the bias of the mesh, and what the artefacts report.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -28,14 +28,14 @@ namespace {
 
 const std::vector<double> truth{12100, 1630, 2.3e4};
 
-/// Records of the exact model; campaign and search on elements of 1, the emulator's finest mesh is exact.
+/// The records are those of the exact model. Campaign and search use elements of size 1; the finest mesh of the emulator is exact.
 struct Case {
   Meshed working{1}, exact{0};
   Recordings recordings = recorded(exact, truth, 8, 4e-6, 4);
   Problem problem = make_problem(working.shape(), recordings, {});
   Archive archive = archive_of(working, "chebyshev", 120, 1);
 
-  /// Taught by 60 runs of the working mesh and 30 of the exact one in this box about a point.
+  /// The correction is trained on 60 runs of the working mesh and 30 of the exact one in this box about a point.
   [[nodiscard]] MeshCorrection correction(const std::vector<double>& middle = truth) const {
     const std::vector<double> half{900, 40, 9000};
     std::vector<double> low, high;
@@ -82,7 +82,7 @@ TEST(RememberingModel, RunsNoPointTwice) {
   EXPECT_EQ(memory.evaluate(b).mean, (std::vector<double>{1, 2}));
   EXPECT_EQ(memory.evaluate(c).mean, (std::vector<double>{3}));
   EXPECT_EQ(model.runs, 1);
-  EXPECT_EQ(memory.runs(), 2u);  // c was nobody's run
+  EXPECT_EQ(memory.runs(), 2u);  // no run was made at c
 }
 
 TEST(EncCorrected, ABiasedMeshIsSeenThrough) {
@@ -90,7 +90,7 @@ TEST(EncCorrected, ABiasedMeshIsSeenThrough) {
   const MeshCorrection correction = c.correction();
   const auto with = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2, {}, &correction);
   const auto without = run_enc(c.problem, c.working, c.working, enc_options(), 1, 2);
-  // The mesh's own optimum is density / 0.92, sound speed / 0.98: the negative control misses by what the mesh does.
+  // The optimum of the mesh is density / 0.92, sound speed / 0.98. The negative control misses the truth by this error of the mesh.
   EXPECT_NEAR(without.theta[0] / truth[0], 1 / 0.92, 0.02);
   EXPECT_NEAR(without.theta[1] / truth[1], 1 / 0.98, 0.005);
   EXPECT_FALSE(without.mesh.used);
@@ -102,7 +102,7 @@ TEST(EncCorrected, ABiasedMeshIsSeenThrough) {
   EXPECT_GT(off(with.mesh.without, 1), 0.015);
   EXPECT_TRUE(with.best.inside_emulator);
   EXPECT_EQ(with.model_runs, without.model_runs);  // the correction costs no run
-  // The corrected prediction is what was judged, here and at the nominal point; the bare one stands beside it.
+  // The corrected prediction is scored, here and at the nominal point; the artefact lists the uncorrected one as well.
   const auto own = c.working.evaluate(with.theta).mean, exact = c.exact.evaluate(with.theta).mean;
   double to_own = 0, to_exact = 0;
   for (std::size_t i = 0; i < own.size(); ++i) {
@@ -195,7 +195,7 @@ TEST(SpeCorrected, AnInterruptedCalibrationGoesOnAndEndsAlike) {
   EXPECT_EQ(store.size(), resumed.model_runs);  // the candidates and the nominal point, too
 }
 
-/// What is said of `line` in [enc] or [spe]; empty when it is taken.
+/// The message about `line` in [enc] or [spe]; empty when it is accepted.
 std::string refusal(const std::string& table, const std::string& line) {
   CaseFile file = CaseFile::from_text("[" + table + "]\n" + line + "\n");
   EncOptions enc;

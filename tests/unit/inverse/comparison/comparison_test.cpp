@@ -51,7 +51,7 @@ TEST(Comparison, HoldsTheThreeTablesInTheOrderOfTheCase) {
   EXPECT_EQ(c.parameters[0].map_sd, 100);
   EXPECT_EQ(c.parameters[2].name, "impedance");
   EXPECT_EQ(c.parameters[2].values[2], 13400.0 * 1390);
-  // d(rho c) = c d rho + rho d c; the correlation makes it far narrower than its factors' own
+  // d(rho c) = c d rho + rho d c; the correlation makes the product far better determined than its factors
   EXPECT_NEAR(*c.parameters[2].map_sd, std::sqrt(std::pow(1390 * 100.0, 2) + std::pow(13400 * 10.0, 2) - 2 * 1390 * 13400 * 900.0), 1);
   ASSERT_EQ(c.accuracy.size(), 3u);
   EXPECT_EQ(c.accuracy[1].name, "B");
@@ -65,7 +65,7 @@ TEST(Comparison, HoldsTheThreeTablesInTheOrderOfTheCase) {
 
 TEST(Comparison, StandardDeviationsAreMapsAlone) {
   Json enc = summary(13300, 1400, 85, 75);
-  enc["parameters"] = {"density", "sound_speed"}, enc["covariance"] = {{9e4, 0}, {0, 400}};  // of an older version: not read
+  enc["parameters"] = {"density", "sound_speed"}, enc["covariance"] = {{9e4, 0}, {0, 400}};  // from an older version, which is not read
   const std::vector<MethodSummary> all{{"enc", enc}, {"map", map_summary(13400, 1390)}}, alone{{"enc", enc}};
   const Json j = comparison_json(compare_calibrations(all), {.stage = "comparison"});
   EXPECT_EQ(j["parameters"][0]["map_sd"], 100);
@@ -74,7 +74,7 @@ TEST(Comparison, StandardDeviationsAreMapsAlone) {
   EXPECT_FALSE(compare_calibrations(alone).parameters[0].map_sd.has_value());
 }
 
-// A method that corrects its scores for the mesh is compared with one that does not on the mesh that both tell of.
+// A method with mesh-corrected scores is compared with one without on the mesh that both report.
 TEST(Comparison, ScoresAreOfOneMesh) {
   const Json plain = summary(13300, 1400, 60, 50);
   Json corrected = summary(13310, 1400, 95, 93);
@@ -99,7 +99,7 @@ TEST(Comparison, ScoresAreOfOneMesh) {
   EXPECT_THAT(compare_calibrations(unlike).accuracy[0].values, ElementsAre(71, 71));
 }
 
-// MAP's scores are those of runs on the finest mesh; it has none on the case's own.
+// The scores of MAP are those of runs on the finest mesh; MAP has none on the mesh of the case.
 TEST(Comparison, AMethodWithoutScoresOnTheCommonMeshHasNone) {
   Json corrected = summary(13310, 1400, 95, 93), finest = map_summary(13400, 1390);
   corrected["scores_on"] = finest["scores_on"] = "the finest mesh of the emulator";
@@ -124,7 +124,7 @@ TEST(Comparison, MeasuresDifferencesInStandardDeviationsOfMap) {
   EXPECT_NEAR(*c.pairs[0].differences[0].percent, 100 * 100.0 / 13300, 1e-12);
 }
 
-// Two parameters a and b standard deviations off with correlation r: d^2 = (a^2 - 2 r a b + b^2) / (1 - r^2), and the share nearer is 1 - exp(-d^2 / 2).
+// For deviations a and b with correlation r, d^2 = (a^2 - 2 r a b + b^2) / (1 - r^2), and the share nearer is 1 - exp(-d^2 / 2).
 TEST(Comparison, AnAnswerHasItsPlaceInThePosterior) {
   const auto place = [](double a, double b) {
     const std::vector<MethodSummary> all{{"enc", summary(13400 + 100 * a, 1390 + 10 * b, 85, 75)}, {"map", map_summary(13400, 1390)}};
@@ -141,7 +141,7 @@ TEST(Comparison, AnAnswerHasItsPlaceInThePosterior) {
     EXPECT_EQ(c.in_posterior[0].outside(), d2 > -2 * std::log(0.01));
     EXPECT_EQ(c.agree, !c.in_posterior[0].outside());
   }
-  // The same deviations in each parameter: along the ridge of constant impedance within, across it outside.
+  // The deviations of each parameter are the same in both cases: along the ridge of constant impedance the point is within, across the ridge it is outside.
   EXPECT_EQ(place(-1.5, 1.5).sentence, "ENC lies within the posterior (1.5 deviations from its mode, 69 % of it nearer).");
   EXPECT_THAT(place(1.5, 1.5).sentence, testing::AllOf(HasSubstr("ENC lies outside the posterior: 6.7 deviations from its mode, more than 99.9 % of it nearer"),
                                                        HasSubstr("impedance +"), Not(HasSubstr("density"))));

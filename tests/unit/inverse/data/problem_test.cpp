@@ -48,7 +48,7 @@ Recordings noisy(std::size_t n, double step) {
 }  // namespace
 
 TEST(Band, FollowsStudentsT) {
-  // Quantiles of t at 0.975 as printed in any table of Student's t, three decimals.
+  // Quantiles of Student's t at 0.975 as printed in tables, three decimals.
   EXPECT_NEAR(band_factor(2, false), 12.706, 5e-4);
   EXPECT_NEAR(band_factor(3, false), 4.303, 5e-4);
   EXPECT_NEAR(band_factor(5, false), 2.776, 5e-4);
@@ -97,7 +97,7 @@ TEST(Band, NarrowSamplesAreLeftOutAndCounted) {
   const auto p = make_problem(shape_of({"A"}, 3, 1), r, {});
   EXPECT_EQ(p.observations[0].narrow, 2u);
   EXPECT_THAT(p.warnings, testing::Contains(HasSubstr(" 2/3")));
-  // A simulation far from the record at the samples left out is still wholly inside, and has no excess.
+  // A simulation that is far from the record only at excluded samples is still wholly inside and has no excess.
   const std::vector<double> y{50, 100, -50};
   const Score s = score(p, y);
   EXPECT_EQ(s.accuracy, 100);
@@ -105,7 +105,7 @@ TEST(Band, NarrowSamplesAreLeftOutAndCounted) {
   EXPECT_NEAR(s.mae, 1e6 * (50 + 0 + 51.00005) / 3, 1);
 }
 
-/// Three gauges, the last of this size about an offset, with noise of standard deviation 1.
+/// Three gauges with noise of standard deviation 1; the signal of the last has this size about an offset.
 Problem with_a_quiet_gauge(double size, double offset = 0, double noise = 1) {
   const std::size_t n = 200;
   std::vector<double> time;
@@ -121,7 +121,7 @@ Problem with_a_quiet_gauge(double size, double offset = 0, double noise = 1) {
 }
 
 TEST(DeadGauge, IsOneThatRecordsItsNoiseAlone) {
-  for (const auto& p : {with_a_quiet_gauge(0), with_a_quiet_gauge(0, 0, 0), with_a_quiet_gauge(0, 7, 0)}) {  // noise, nothing, a value that never changes
+  for (const auto& p : {with_a_quiet_gauge(0), with_a_quiet_gauge(0, 0, 0), with_a_quiet_gauge(0, 7, 0)}) {  // noise only, nothing, a value that never changes
     EXPECT_EQ(p.observations.size(), 2u);
     EXPECT_THAT(p.dead, testing::ElementsAre("C"));
     EXPECT_THAT(p.warnings, testing::Contains(testing::AllOf(HasSubstr("Gauge C records nothing but noise and is left out"), HasSubstr("recordings.exclude"))));
@@ -130,8 +130,8 @@ TEST(DeadGauge, IsOneThatRecordsItsNoiseAlone) {
 
 TEST(DeadGauge, IsNotAQuietOneWhoseRecordStandsOutOfItsNoise) {
   EXPECT_THAT(with_a_quiet_gauge(2).dead,
-              testing::IsEmpty());  // half of its mean square is that of one pulse's noise, of four pulses it is eight times as large
-  EXPECT_THAT(with_a_quiet_gauge(15, 0, 40).dead, testing::IsEmpty());  // noise hides it, but no more than others would be hidden: it is not small beside them
+              testing::IsEmpty());  // half of its mean square is the noise of one pulse; the noise of the mean of four pulses is an eighth of it
+  EXPECT_THAT(with_a_quiet_gauge(15, 0, 40).dead, testing::IsEmpty());  // noise hides the gauge, but would hide the others as much: it is not small beside them
 }
 
 TEST(DeadGauge, AllOfThemAreAnError) {
@@ -145,13 +145,13 @@ TEST(Score, TheBandIsOpen) {
   const auto p = make_problem(shape_of({"A"}, 4, 1), r, {});
   const auto& o = p.observations[0];
   const std::vector<double> y{o.low[0], o.high[1], std::nextafter(o.low[2], 100), std::nextafter(o.high[3], 0)};
-  EXPECT_EQ(score(p, y).accuracy, 50);  // the two on the very edge are outside
+  EXPECT_EQ(score(p, y).accuracy, 50);  // the two samples on the very edge are outside
 }
 
 TEST(Score, AgreesWithBruteForce) {
   const std::size_t n = 60;
   const auto r = noisy(n, 1e-6);
-  const auto shape = shape_of({"A", "C", "B"}, n, 1e-6);  // another order, one sensor not recorded
+  const auto shape = shape_of({"A", "C", "B"}, n, 1e-6);  // the sensors are in another order, and one is not recorded
   const auto p = make_problem(shape, r, {});
   EXPECT_TRUE(p.same_grid);
   ASSERT_EQ(p.observations.size(), 2u);
@@ -194,7 +194,7 @@ TEST(Score, AgreesWithBruteForce) {
 }
 
 TEST(Score, BatchAgreesWithSingle) {
-  for (const double record_step : {1e-6, 0.7e-6}) {  // the same grid, and another
+  for (const double record_step : {1e-6, 0.7e-6}) {  // the same grid, and a different one
     const auto r = noisy(80, record_step);
     const auto shape = shape_of({"A", "C", "B"}, 64, 1e-6);
     const auto p = make_problem(shape, r, {});
@@ -214,7 +214,7 @@ TEST(Score, BatchAgreesWithSingle) {
         EXPECT_EQ(objectives().get("paper_enc").costs(p, values)[5], INFINITY);
         continue;
       }
-      EXPECT_NEAR(batch.accuracy[std::size_t(i)], s.accuracy, 1.0);  // a sample on the edge may fall the other way in single precision
+      EXPECT_NEAR(batch.accuracy[std::size_t(i)], s.accuracy, 1.0);  // in single precision a sample on the edge may fall on the other side
       EXPECT_NEAR(batch.mae[std::size_t(i)], s.mae, 2e-5 * s.mae);
       EXPECT_NEAR(batch.delta1[std::size_t(i)], s.delta1, 2e-5 * s.delta1);
       EXPECT_NEAR(batch.delta2[std::size_t(i)], s.delta2, 2e-4 * s.delta2);
@@ -245,7 +245,7 @@ TEST(Score, InterpolationIsExactForParabolasAndThirdOrderForWaves) {
   };
   const double coarse = error(1.0 / 40), fine = error(1.0 / 80);
   EXPECT_LT(coarse, 1e-3);
-  EXPECT_GT(coarse / fine, 6);  // third order gives 8 at the ends, fourth 16 inside
+  EXPECT_GT(coarse / fine, 6);  // third order gives 8 at the ends, fourth order 16 inside
 }
 
 TEST(Problem, ComparesWithinTheOverlapAndReportsTheRest) {
@@ -270,7 +270,7 @@ TEST(Problem, ASingleSampleInCommonIsAnError) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("a single sample"), HasSubstr("unit of time")));
   }
-  r = recordings_of({"A"}, {0, 1}, {0});  // of a model that gives one value it is none
+  r = recordings_of({"A"}, {0, 1}, {0});  // for a model with a single value this is not an error
   r.values = {1, 2};
   EXPECT_EQ(make_problem(shape_of({"A"}, 1, 1), r, {}).time.size(), 1u);
 }

@@ -127,7 +127,7 @@ TEST(Recordings, UnitsMayStandInTheHeader) {
   EXPECT_EQ(wide.sensors, (std::vector<std::string>{"A", "B"}));
   EXPECT_DOUBLE_EQ(wide.values[3], 4e-6);
   EXPECT_DOUBLE_EQ(read("sensor,time,strain [um/m]\nA,0,1\nA,1,2\n", "microstrain").values[1], 2e-6);
-  EXPECT_EQ(read("time,A [top],B [rear]\n0,1,2\n1,3,4\n").sensors, (std::vector<std::string>{"A [top]", "B [rear]"}));  // no units, but names
+  EXPECT_EQ(read("time,A [top],B [rear]\n0,1,2\n1,3,4\n").sensors, (std::vector<std::string>{"A [top]", "B [rear]"}));  // the columns have names but no units
   EXPECT_THAT(message_of("time,A [um/m],B [m/m]\n0,1,2\n", "microstrain"), AllOf(HasSubstr("recordings.csv:1: "), HasSubstr("B [m/m]"), HasSubstr("one unit")));
 }
 
@@ -161,7 +161,7 @@ TEST(Recordings, RoundedTimesAreMetOnAnEvenGrid) {
 
 TEST(Recordings, NoiseIsANumberOrATable) {
   CaseFile one = CaseFile::from_text("[recordings]\nfile = 'a.csv'\nunit = 'microstrain'\nnoise = 2.0\n");
-  EXPECT_DOUBLE_EQ(read_recording_options(one).noise_of("A").value(), 2);  // in the data's unit
+  EXPECT_DOUBLE_EQ(read_recording_options(one).noise_of("A").value(), 2);  // in the unit of the data
   CaseFile table = CaseFile::from_text("[recordings]\nfile = 'a.csv'\nunit = 'kPa'\n[recordings.noise]\nA = 0.5\nB = 3\n");
   const auto options = read_recording_options(table);
   EXPECT_EQ(options.noise_of("A"), 0.5);
@@ -184,7 +184,7 @@ std::filesystem::path write_as(const std::filesystem::path& dir, const std::stri
   return import_recordings(files, {.unit = unit}, dir).path;
 }
 
-// Another model's values have a unit of their own, whatever a column is called.
+// The values of another model have a unit of their own, whatever the name of a column.
 TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   const auto path = scratch("as_it_is") / "recordings.csv";
   write_atomically(path, "sensor,pulse,time,microstrain\nA,0,0,5\nA,0,1,6\n");
@@ -196,7 +196,7 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   EXPECT_EQ(r.values, (std::vector<double>{5, 6}));
   EXPECT_EQ(r.unit, "microstrain");
   EXPECT_DOUBLE_EQ(*r.noise_of("A", options), 2);
-  // What the file says of itself is held against it: strain and microstrain are one quantity, others are not. The noise that the case gives goes with the
+  // The unit that the file declares is checked: strain and microstrain are one quantity, others are not. The noise that the case gives is converted with the
   // values.
   options.unit = "strain";
   EXPECT_DOUBLE_EQ(read_recordings(path, options).values[1], 6e-6);
@@ -209,7 +209,7 @@ TEST(Recordings, OfAnotherModelAreTakenAsTheyAre) {
   options.unit = "V";
   EXPECT_THROW((void)read_recordings(file, options), InputError);
   EXPECT_EQ(read_recordings(write_as(path.parent_path(), "V"), options).values[1], 6);
-  EXPECT_EQ(read_recordings(write_as(path.parent_path(), "Volts"), options).values[1], 6);  // as LabVIEW writes it
+  EXPECT_EQ(read_recordings(write_as(path.parent_path(), "Volts"), options).values[1], 6);  // in the form that LabVIEW writes
   EXPECT_NEAR(read_recordings(write_as(path.parent_path(), "mV"), options).values[1], 6e-3, 1e-15);
 }
 
@@ -285,7 +285,7 @@ TEST(Recordings, OfAModelOutsideAreThoseAtItsTimes) {
   EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr("interpolated")));
   warnings.clear();
   EXPECT_EQ(at_times_of(read(own), 0, 1, warnings).time.size(), 9u);
-  EXPECT_EQ(at_times_of(read(own), 0, 0.5, warnings).time.size(), 9u);  // sparse ones stand on every second time
+  EXPECT_EQ(at_times_of(read(own), 0, 0.5, warnings).time.size(), 9u);  // the sparse record has every second time
   EXPECT_TRUE(warnings.empty());
 }
 
@@ -302,7 +302,7 @@ TEST(Recordings, RoundTripThroughNetcdf) {
   ASSERT_EQ(back.values.size(), r.values.size());
   for (std::size_t i = 0; i < r.values.size(); ++i) EXPECT_TRUE(back.values[i] == r.values[i] || (std::isnan(back.values[i]) && std::isnan(r.values[i])));
   EXPECT_THAT(back.warnings, testing::ElementsAre(HasSubstr("1 dropouts")));
-  EXPECT_THROW((void)read_recordings_file(dir / "recordings.nc", "microstrain"), InputError);  // the file says strain
+  EXPECT_THROW((void)read_recordings_file(dir / "recordings.nc", "microstrain"), InputError);  // the file declares strain
 
   r = read(long_form);
   write_recordings(dir / "plain.nc", r);
@@ -345,7 +345,7 @@ TEST(Import, WideFilesBecomePulsesAndLongOnesKeepTheirs) {
   EXPECT_FALSE(r.recorded(0, 0, 1));
   EXPECT_EQ(r.values[r.at(0, 1, 1, 0)], 5);
   EXPECT_EQ(r.values[r.at(0, 2, 1, 1)], 8);
-  // Once more, the merged file with another one; and the same samples twice.
+  // The merged file is imported again with another one, and the same samples are given twice.
   const std::vector<std::filesystem::path> again{summary.path, dir / "b.csv"}, twice{dir / "c.csv", dir / "c.csv"};
   EXPECT_EQ(import_recordings(again, {}, dir / "out2").recordings.pulses.size(), 3u);
   try {
@@ -369,7 +369,7 @@ TEST(Import, LabviewHeaderGivesTheStep) {
   EXPECT_EQ(r.unit, "Volts");
   EXPECT_NEAR(r.time[4], 4 * 3.3e-7, 1e-15);
   EXPECT_EQ(r.values[r.at(0, 1, 0, 3)], -3);
-  // an instrument's header without the word LabVIEW
+  // the header of an instrument, without the word LabVIEW
   const auto other = read("Scope 4\nTime,11:57\nOperator,me\nTime,A,B\n0,1,2\n1,3,4\n");
   EXPECT_EQ(other.values, (std::vector<double>{1, 3, 2, 4}));
   EXPECT_THAT(other.warnings, testing::ElementsAre(HasSubstr("3 lines")));
@@ -387,6 +387,6 @@ TEST(Recordings, AHundredThousandRowsAreReadAtOnce) {
   const auto r = read_recordings_file(path);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   EXPECT_EQ(r.values.size(), 11u * 18 * 471);
-  EXPECT_LT(seconds, 2.0);  // about 0.03 s when measured; the bound leaves room for a busy machine
+  EXPECT_LT(seconds, 2.0);  // measured: about 0.03 s; the bound leaves room for a busy machine
   RecordProperty("seconds", std::to_string(seconds));
 }

@@ -18,7 +18,7 @@ namespace {
 
 const std::vector<double> truth{12100, 1630, 2.3e4};
 
-/// Oscillations with the gradient that a surrogate has, by central differences.
+/// Oscillations with a gradient by central differences, as a surrogate has one.
 struct SmoothModel : Oscillations {
   using Oscillations::Oscillations;
   [[nodiscard]] bool has_gradient() const override { return true; }
@@ -36,7 +36,7 @@ struct SmoothModel : Oscillations {
   }
 };
 
-/// Records of the model at the truth; `spoilt` adds to sensor C what the model cannot say: half of its signal, at a quarter of its frequency.
+/// Records of the model at the truth. `spoilt` adds to sensor C a signal that the model cannot produce: half of its own at a quarter of the frequency.
 struct Case {
   SmoothModel model;
   Recordings recordings;
@@ -86,7 +86,7 @@ TEST(ObjectiveGradient, AgreesWithDifferences) {
   }
 }
 
-TEST(ObjectiveGradient, OfTheWrongSignWouldNotPass) {  // the check above can fail
+TEST(ObjectiveGradient, OfTheWrongSignWouldNotPass) {  // control: the check above can fail
   const Case c;
   auto values = c.model.evaluate(std::vector<double>{12500, 1650, 2e4}).mean;
   const Objective& objective = objectives().get("paper_enc");
@@ -163,7 +163,7 @@ TEST(EncAgreement, ObjectivesDisagreeWhereOneGaugeSaysWhatTheModelCannot) {
   const auto a = run(c, small()).agreement;
   EXPECT_FALSE(a.objectives_agree);
   EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("objectives disagree"), HasSubstr("moves"), HasSubstr("depends on the formulation")));
-  // each answer is the best of all by its own objective, on this model that is the surrogate too
+  // each answer is the best of all by its own objective, because the surrogate of this model is the model itself
   for (std::size_t i = 0; i < a.objectives.size(); ++i)
     for (std::size_t k = 0; k < a.objectives.size(); ++k) {
       const Objective& by = objectives().get(a.objectives[i].objective);

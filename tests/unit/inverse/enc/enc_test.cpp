@@ -37,13 +37,13 @@ TEST(Enc, RecoversTheTruth) {
   Case c;
   const auto s = run_enc(c.problem, c.model, c.model, small(), 1, 2);
   ASSERT_EQ(s.status, CalibrationStatus::done);
-  // mae of the mean of 8 pulses about the truth is 8e-6 sqrt(2 / (8 pi)) = 2.26 microstrain; peaks are 160 microstrain.
+  // The mae of the mean of 8 pulses about the truth is 8e-6 sqrt(2 / (8 pi)) = 2.26 microstrain; peaks are 160 microstrain.
   EXPECT_NEAR(s.theta[0], truth[0], 0.02 * truth[0]);
   EXPECT_NEAR(s.theta[1], truth[1], 0.005 * truth[1]);
   EXPECT_NEAR(s.theta[2], truth[2], 0.08 * truth[2]);
   EXPECT_NEAR(s.best.score.mae, 2.26, 0.25);
   EXPECT_GT(s.best.score.accuracy, 95);
-  EXPECT_GT(*s.best.objective_model, *s.at_nominal.objective_model + 20);  // the negative control: the nominal is far off
+  EXPECT_GT(*s.best.objective_model, *s.at_nominal.objective_model + 20);  // negative control: the nominal point is far off
   EXPECT_EQ(s.best.theta, s.candidates[0].theta);
   EXPECT_EQ(s.model_runs, 6u);
   EXPECT_EQ(s.evaluations, 8u * 41 * 30);
@@ -89,7 +89,7 @@ TEST(Enc, EveryOptimizerIsDrawnAndSummedUp) {
   int rounds = 0;
   for (const auto& e : s.optimizers) {
     rounds += e.rounds;
-    EXPECT_GE(e.rounds, 2) << e.name;  // of 40 draws from four: fewer than 2 has probability 1e-4
+    EXPECT_GE(e.rounds, 2) << e.name;  // in 40 draws from four fewer than 2 has probability 1e-4
     double sum = 0, best = -1e300;
     for (const auto& r : s.rounds)
       if (r.optimizer == e.name) sum += r.objective, best = std::max(best, r.objective);

@@ -7,7 +7,7 @@
 
 namespace calomel {
 
-/// A fit of records by an analytic model on one mesh, and what it works on.
+/// A fit of records by an analytic model on one mesh, with its inputs.
 struct Fitted {
   const ForwardModel& model;
   Recordings recordings;
@@ -26,9 +26,9 @@ struct Fitted {
       return records;
     };
   }
-  Fitted(const Fitted&) = delete;  // `in` refers to its neighbours
+  Fitted(const Fitted&) = delete;  // `in` refers to the other members
 
-  /// About `centre`, half as wide as told, of the logarithm where the lower bound is positive.
+  /// A box about `centre`, half as wide as given, in the logarithm where the lower bound is positive.
   MapSummary map(std::vector<double> centre, std::vector<double> half_width, const std::vector<MechanismDirections>& left_out = {},
                  const NestedModel* nested = nullptr) {
     in.centre = std::move(centre), in.half_width = std::move(half_width);

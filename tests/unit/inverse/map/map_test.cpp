@@ -1,4 +1,4 @@
-// The mode, its covariance and evidence against closed forms; coverage over many data sets, with the errors that must fail; what is told of an answer.
+// Tests the mode, its covariance and evidence against closed forms, coverage over many data sets with controls that must fail, and the summary of an answer.
 #include "inverse/map/map.hpp"
 
 #include <gmock/gmock.h>
@@ -56,7 +56,7 @@ TEST(Map, OfALinearModelIsTheClosedForm) {
   EXPECT_NEAR(summary.log_evidence_laplace, evidence, 1e-2);
   EXPECT_NEAR(summary.fit.effective_data, double(times), 1e-3);
   EXPECT_TRUE(summary.adequate) << summary.fit.p_value;
-  // A run of the model at the mode says what the emulator says.
+  // A run of the model at the mode equals the emulator's prediction.
   EXPECT_EQ(summary.status, CalibrationStatus::done);
   EXPECT_NEAR(summary.best.objective_model.value(), summary.log_likelihood + summary.log_prior, 1e-3);
   EXPECT_TRUE(summary.check.holds || summary.check.runs[0].distance < 1e-5) << summary.check.p_value;
@@ -86,7 +86,7 @@ TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
     const auto weights = f->fit.posterior->density(f->fit.modes[0].at).weights;
     return std::tuple{std::move(s), weights, f->fit.hypotheses};
   };
-  // Nothing left out: the scales that are next to nothing have the weight, and the answer is nearly as sure as without.
+  // Nothing is missing from the model: scales close to zero have the weight, and the answer is nearly as certain as without a discrepancy.
   const auto [plain, one, of_plain] = map(false);
   EXPECT_EQ(one.size(), 1u);
   const auto [honest, weights, hypotheses] = map(true);
@@ -95,7 +95,7 @@ TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
   for (std::size_t j = 0; j < weights.size(); ++j) total += weights[j], small += hypotheses[j].discrepancy <= 0.01 ? weights[j] : 0;
   EXPECT_NEAR(total, 1, 1e-9);
   EXPECT_GT(small, 0.8);
-  // A bump that the line cannot follow: a scale of its size, and an adequate fit that is less sure.
+  // The line cannot follow a bump: the fitted scale has the size of the bump, and the fit is adequate but less certain.
   for (std::size_t t = 0; t < times; ++t) recordings.values[t] += 0.3 * std::exp(-0.5 * std::pow((double(t) - 70) / 12, 2));
   const auto [bumped, bumped_weights, bumped_hypotheses] = map(true);
   double scale = 0;
@@ -106,7 +106,7 @@ TEST(Map, APhysicalProductTakesUpWhatTheModelLeavesOut) {
   EXPECT_LT(std::abs(bumped.theta[0] - 3), 3 * std::sqrt(bumped.covariance(0, 0)));
 }
 
-/// Two oscillations whose frequency and damping are sought; nonlinear in both.
+/// Two oscillations whose frequency and damping are fitted; the model is nonlinear in both.
 AnalyticModel ringing() {
   return {{uniform_parameter("frequency", 10e3, 30e3, 20e3), uniform_parameter("damping", 1e3, 5e4, 1e4)},
           {[](auto p, double t) { return 100 * std::exp(-p[1] * t) * std::sin(2 * M_PI * p[0] * t); },
@@ -148,7 +148,7 @@ Coverage coverage(const RecordingOptions& recording, int values, bool repeats_kn
 
 TEST(Map, IntervalsCoverTheTruthAsOftenAsTheySay) {
   const auto c = coverage({}, 140, true);
-  // 200 intervals of 100 data sets; their parameters are nearly independent: standard errors 0.033 and 0.015.
+  // 200 intervals of 100 data sets with nearly independent parameters: standard errors 0.033 and 0.015.
   EXPECT_NEAR(c.share(c.one), 0.683, 3 * 0.033);
   EXPECT_NEAR(c.share(c.two), 0.954, 3 * 0.015);
 }
@@ -160,7 +160,7 @@ TEST(Map, IndependentErrorsUnderCorrelatedNoiseDoNotCover) {
 }
 
 TEST(Map, ARidgeOfConstantImpedanceIsNamed) {
-  // A model that knows of density and sound speed only their product.
+  // A model that depends on density and sound speed only through their product.
   const AnalyticModel model({uniform_parameter("density", 11000, 15000, 13500), uniform_parameter("sound_speed", 1200, 1700, 1450),
                              uniform_parameter("tensile_cutoff", 5e4, 5e5, 1.5e5)},
                             {[](auto p, double t) { return 5e-6 * p[0] * p[1] * std::sin(8e4 * t) + 2e-4 * p[2] * std::sin(3e4 * t); },
@@ -228,7 +228,7 @@ TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
 }
 
 TEST(Map, AGaugeThatDoesNotFitIsSeenThoughChiSquaredIsContent) {
-  // The second gauge reads 6 % less than the model has it; the mesh's error is taken for granted at 30 % of the amplitude.
+  // The second gauge reads 6 % less than the model predicts. The error of the mesh is taken as 30 % of the amplitude.
   const std::vector<Parameter> parameters{uniform_parameter("a", 0.5, 2, 1)};
   const AnalyticModel model{
       parameters, {[](auto p, double t) { return 50 * p[0] * std::sin(2e5 * t); }, [](auto p, double t) { return 30 * p[0] * std::cos(1.1e5 * t); }}, 60, step};

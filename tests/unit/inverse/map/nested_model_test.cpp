@@ -1,4 +1,4 @@
-// The Bayes factor of nested models against its closed form, and records with nothing added, which must not favour what is added.
+// Tests the Bayes factor of nested models against its closed form, and on records without the added term, which must not favour it.
 #include "inverse/map/nested_model.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ struct Case {
     const NestedModel of{.name = "small.out", .added = {"c"}};
     return *fitted.map({0.7, -1.2, 0}, {2, 6, 6}, {}, &of).nested;
   }
-  /// Of the linear Gaussian models.
+  /// The closed form for the linear Gaussian models.
   [[nodiscard]] double closed_form() const {
     Eigen::MatrixXd design(times, 3);
     Eigen::VectorXd y(times);

@@ -1,4 +1,4 @@
-// Scores of points by directions and coefficients, against scores of the histories that these stand for.
+// Compares scores of points by directions and coefficients with scores of the histories that they represent.
 #include "inverse/objective/batch_scorer.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace calomel {
 namespace {
 
-/// Fixed histories of coefficients that are wavy in the parameters.
+/// Fixed directions with coefficients that oscillate over the parameters.
 struct Directed : Oscillations {
   explicit Directed(std::size_t n_times, Eigen::Index rank = 7) : Oscillations(n_times) {
     RandomStream random(5, 1);
@@ -88,7 +88,7 @@ TEST(BatchScorer, SaysWhatScoresOfTheHistoriesSayByEveryInstructionSet) {
               EXPECT_TRUE(std::isnan(s.mae[i]) && std::isnan(s.accuracy[i]) && std::isnan(s.nrmse[i]) && std::isnan(s.delta1[i]) && std::isnan(s.delta2[i]));
               continue;
             }
-            EXPECT_NEAR(s.accuracy[i], one.accuracy, 1.0);  // a sample on the edge may fall the other way in single precision
+            EXPECT_NEAR(s.accuracy[i], one.accuracy, 1.0);  // in single precision a sample on the edge may fall on the other side
             EXPECT_NEAR(s.accuracy[i], whole.accuracy[i], 1.0);
             for (const auto* other : {&whole.mae[i], &one.mae}) EXPECT_NEAR(s.mae[i], *other, 2e-5 * *other);
             for (const auto* other : {&whole.delta1[i], &one.delta1}) EXPECT_NEAR(s.delta1[i], *other, 2e-5 * *other);
@@ -100,7 +100,7 @@ TEST(BatchScorer, SaysWhatScoresOfTheHistoriesSayByEveryInstructionSet) {
     }
 }
 
-TEST(BatchScorer, OfOtherCoefficientsWouldNotPass) {  // the check above can fail
+TEST(BatchScorer, OfOtherCoefficientsWouldNotPass) {  // control: the check above can fail
   const Directed model(333, 23);
   const Problem p = make_problem(model.shape(), gauges(model.shape(), model.shape().times[1]), {});
   Eigen::MatrixXf c = model.coefficients(points_in(model.shape(), 2));
@@ -123,7 +123,7 @@ TEST(BatchScorer, AColumnDoesNotKnowOfItsNeighbours) {
   }
 }
 
-/// The same histories from directions as from the models themselves, through all that a calibration puts about a surrogate.
+/// Histories from directions equal those from the models, through every wrapper that a calibration puts about a surrogate.
 TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
   const Directed model(120);
   const auto& parameters = model.shape().parameters;

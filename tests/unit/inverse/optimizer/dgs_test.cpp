@@ -13,7 +13,7 @@ namespace {
 
 const Eigen::Vector3d centre(0.31, 0.62, 0.44);
 
-/// A bowl with ripples of amplitude 0.05 and wavelength 0.08: some hundred local minima in the unit box.
+/// A bowl with ripples of amplitude 0.05 and wavelength 0.08, which has about a hundred local minima in the unit box.
 double rippled(const Eigen::VectorXd& x) {
   double f = 0;
   for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -44,7 +44,7 @@ double mean_end(const std::vector<DgsTrial>& trials) {
 }  // namespace
 
 TEST(Dgs, CostsWhatThePaperCounts) {
-  // 6 calls for the directions and 20 for the line search, 100 iterations, 50 trials: 130 000 evaluations a surrogate.
+  // 6 calls for the directions and 20 for the line search, 100 iterations and 50 trials: 130 000 evaluations of a surrogate.
   EXPECT_EQ(dgs_evaluations({}, 3), 26u);
   std::size_t evaluations = 0, calls = 0;
   const BatchFunction counted = [&](const Eigen::MatrixXd& points, std::span<double> values) {
@@ -68,7 +68,7 @@ TEST(Dgs, EndsInTheBowl) {
 TEST(Dgs, EscapesRipplesWhereALocalGradientDoesNot) {
   const auto starts = random_starts(40, 3);
   const auto smoothed = minimise_dgs(batched(rippled), starts, {}, 100, 1);
-  // The negative control: a radius far below the wavelength is the plain gradient, with a line search no longer than a ripple.
+  // Negative control: a radius far below the wavelength is the plain gradient, with a line search no longer than a ripple.
   DgsOptions local;
   local.radius = 1e-3, local.longest_step = 0.03;
   const auto plain = minimise_dgs(batched(rippled), starts, local, 100, 1);
@@ -95,7 +95,7 @@ TEST(Dgs, TrialsDependOnTheirSeedAndIndexAlone) {
   for (std::size_t t = 0; t < 2; ++t) EXPECT_EQ(all[t].x, few[t].x);
   EXPECT_NE(minimise_dgs(batched(rippled), starts, {}, 20, 8)[0].x, all[0].x);
   DgsOptions fixed;
-  fixed.basis = "coordinates";  // nothing random is left
+  fixed.basis = "coordinates";  // no random number is used
   EXPECT_EQ(minimise_dgs(batched(rippled), starts, fixed, 20, 7)[0].x, minimise_dgs(batched(rippled), starts, fixed, 20, 8)[0].x);
 }
 

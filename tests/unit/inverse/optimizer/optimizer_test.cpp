@@ -19,7 +19,7 @@ namespace {
 
 using Function = double (*)(const Eigen::VectorXd& z);  // z: distance from the optimum
 double sphere(const Eigen::VectorXd& z) { return z.squaredNorm(); }
-double rosenbrock(const Eigen::VectorXd& z) {  // its optimum (1, ..., 1) moved to z = 0
+double rosenbrock(const Eigen::VectorXd& z) {  // the optimum (1, ..., 1) moved to z = 0
   double f = 0;
   for (Eigen::Index k = 0; k + 1 < z.size(); ++k) {
     const double a = z[k] + 1, b = z[k + 1] + 1;
@@ -33,7 +33,7 @@ double rastrigin(const Eigen::VectorXd& z) {
   return f;
 }
 
-/// A box of three parameters of unlike size, with the optimum neither at its centre nor at the origin.
+/// A box of three parameters of different size, with the optimum neither at its centre nor at the origin.
 const Bounds box{Eigen::Vector3d(-3, -4, -2.5), Eigen::Vector3d(4.5, 3.5, 5)};
 const Eigen::Vector3d optimum(1.37, -2.21, 3.05);
 
@@ -43,7 +43,7 @@ BatchFunction batched(Function f) {
   };
 }
 
-/// log10 of the best values of 40 seeds, none taken below `floor`: mean and standard error.
+/// log10 of the best values of 40 seeds, each at least `floor`: mean and standard error.
 struct Outcome {
   double mean, error;
 };
@@ -58,7 +58,7 @@ Outcome outcome(const OptimizerEntry& entry, Function f, double floor = 1e-300) 
   return {mean, std::sqrt(std::max(0.0, squares / runs - mean * mean) / (runs - 1))};
 }
 
-/// The negative control: the same number of evaluations, all uniform in the box.
+/// Negative control: the same number of evaluations, all uniform in the box.
 struct RandomSearch {
   int generations = 100;
   unsigned seed = 1;
@@ -131,7 +131,7 @@ TEST_P(EveryOptimizer, BearsFailedEvaluations) {
 INSTANTIATE_TEST_SUITE_P(Registered, EveryOptimizer, testing::ValuesIn(optimizers().names()), [](const auto& info) { return info.param; });
 
 TEST(Optimizers, FindTheShiftedSphere) {
-  // Where each ends after 60 generations of 40 (log10 of the value, means of 40 seeds); thresholds leave 3 standard errors.
+  // Result of each after 60 generations of 40 (log10 of the value, means of 40 seeds); the thresholds leave 3 standard errors.
   const std::pair<const char*, double> limits[] = {{"es", -5}, {"gwo", -2}, {"de", -7}, {"mfo", -3}, {"cmaes", -9}};
   for (const auto& [name, limit] : limits) {
     const auto o = outcome(optimizers().get(name), sphere);
@@ -151,7 +151,7 @@ TEST(Optimizers, DeAndGwoAreNoWorseThanThoseOfPagmo) {
 }
 
 TEST(Optimizers, GreyWolfIsTiedToTheLowerCornerAsPublished) {
-  // The bias that the documentation speaks of: an optimum at the origin of the scaled box is found far too well.
+  // The documented bias: an optimum at the origin of the scaled box is found far too well.
   const auto corner = [](const Eigen::MatrixXd& points, std::span<double> values) {
     for (Eigen::Index i = 0; i < points.cols(); ++i) values[std::size_t(i)] = (points.col(i) - box.low).squaredNorm();
   };

@@ -1,4 +1,4 @@
-// Posteriors on one emulator under errors that leave something out, beside their formulas.
+// Tests posteriors on one emulator with error models that omit a term, against their formulas.
 #include "inverse/posterior/compared_errors.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace calomel {
 namespace {
 
-/// Records of vanishing elements, emulated on two meshes; the last parameter is taken for a nuisance.
+/// Records for vanishing element size, emulated on two meshes; the last parameter is a nuisance parameter.
 struct Compared {
   Meshed exact{0}, fine{0.25}, coarse{0.5};
   Recordings recordings = recorded(exact, {13600, 1440, 1.1e4}, 12, 2e-6, 3);
@@ -58,7 +58,7 @@ TEST(ComparedPosterior, IndependentIsTheSumOverTheSamplesOfTheModelsOwnHistories
   };
   const auto a = posterior.point(posterior.q(std::vector<double>{13600, 1440, 1e4}, 0)),
              b = posterior.point(posterior.q(std::vector<double>{13450, 1446, 1e4}, 0));
-  EXPECT_NEAR(a.theta[2], 1e4, 1e-6);  // the nuisance, held at its nominal value
+  EXPECT_NEAR(a.theta[2], 1e4, 1e-6);  // the nuisance parameter at its nominal value
   const double expected = by_samples(a) - by_samples(b), got = posterior.density(a).log_likelihood - posterior.density(b).log_likelihood;
   EXPECT_GT(std::abs(expected), 10);
   EXPECT_NEAR(got, expected, 1e-5 * std::abs(expected));
@@ -78,7 +78,7 @@ TEST(ComparedPosterior, NoMeshErrorsKeepsTheOtherTermsAndNothingElse) {
   const Eigen::VectorXd r = bare.data() - c.fit.coefficients * posterior.emulator().features(at.u, 0);
   const double chi2 = r.dot(Cholesky(bare.covariance()).solve(r));
   EXPECT_NEAR(posterior.density(at).chi2, chi2, 1e-6 * chi2);
-  EXPECT_GT(chi2, 2 * c.fit.posterior->density(c.fit.modes[0].at).chi2);  // the control: with the mesh's errors the records are met
+  EXPECT_GT(chi2, 2 * c.fit.posterior->density(c.fit.modes[0].at).chi2);  // control: with the errors of the mesh the fit is adequate
 }
 
 TEST(ComparedPosterior, FormsHaveASentenceEach) {

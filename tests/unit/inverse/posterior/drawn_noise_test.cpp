@@ -1,4 +1,4 @@
-// Draws of the numerical noise's hyperparameters: whether they are spread as the estimates themselves are, and what stays of the estimate.
+// Tests draws of the numerical noise's hyperparameters: whether they scatter as the estimates do, and whether their mean is the estimate.
 #include "inverse/posterior/drawn_noise.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double noise_sd = 0.05;
 
-/// Two sensors linear in two parameters, runs with a noise of their own that is three times as large on the coarse mesh.
+/// Two sensors that are linear in two parameters, with runs whose noise is three times as large on the coarse mesh.
 struct Noisy {
   std::vector<Parameter> parameters{normal_parameter("a", 2, 0.5), normal_parameter("b", 0.5, 0.5)};
   AnalyticModel model{
@@ -68,7 +68,7 @@ TEST(BootstrapWeights, AreThoseOfADirichletAndComeFromSeedAndDrawAlone) {
   EXPECT_NE(bootstrap_weights(left, 1, 3), bootstrap_weights(left, 2, 3));
 }
 
-// 36 runs and 21 coefficients: 15 squares are left. The spread of a drawn variance beside that of the estimate over many sets of runs.
+// 36 runs and 21 coefficients leave 15 squares. The scatter of a drawn variance is compared with that of the estimate over many sets of runs.
 TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficientsAreMany) {
   constexpr Eigen::Index runs = 36;
   const Eigen::MatrixXd u = first_design(5, int(runs), 2);
@@ -99,15 +99,15 @@ TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficients
       return m;
     };
     drawn_mean += spread(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // Rubin's weights, as if no square had been taken away
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // and the residuals taken as they are
+    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // control: Rubin's weights, without the correction for the coefficients
+    (void)spread(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // control: uncorrected residuals
   }
   const double variance = square - mean * mean;  // 2 / 15 of sigma^4; known to 4 %
   EXPECT_NEAR(mean, 1, 0.05);
   EXPECT_NEAR(drawn_mean, mean, 0.01);
   EXPECT_NEAR(variance, 2.0 / 15, 0.025);
-  EXPECT_NEAR(std::sqrt(own / variance), 0.95, 0.05);  // what 15 squares lack of many: a bootstrap's x_i are themselves as few
-  EXPECT_LT(std::sqrt(plain / variance), 0.8);         // the controls
+  EXPECT_NEAR(std::sqrt(own / variance), 0.95, 0.05);  // 15 squares are few: the x_i of a bootstrap are as few
+  EXPECT_LT(std::sqrt(plain / variance), 0.8);         // controls
   EXPECT_LT(std::sqrt(shrunk / variance), 0.5);
 }
 
@@ -128,7 +128,7 @@ TEST(DrawNoise, LiesAboutTheEstimateAndIsTheSameOnAnyThreads) {
   EXPECT_NEAR(scale, 1, 0.1);
   EXPECT_GT(spread, 0.02);
   EXPECT_LT(spread, 0.5);
-  // The ratio of the meshes' noises is 9 in truth.
+  // The true ratio of the noise variances of the meshes is 9.
   EXPECT_LT(std::abs(log_ratio - truth), 4 * ratio_spread);
   EXPECT_GT(ratio_spread, 0.02);
   const auto again = draw_noise(in, fit, 3, 3, 1), other = draw_noise(in, fit, 1, 4, 1);

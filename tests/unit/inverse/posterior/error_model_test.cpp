@@ -1,4 +1,4 @@
-// The covariance of the mean records against what it is made of, written out densely or by simulation.
+// Tests the covariance of the mean records against its parts, written out as dense matrices or simulated.
 #include "inverse/posterior/error_model.hpp"
 
 #include <gmock/gmock.h>
@@ -38,7 +38,7 @@ TEST(Decimation, IsLinearTheSameForRecordAndModelAndKeepsConstants) {
 
 TEST(Decimation, TakesOutWhatLiesAboveTheCoarseSamplingFrequency) {
   const auto amplitude = [](double frequency) {
-    // Cosine and sine: near the coarse Nyquist frequency one of them alone beats with the sampling.
+    // Cosine and sine are both used: near the coarse Nyquist frequency one of them alone beats with the sampling.
     const auto phase = [&](double t) { return 2 * M_PI * frequency * t; };
     const AnalyticModel model({uniform_parameter("a", 0, 2, 1)},
                               {[&](auto, double t) { return std::cos(phase(t)); }, [&](auto, double t) { return std::sin(phase(t)); }}, 600, 1e-6);
@@ -49,7 +49,7 @@ TEST(Decimation, TakesOutWhatLiesAboveTheCoarseSamplingFrequency) {
     return std::sqrt((d.segment(3, 54).squaredNorm() + d.segment(63, 54).squaredNorm()) / 54);
   };
   EXPECT_GT(amplitude(10.3e3), 0.95);
-  EXPECT_NEAR(amplitude(49.3e3), 0.5 + 0.7 / 50 * 0.5, 0.02);  // its slope there is about -1/(2 x 50 kHz)
+  EXPECT_NEAR(amplitude(49.3e3), 0.5 + 0.7 / 50 * 0.5, 0.02);  // its gradient there is about -1/(2 x 50 kHz)
   EXPECT_LT(amplitude(107e3), 0.03);
   EXPECT_LT(amplitude(193e3), 0.03);
 }
@@ -68,7 +68,7 @@ TEST(Decimation, LeavesOutWindowsThatLackHalfTheirSamplesAndBandLimits) {
   EXPECT_EQ(Decimation(problem, 1000, 25e3).factor(), 20u);
 }
 
-// A channel that was sampled at a quarter of the others' rate has its windows too; model and record take the same samples.
+// A channel that was sampled at a quarter of the others' rate has windows of its own; model and record use the same samples.
 TEST(Decimation, KeepsASlowerChannel) {
   const auto model = waves(160);
   auto recordings = pulses_of(model, {1}, {.pulses = 3, .noise = 1}, 3);
@@ -77,7 +77,7 @@ TEST(Decimation, KeepsASlowerChannel) {
       if (t % 4 != 0) recordings.values[recordings.at(0, 0, p, t)] = std::nan("");
   const Problem problem = make_problem(model.shape(), recordings, {});
   EXPECT_EQ(Decimation(problem, 40).windows(0).size(), 20u);
-  // Finer than its own step there is nothing to compare at most times: told, where errors are made.
+  // Below its own step a channel has no samples at most times: an error is raised where the error model is made.
   const Recordings one = [&] {
     auto r = recordings;
     for (std::size_t p = 0; p < 3; ++p)
@@ -125,8 +125,8 @@ TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError)
     const Decimation grid(problem, 200);
     const ReplicateNoise noise = learn_noise(problem, grid, recordings, {}, {});
     const SeriesNoise& s = noise.series[0];
-    EXPECT_NEAR(s.time, 8e-6, 2.5e-6);  // about 3 standard errors: 15 pulses of 500 us are some 470 correlation times
-    // The variance of one pulse after the filter.
+    EXPECT_NEAR(s.time, 8e-6, 2.5e-6);  // about 3 standard errors: 15 pulses of 500 us have some 470 correlation times
+    // Variance of one pulse after the filter.
     const double due = 4 * filtered_covariance(grid.windows(0), grid.record_time(), 8e-6, 0).diagonal().mean();
     const double mean = s.pulse.diagonal().mean(), se = due * std::sqrt(2 / s.freedom);
     z += (mean - due) / se / sets, squares += std::pow((mean - due) / se, 2) / sets;
@@ -136,7 +136,7 @@ TEST(Correlation, TimeOfAnOrnsteinUhlenbeckProcessIsFoundWithinItsStandardError)
   EXPECT_GT(squares, 0.1);
 }
 
-// A lost sample does not cost the pulse, and where pulses end early the mean is that of fewer.
+// A lost sample does not exclude the pulse, and where pulses end early the mean is that of fewer pulses.
 TEST(ReplicateNoise, PulsesMayHaveDropoutsAndEndEarly) {
   const auto model = waves(80);
   auto recordings = pulses_of(model, {1}, {.pulses = 4, .noise = 1}, 3);
@@ -152,7 +152,7 @@ TEST(ReplicateNoise, PulsesMayHaveDropoutsAndEndEarly) {
   EXPECT_FALSE(noise.series[0].given);
   EXPECT_EQ(noise.series[0].present[10], 3);
   EXPECT_EQ(noise.series[0].present[50], 4);
-  EXPECT_TRUE(noise.series[1].given);  // three of its four pulses are no whole ones
+  EXPECT_TRUE(noise.series[1].given);  // three of its four pulses are incomplete
   const auto& terms = e.terms();
   const auto of_mean = std::find_if(terms.begin(), terms.end(), [](const auto& t) { return t.name == "noise"; });
   ASSERT_NE(of_mean, terms.end());
@@ -171,7 +171,7 @@ TEST(ReplicateNoise, EnergiesOfThePulsesAreFoundAndTakenOff) {
   EXPECT_NEAR(noise.energy_sd, 0.02, 4 * 0.02 / std::sqrt(2 * 19.0));
   const double due = filtered_covariance(grid.windows(0), grid.record_time(), 5e-6, 0).diagonal().mean();
   EXPECT_NEAR(noise.series[0].pulse.diagonal().mean(), due, 4 * due * std::sqrt(2 / noise.series[0].freedom));
-  // Left in, the energies would have been half as much again or more.
+  // With these pulses the energies would be larger by half or more.
   const double scatter = std::pow(0.02 * 100, 2) / 2;
   EXPECT_LT(noise.series[0].pulse.diagonal().mean(), 0.5 * (due + scatter));
 }
@@ -187,7 +187,7 @@ TEST(ReplicateNoise, ModulationInTimeAndZeroingAreSeen) {
   const Eigen::Index n = s.pulse.rows();
   EXPECT_GT(s.modulation[n - 1], 1.8 * s.modulation[1]);
   EXPECT_LT(s.modulation[n - 1], 4.5 * s.modulation[1]);
-  // Far apart, what two samples share is the noise of the one at t = 0, sd 2.
+  // Samples that are far apart share only the noise of the sample at t = 0, sd 2.
   double shared = 0;
   int count = 0;
   for (Eigen::Index i = n / 2; i < n; ++i)
@@ -209,7 +209,7 @@ TEST(ReplicateNoise, DriftingPulsesRaiseTheSplitHalf) {
   EXPECT_GT(ratio(), 3);
 }
 
-/// A likelihood on few values, with everything in it.
+/// A likelihood on few values, with every term.
 struct Small {
   AnalyticModel model = waves(40);
   Recordings recordings = pulses_of(model, {1}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
@@ -238,7 +238,7 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
   const Small s;
   const ErrorOptions options{.values = 12, .band = 1e9, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .beyond_rest = 0.5};
   ErrorDirections d;
-  d.gauge_places = Eigen::MatrixXd::Zero(80, 2);  // one that all gauges share, one of the second gauge alone
+  d.gauge_places = Eigen::MatrixXd::Zero(80, 2);  // one direction that all gauges share, one of the second gauge alone
   d.gauge_places.col(0).setConstant(3), d.gauge_places.col(1).tail(40).setConstant(5);
   d.last_difference = Eigen::VectorXd::Constant(80, 4);
   const ErrorModel m(s.problem, s.recordings, {}, options, d);
@@ -263,7 +263,7 @@ TEST(ErrorModel, EveryTermStandsWhereItShould) {
   EXPECT_NEAR(total, 1, 1e-12);
 }
 
-// Records whose clock is late differ from those in time by the term's one direction, the same delay for all gauges.
+// Records with a late clock differ from those without by the one direction of the term: the same delay of all gauges.
 TEST(ErrorModel, AnUncertainTriggerIsWhatLateRecordsDifferBy) {
   constexpr double delay = 0.4e-6;
   const auto at = [](double late) {
@@ -279,11 +279,11 @@ TEST(ErrorModel, AnUncertainTriggerIsWhatLateRecordsDifferBy) {
   const Eigen::VectorXd change = at(delay).data() - in_time.data();
   EXPECT_LT((term->covariance - change * change.transpose()).norm(), 0.05 * term->covariance.norm());  // half of the delay times the frequency, to second order
   const ErrorModel known = in_time.without("trigger");
-  EXPECT_LT(Cholesky(in_time.covariance()).solve_lower(change).squaredNorm(), 1.1);  // one deviation, and what is left to second order
+  EXPECT_LT(Cholesky(in_time.covariance()).solve_lower(change).squaredNorm(), 1.1);  // one deviation, and the remainder of second order
   EXPECT_GT(Cholesky(known.covariance()).solve_lower(change).squaredNorm(), 100);
 }
 
-/// A single pulse of two gauges, whose noise the case has to tell.
+/// A single pulse of two gauges, for which the case must give the noise.
 struct OnePulse {
   AnalyticModel model = waves(40);
   Recordings recordings = pulses_of(model, {1}, {.pulses = 1, .noise = 2}, 2);
@@ -300,15 +300,15 @@ TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
   const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_LT(s.off(m, s.noise), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
-  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of it stays without memory
+  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of the variance stays white
   const ErrorModel coloured(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);
   EXPECT_EQ(coloured.covariance()(10, 50), 0);  // another gauge
 }
 
-// What is not known of a gauge and of the beam is not known of a single pulse either: a target recorded once was held for known to its noise, and earlier
-// pulses were named where nothing was left out.
+// The uncertainties of gauge and beam apply to a single pulse, too. Once a target with one recorded pulse was taken as known to its noise, and earlier
+// pulses were named where nothing was missing.
 TEST(ErrorModel, ASinglePulseHasTheErrorsOfItsGaugesAndAnEnergyOfItsOwn) {
   OnePulse s;
   s.plain.gain_sd = 0.03, s.plain.energy_scale_sd = 0.02, s.plain.baseline = 0.5;
@@ -322,7 +322,7 @@ TEST(ErrorModel, ASinglePulseHasTheErrorsOfItsGaugesAndAnEnergyOfItsOwn) {
     return ErrorModel(s.problem, s.recordings, options, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .energy_sd = 0.04});
   };
   EXPECT_LT(s.off(with_energy(s.options), expected + 16e-4 * y * y.transpose()), 1e-9);
-  s.options.energy_sd = 0.05;  // the recordings' word comes first
+  s.options.energy_sd = 0.05;  // the recordings have precedence
   EXPECT_LT(s.off(with_energy(s.options), expected + 25e-4 * y * y.transpose()), 1e-9);
 }
 
@@ -333,7 +333,7 @@ TEST(ErrorModel, NumericalNoiseIsThatOfThePulsesThatWereRecorded) {
   const ErrorModel one(s.problem, s.recordings, s.options, s.plain,
                        {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});  // a run is the mean over eight
   EXPECT_LT(s.off(one.with_record_noise(of_a_run), s.noise + 0.25 * 8 * of_a_run), 1e-12);
-  const Small repeated;  // whose scatter tells it
+  const Small repeated;  // whose scatter gives the noise
   const ErrorModel six(repeated.problem, repeated.recordings, {}, s.plain, {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .pulses = 8});
   EXPECT_LT((six.with_record_noise(of_a_run).covariance() - six.covariance() - 0.25 * of_a_run).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -360,7 +360,7 @@ TEST(Discrepancy, IsZeroBeforeTheFirstArrivalAndSharedByNeighbours) {
     }
   }
   EXPECT_GE(symmetric_eigenvalues(c).minCoeff(), -1e-8 * c.trace());
-  // Without that rule there is a little before, too.
+  // Control: without that rule there is a little before the front, too.
   const Eigen::MatrixXd everywhere = discrepancy_shape(problem, l.grid(), l.data(), positions, {.arrival_share = 0}, matern32(15e-6));
   for (Eigen::Index i = 0; i < 20; ++i) {
     if (t[i] > 80e-6 && t[i] < 85e-6) {
@@ -374,7 +374,7 @@ TEST(Discrepancy, AnAmplitudeIsNoLargerThanTheSpanOfItsRecord) {
   const Eigen::VectorXd swing = Eigen::VectorXd::LinSpaced(50, 0, 20).array().sin();
   EXPECT_NEAR(greatest_amplitude(swing), 2, 0.01);
   EXPECT_NEAR(greatest_amplitude(swing.array() + 300), greatest_amplitude(swing), 1e-9);  // an absolute temperature
-  EXPECT_LT(std::sqrt(swing.squaredNorm() / 50), greatest_amplitude(swing));              // about 0 it takes nothing away
+  EXPECT_LT(std::sqrt(swing.squaredNorm() / 50), greatest_amplitude(swing));              // about 0 nothing is subtracted
   EXPECT_EQ(greatest_amplitude(Eigen::VectorXd::Constant(3, -5)), 5);
 }
 

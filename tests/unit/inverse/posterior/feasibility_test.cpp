@@ -1,4 +1,4 @@
-// The boundary of failures is found, and searches keep off it.
+// Tests that the boundary of failures is found and that searches avoid it.
 #include "forward/surrogate/feasibility.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<Parameter> plane{uniform_parameter("a", 0, 2, 1), uniform_parameter("b", 10, 30, 20)};
 
-/// Beyond a slanted line.
+/// Runs fail beyond a slanted line.
 bool breaks(double a, double b) { return a / 2 + (b - 10) / 20 > 1.4; }
 
 struct Runs {
@@ -42,7 +42,7 @@ TEST(Feasibility, FindsTheBoundary) {
 }
 
 TEST(Feasibility, FailuresByChanceMakeNoBoundary) {
-  // One run in twelve fails, anywhere: no place is to be kept off.
+  // One run in twelve fails, anywhere: no place is to be avoided.
   Runs runs;
   RandomStream random(8, 0);
   for (std::size_t i = 0; i < runs.failed.size(); ++i) runs.failed[i] = random.uniform() < 1.0 / 12;
@@ -70,25 +70,25 @@ TEST(Feasibility, ReasonsAreCountedWithoutTheirNumbers) {
   EXPECT_EQ(reasons.size(), 2u);
 }
 
-/// The record asks for a point beyond the boundary; the surrogate knows nothing of the failures, the true model fails there.
+/// The best fit to the record lies beyond the boundary. The surrogate predicts there; the true model fails there.
 TEST(Feasibility, OptimisersAreKeptOffWhatFails) {
   AnalyticModel model(plane, {[](auto p, double t) { return p[0] * 100 * std::sin(6e4 * t) + p[1] * std::cos(9e4 * t); }}, 100, 1e-6);
-  const AnalyticModel surrogate = model;  // knows no failures
+  const AnalyticModel surrogate = model;  // the surrogate predicts no failure
   const auto recordings = pulses_of(model, {1.7, 27}, {.pulses = 6, .noise = 2, .noise_time = 4e-6}, 2);
   model.fails = [](std::span<const double> p) { return breaks(p[0], p[1]); };
   const Problem problem = make_problem(model.shape(), recordings, {});
   const Runs runs;
   const Feasibility f(plane, runs.theta, runs.failed);
   const GuardedModel guarded(surrogate, f);
-  // The basin of the records by the surrogate.
+  // The basin of the records according to the surrogate.
   const auto basin = [&](const ForwardModel& search) { return find_basin(problem, recordings, {}, {.values = 60, .band = 1e9}, search, 0.02, {}, 1, 1); };
   const auto blind = basin(surrogate), kept = basin(guarded);
   EXPECT_TRUE(breaks(blind[0], blind[1]));
   EXPECT_TRUE(f.feasible(kept));
   EXPECT_FALSE(f.feasible(blind));
   EXPECT_LT(kept[0] / 2 + (kept[1] - 10) / 20, 0.9 * (blind[0] / 2 + (blind[1] - 10) / 20));
-  EXPECT_GT(kept[0] / 2 + (kept[1] - 10) / 20, 1.2);  // up to the boundary, the true point being beyond
-  // ENC likewise.
+  EXPECT_GT(kept[0] / 2 + (kept[1] - 10) / 20, 1.2);  // up to the boundary, since the true point is beyond it
+  // The same holds for ENC.
   const auto enc = run_enc(problem, guarded, model, {.rounds = 4, .generations = 40, .population = 20}, 1, 1);
   EXPECT_TRUE(enc.trusted()) << enc.message;
   EXPECT_FALSE(breaks(enc.theta[0], enc.theta[1]));

@@ -9,10 +9,10 @@
 
 namespace calomel {
 
-/// What is wrong with the records.
+/// Errors of the records.
 struct Spoilt {
   std::size_t gauge = 0;
-  double gain = 1;    ///< of that gauge
+  double gain = 1;    ///< gain of that gauge
   double energy = 1;  ///< of all pulses
   double late = 0;    ///< of all records [s]
 };

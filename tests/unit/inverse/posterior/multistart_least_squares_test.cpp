@@ -1,4 +1,4 @@
-// Where a quick model fits its records, and how wide a box is laid about it.
+// Tests multistart least squares for a model with cheap runs, and the width of the box about its optimum.
 #include "inverse/posterior/multistart_least_squares.hpp"
 
 #include <gtest/gtest.h>
@@ -12,12 +12,12 @@
 namespace calomel {
 namespace {
 
-/// A wave of amplitude "a", recorded with a = 1.03 in five pulses with noise; `beside` are further parameters, which do nothing, and stand at 1 in the records.
+/// A wave of amplitude "a", recorded with a = 1.03 in five pulses with noise; `beside` are further parameters without effect, which are 1 in the records.
 struct RecordedWave {
   explicit RecordedWave(const std::vector<Parameter>& beside = {})
       : model(with_amplitude(beside), {[](auto p, double t) { return p[0] * std::sin(6e4 * t); }}, 100, 1e-6), recordings(recorded(beside.size())) {}
 
-  /// A run is the model's values, each times `off()`.
+  /// A run has the values of the model, each times `off()`.
   PosteriorInputs inputs(std::function<double()> off) const {
     PosteriorInputs in{.problem = problem,
                        .recordings = recordings,
@@ -56,7 +56,7 @@ struct RecordedWave {
   }
 };
 
-// The posterior of what the records do not tell is its prior: a box of fewer deviations cuts it, and so do deviations that are taken from chains in it.
+// A parameter that the records do not constrain has its prior as posterior. A box of fewer deviations cuts it, and so do deviations from chains in such a box.
 TEST(MultistartFit, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMiddleAtLeast) {
   Parameter idle = uniform_parameter("z", 0.01, 100, 1);
   idle.prior = "lognormal", idle.mu = std::log(2), idle.sigma = 0.7;
@@ -65,13 +65,13 @@ TEST(MultistartFit, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutIts
   place_box_by_least_squares(in);
   EXPECT_NEAR(in.centre[0], 1.03, 0.02);
   EXPECT_LT(in.half_width[0], 0.2);
-  EXPECT_NEAR(in.centre[1], 2, 0.02);  // of the logarithm, not of the density over z
+  EXPECT_NEAR(in.centre[1], 2, 0.02);  // in the logarithm, not in the density over z
   EXPECT_GE(in.half_width[1], 3 * 0.7);
   EXPECT_LT(in.half_width[1], 5 * 0.7);
 }
 
-// Two runs at nearly one point: what they differ by is the model's own jitter. Of 100 values of unit amplitude with errors of 0.01 / sqrt(5) a jitter of 0.2 %
-// is sqrt(2) sqrt(100 / 2) 0.002 / (0.01 / sqrt(5)) = 4.5 standard errors, and drives finite differences of a step of 0.1 % of the prior astray.
+// Two runs at nearly the same point differ by the numerical noise of the model. In 100 values of unit amplitude with errors of 0.01 / sqrt(5), noise of 0.2 %
+// is sqrt(2) sqrt(100 / 2) 0.002 / (0.01 / sqrt(5)) = 4.5 standard errors, and spoils finite differences with a step of 0.1 % of the prior.
 TEST(MultistartFit, JitterIsWhatTwoRunsOfNearlyOnePointDifferBy) {
   const RecordedWave wave;
   const auto jitter_of = [&](double share) {

@@ -1,5 +1,5 @@
-// The posterior on the multilevel emulator: its density against the formula written out, its gradient against differences, its mode and evidence against
-// closed forms, and the whole fit on a model whose meshes are known.
+// Tests the posterior on the multilevel emulator: its density against the formula, its gradient against differences, its mode and evidence against
+// closed forms, and the whole fit on a model with known errors of its meshes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 namespace calomel {
 namespace {
 
-/// Two sensors linear in two parameters; the coarse mesh is off by a constant and a slope.
+/// Two sensors that are linear in two parameters; the error of the coarse mesh is a constant and a gradient.
 struct Lines {
   std::vector<Parameter> parameters{normal_parameter("a", 2, 0.5), uniform_parameter("b", -4, 4, 0)};
   AnalyticModel fine{
@@ -67,7 +67,7 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   const auto at = posterior.point(q);
   EXPECT_NEAR(at.theta[0], 2.4, 1e-9);
   EXPECT_NEAR(at.theta[1], 0.5, 1e-9);
-  // The dense Gaussian with covariance errors + v noise.
+  // Dense Gaussian with the covariance errors + v noise.
   const ErrorModel model(lines.problem, lines.recordings, lines.recording_options, with, {});
   RandomStream random(7, 0);
   Eigen::MatrixXd u = first_design(2, 20, 4), histories(120, 28);
@@ -88,7 +88,7 @@ TEST(LogPosterior, IsTheFormulaWrittenOut) {
   const auto density = posterior.density(at);
   EXPECT_NEAR(density.chi2, chi2, 1e-6 * chi2);
   ASSERT_FALSE(std::isinf(model.freedom()));
-  // With the scale learnt from replicates the Gaussian becomes a t of the same chi-squared.
+  // With a noise scale estimated from replicates the Gaussian becomes a t of the same chi-squared.
   const double f = model.freedom(),
                t = std::lgamma((f + p) / 2) - std::lgamma(f / 2) - 0.5 * p * std::log(f * M_PI) - 0.5 * log_det - 0.5 * (f + p) * std::log1p(chi2 / f);
   EXPECT_NEAR(density.log_likelihood, t, 1e-6 * std::abs(t));
@@ -117,7 +117,7 @@ TEST(LogPosterior, GradientsAreThoseOfDifferences) {
   }
 }
 
-// The likelihood to a power: the prior and the Jacobian stay, and the gradient is that of differences.
+// The likelihood is raised to a power. Prior and Jacobian stay, and the gradient agrees with finite differences.
 TEST(LogPosterior, ToAPowerHasThatMuchLessOfTheLikelihood) {
   const Lines lines;
   const LogPosterior posterior = lines.posterior(0.3, lines.errors), weaker = posterior.to_the_power(0.5);
@@ -144,7 +144,7 @@ TEST(LogPosterior, DensityByTheUnconstrainedCoordinatesHasTheSameMassAsByThePara
   constexpr int n = 240;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      // The same rectangle about the mode in either coordinates, each with its own even grid.
+      // Integral over the same rectangle about the mode in both coordinates, each with its own even grid.
       const Eigen::Vector2d low(1.7, -0.3), high(2.7, 1.7), part((i + 0.5) / n, (j + 0.5) / n);
       const Eigen::Vector2d at = low + part.cwiseProduct(high - low);
       by_theta +=
@@ -155,13 +155,13 @@ TEST(LogPosterior, DensityByTheUnconstrainedCoordinatesHasTheSameMassAsByThePara
       without_jacobian += std::exp(posterior.mode_density(q) - top) * (q_high - q_low).prod() / (n * n);
     }
   EXPECT_NEAR(by_q / by_theta, 1, 0.003);
-  EXPECT_GT(std::abs(without_jacobian / by_theta - 1), 0.02);  // the control: a Jacobian left out shows
+  EXPECT_GT(std::abs(without_jacobian / by_theta - 1), 0.02);  // control: a missing Jacobian is detected
 }
 
 TEST(LocalMode, IsTheClosedFormOfALinearModelAndSoIsItsEvidence) {
   Lines lines;
   lines.errors.values = 120;
-  lines.recordings = pulses_of(lines.fine, {2.2, 0.7}, {.pulses = 400, .noise = 2}, 5);  // so many that the t is Gaussian
+  lines.recordings = pulses_of(lines.fine, {2.2, 0.7}, {.pulses = 400, .noise = 2}, 5);  // so many replicates that the t is Gaussian
   lines.problem = make_problem(lines.fine.shape(), lines.recordings, lines.recording_options);
   const LogPosterior posterior = lines.posterior(0, lines.errors);
   const auto modes = find_modes(posterior, {posterior.q(std::vector<double>{1, -2}, 0), posterior.q(std::vector<double>{3, 2}, 0)});
@@ -184,14 +184,14 @@ TEST(LocalMode, IsTheClosedFormOfALinearModelAndSoIsItsEvidence) {
   EXPECT_NEAR(modes[0].at.theta[1], best[1], 1e-4);
   const Eigen::MatrixXd covariance = parameter_covariance(posterior, modes[0]);
   EXPECT_LT((covariance - information.inverse()).norm(), 0.01 * information.inverse().norm());
-  // Evidence: y ~ N(X m, C + X P X') with a flat prior 1/8 of b, which is far wider than its likelihood.
+  // Evidence: y ~ N(X m, C + X P X') with a flat prior 1/8 for b, which is far wider than its likelihood.
   Eigen::Matrix2d P = Eigen::Vector2d(0.25, 1e4).asDiagonal();
   const Eigen::MatrixXd total = model.covariance() + X * P * X.transpose();
   const Cholesky factor(total);
   const Eigen::VectorXd r = model.data() - 2 * X.col(0);
   const double flat = std::log(std::sqrt(2 * M_PI * 1e4) / 8);
   const double log_z = -0.5 * r.dot(factor.solve(r)) - factor.half_log_determinant() - 0.5 * double(r.size()) * std::log(2 * M_PI) + flat;
-  EXPECT_NEAR(log_evidence(posterior, modes[0]), log_z, 0.5);  // the t of 399 squares a value differs by a few hundredths
+  EXPECT_NEAR(log_evidence(posterior, modes[0]), log_z, 0.5);  // the t of 399 squares per value differs by a few hundredths
 }
 
 TEST(NumericalNoise, HasTheVarianceOfItsResidualsAndFullRank) {
@@ -207,7 +207,7 @@ TEST(NumericalNoise, HasTheVarianceOfItsResidualsAndFullRank) {
   EXPECT_TRUE(factor.positive_definite());
 }
 
-/// The meshes of meshed.hpp: the records lie at vanishing elements, the fine mesh at 0.25, the coarse at 0.5.
+/// The meshes of meshed.hpp: the records are those of vanishing element size; the fine mesh has 0.25, the coarse one 0.5.
 struct Meshes {
   Meshed exact{0}, fine{0.25}, coarse{0.5};
   std::vector<double> truth{13600, 1440, 1.1e4};
@@ -239,7 +239,7 @@ TEST(FitPosterior, FindsTheTruthBeyondTheFinestMeshWithinItsDeviations) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(std::abs(best.at.theta[k] - meshes.truth[k]), 3 * sd[Eigen::Index(k)]) << k;
   EXPECT_LT(sd[1] / 1440, 0.01);
   EXPECT_LT(fit.levels[0].left_out, 0.03);
-  // The emulator's history at the truth and one mesh step beyond is that of vanishing elements.
+  // The emulator's history at the truth, one mesh step beyond the finest, is that of vanishing element size.
   const auto exact = meshes.exact.evaluate(meshes.truth).mean;
   const Eigen::VectorXd emulated = fit.history(fit.posterior->box().u(meshes.truth), 1);
   const Eigen::Map<const Eigen::VectorXd> e(exact.data(), Eigen::Index(exact.size()));
@@ -267,7 +267,7 @@ TEST(FitPosterior, MovesItsBoxToAnAnswerOutsideTheFirst) {
   EXPECT_NEAR(fit.modes[0].at.theta[1], 1440, 30);
 }
 
-/// A model of one parameter in [1, 2] or, with `shift`, in bounds moved by it, whose posterior lies at the upper bound; runs carry no noise.
+/// A model of one parameter in [1, 2], or in bounds moved by `shift`, whose posterior lies at the upper bound; runs have no noise.
 PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const PosteriorInputs&, const PosteriorFit&)>& look = {}) {
   const AnalyticModel model({uniform_parameter("a", 1 + shift, 2 + shift, 1.5 + shift)},
                             {[shift](auto p, double t) { return 100 * std::sin((p[0] - shift) * t * 4e4); }}, 50, 1e-6, "strain");
@@ -291,7 +291,7 @@ PosteriorFit fit_at_the_upper_bound(double shift, const std::function<void(const
   return fit;
 }
 
-// A bound is a bound whatever its sign: a box that reaches it is not moved for ever.
+// The sign of a bound does not matter: a box that reaches a bound is not moved again and again.
 TEST(FitPosterior, SettlesAtAnUpperBoundBelowZeroAsAtOneAbove) {
   const PosteriorFit above = fit_at_the_upper_bound(0), below = fit_at_the_upper_bound(-5);
   EXPECT_TRUE(above.settled) << above.message;
@@ -299,7 +299,7 @@ TEST(FitPosterior, SettlesAtAnUpperBoundBelowZeroAsAtOneAbove) {
   EXPECT_NEAR(below.modes[0].at.theta[0], above.modes[0].at.theta[0] - 5, 1e-3);
 }
 
-// Where runs carry no noise what an emulator misses is no error of the records: prediction and evidence at the mode are those of the run there.
+// If runs have no noise, the emulator's error is not an error of the records: prediction and evidence at the mode are those of the run there.
 TEST(HeldToTheModel, AnExactModelIsItsRunAtTheMode) {
   fit_at_the_upper_bound(0, [](const PosteriorInputs& in, const PosteriorFit& fit) {
     const PosteriorFit held = held_to_the_model(in, fit);
@@ -309,7 +309,7 @@ TEST(HeldToTheModel, AnExactModelIsItsRunAtTheMode) {
     EXPECT_LT((held.prediction(m.at) - run).norm(), 1e-9 * run.norm());
     EXPECT_NEAR(held.posterior->density(m.at).log_likelihood, fit.posterior->log_likelihood_of(run, 0), 1e-6);
     EXPECT_NEAR(m.at.theta[0], fit.modes[0].at.theta[0], 1e-3);
-    // An emulator that is far off at its mode is brought back to the model; by itself it holds for likely what is not.
+    // An emulator that is far off at its mode is corrected by runs of the model. By itself it assigns high probability to the wrong place.
     PosteriorFit off = fit;
     off.coefficients.col(0).array() += 5;
     off.noise = 25 * Eigen::MatrixXd::Ones(50, 50) + Eigen::MatrixXd::Identity(50, 50);
@@ -334,7 +334,7 @@ TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
 }
 
 TEST(FindBasin, AFewRunsOfTheFinestMeshTakeItFromTheCoarseMeshsAnswerToTheirs) {
-  // The surrogate is of a mesh twice as coarse as the finest: its own basin has 4 % of the sound speed too much.
+  // The surrogate is of a mesh twice as coarse as the finest; its own basin has a sound speed that is 4 % too high.
   Meshes meshes;
   const Meshed surrogate{0.5}, fine{0.05};
   int runs = 0;

@@ -35,7 +35,7 @@ TEST(Prior, IntegratesToOneAndItsQuantileIsTheInverse) {
 TEST(Prior, ProbabilityBelowAQuantileIsTheQuantiles) {
   for (const auto& prior : priors_of(every_kind())) {
     for (const double u : {0.003, 0.3, 0.5, 0.98}) EXPECT_NEAR(prior.probability_below(prior.quantile(u)), u, 1e-12) << prior.kind();
-    // Beyond the support there is nothing more.
+    // There is no probability beyond the support.
     if (std::isfinite(prior.low())) {
       EXPECT_EQ(prior.probability_below(prior.low() - 1), 0) << prior.kind();
     }
@@ -62,7 +62,7 @@ TEST(Prior, IsNothingOutsideItsSupport) {
       EXPECT_EQ(prior.log_density(prior.low() - 0.1), -std::numeric_limits<double>::infinity()) << p.prior;
     }
   }
-  EXPECT_TRUE(std::isfinite(Prior(every_kind()[1]).log_density(-9)));  // a normal one has no ends
+  EXPECT_TRUE(std::isfinite(Prior(every_kind()[1]).log_density(-9)));  // a normal prior has no ends
 }
 
 TEST(HandbookPriors, ReplaceTheCasesOwnAndRefuseAUniformStranger) {

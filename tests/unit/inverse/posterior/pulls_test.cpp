@@ -1,4 +1,4 @@
-// What the records say of marginalised numbers: of those that are off, of those that are not, and against the formula written out.
+// Tests the estimates of marginalised nuisance parameters: of those with an error, of those without, and against the formula.
 #include "inverse/posterior/pulls.hpp"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ TEST(Pulls, NameTheGaugeWhoseGainIsOff) {
   const auto all = pulls(residual_of(FourGauges({.gauge = 2, .gain = 1.08}).fit));
   EXPECT_EQ(all[0].term, "gain");
   EXPECT_EQ(pulled_number(all[0].term, all[0].gauge), "the gain of " + all[0].gauge);
-  EXPECT_NEAR(all[0].pull, 8 * (1 - all[0].sd * all[0].sd), 1);  // what the records do not say stays where it was said to be
+  EXPECT_NEAR(all[0].pull, 8 * (1 - all[0].sd * all[0].sd), 1);  // nuisance parameters that the records do not determine stay at their prior
   EXPECT_LT(all[0].sd, 0.6);
   EXPECT_THAT(far_pulls(all, {}), ElementsAre(AllOf(HasSubstr("the gain of " + all[0].gauge + " by +"), HasSubstr("errors.gain_sd), +"), HasSubstr(" %:"))));
 }
@@ -39,7 +39,7 @@ TEST(Pulls, NameTheEnergyWhereAllGaugesAreOff) {
   EXPECT_THAT(far_pulls(all, {})[0], HasSubstr("the energy of all pulses by -"));
 }
 
-// d^T C^-1 r and 1 - d^T C^-1 d, by the dense covariance.
+// d^T C^-1 r and 1 - d^T C^-1 d, with the dense covariance.
 TEST(Pulls, AreTheFormulaWrittenOut) {
   const FourGauges target({.gauge = 1, .gain = 1.03, .energy = 1.01});
   const PosteriorFit& fit = target.fit;

@@ -1,4 +1,4 @@
-// Score tests with a free scale: uniform p-values whatever the covariance's factor, power where chi-squared is blind, nothing from what the parameters do.
+// Score tests with a free scale: uniform p-values for any factor of the covariance, power where chi-squared has none, no effect of the fitted parameters.
 #include "inverse/posterior/score_test.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ struct Case {
   EmulatorBox box{model.shape().parameters, std::vector<double>{0.5}, std::vector<double>{2}};
   std::vector<double> middle = box.theta(Eigen::VectorXd::Zero(1));
 
-  /// The posterior whose residual at the box's middle is the one given; the emulator has learnt the model's one direction, or more columns of the same kind.
+  /// The posterior with a given residual at the middle of the box. The emulator was trained on the model's one direction, or on more columns of the kind.
   [[nodiscard]] LogPosterior posterior(const Eigen::VectorXd& residual) const {
     EmulatorRuns runs{.u = Eigen::MatrixXd(1, 9), .level = std::vector<int>(9, 0), .levels = 1};
     Eigen::MatrixXd outputs(factor.rows(), 9);
@@ -47,14 +47,14 @@ struct Case {
     return score_tests(p, p.point(p.q(middle, 0)), errors.grid(), of, runs);
   }
 
-  /// Two shapes in time that the model knows nothing of.
+  /// Two shapes in time that the model cannot produce.
   [[nodiscard]] MechanismDirections other() const {
     MechanismDirections l{.name = "other", .keys = {"early", "late"}, .off = {0, 3}, .directions = Eigen::MatrixXd::Zero(Eigen::Index(2 * times), 2)};
     for (std::size_t t = 0; t < times; ++t)
       l.directions(Eigen::Index(t), 0) = std::exp(-double(t) / 20), l.directions(Eigen::Index(times + t), 1) = std::sin(0.25 * double(t));
     return l;
   }
-  /// A residual of the covariance times `scale`, seen beside the fitted direction, with `amount` of the other shapes.
+  /// A residual with covariance times `scale` that contains `amount` of the other shapes, with the fitted direction projected out.
   [[nodiscard]] Eigen::VectorXd residual(double scale, const Eigen::Vector2d& amount, std::uint64_t draw) const {
     RandomStream random(11, draw);
     Eigen::VectorXd z(factor.rows());
@@ -83,7 +83,7 @@ TEST(ScoreTests, PValuesAreUniformWhateverTheCovariancesScale) {
 }
 
 TEST(ScoreTests, AnErrorOfTheModelThatLooksLikeAMechanismIsHeldAgainstPairs) {
-  // Residuals that hold the other shapes by chance, as those of a mesh do: each fit looks as if the mechanism were there, the pairs as much as the records.
+  // Residuals that contain the other shapes by chance, as a mesh's do: each fit, of pairs of runs and of records, looks as if the mechanism were present.
   const Case c;
   constexpr int draws = 200;
   int alone = 0, held = 0, found = 0;
@@ -154,7 +154,7 @@ TEST(ScoreTests, WhatTheParametersCanDoIsNotHeldAgainstTheModel) {
     EXPECT_EQ(m.p_value, 1) << m.name;
   }
   EXPECT_FALSE(s.stands_out);
-  // The gains of two gauges, of which the parameter is one combination.
+  // Gains of two gauges; the parameter is one combination of them.
   EXPECT_EQ(c.tests(c.residual(1, {0, 0}, 1), {gauge_gains(c.problem, c.history)}).mechanisms[0].directions, 1);
 }
 

@@ -66,7 +66,7 @@ struct Case {
 SpeOptions small() {
   SpeOptions o;
   o.total_degree = {5, 8}, o.tensor_product = {4}, o.lambdas = {0.5, 1, 2};
-  o.trials = 12, o.iterations = 40, o.candidates = 5, o.zoom = 0;  // boxes that shrink: spe_zoom_test.cpp
+  o.trials = 12, o.iterations = 40, o.candidates = 5, o.zoom = 0;  // shrinking boxes are tested in spe_zoom_test.cpp
   return o;
 }
 
@@ -89,8 +89,8 @@ TEST(Spe, RecoversTheTruth) {
   o.objective = "rrmse";
   const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
   ASSERT_EQ(s.status, CalibrationStatus::done);
-  EXPECT_LT(away(s.theta), 0.05);   // candidates are told apart at 0.03 of the box
-  EXPECT_GT(away(s.nominal), 0.2);  // the negative control
+  EXPECT_LT(away(s.theta), 0.05);   // candidates closer than 0.03 of the box are the same
+  EXPECT_GT(away(s.nominal), 0.2);  // negative control
   EXPECT_LT(*s.best.objective_model, 0.3 * *s.at_nominal.objective_model);
   EXPECT_EQ(s.surrogates.size(), 9u);
   for (const auto& p : s.surrogates) {
@@ -192,7 +192,7 @@ TEST(Spe, WhenAllCoefficientsVanishItSaysSo) {
     EXPECT_THAT(e.what(), HasSubstr("vanishes"));
     EXPECT_THAT(e.what(), HasSubstr("cross_validation"));
   }
-  o.lambdas = {1, 1e8};  // one of two stands
+  o.lambdas = {1, 1e8};  // one of two surrogates remains
   o.refinements = 0;
   const auto s = run_spe(c.problem, c.archive, c.model, o, 1, 2);
   EXPECT_EQ(s.status, CalibrationStatus::done);
@@ -219,7 +219,7 @@ TEST(Spe, LambdaMayBeGivenInFourWays) {
 }
 
 TEST(Spe, TheChosenLambdasComeNearTheBestOfThePathOnFreshPoints) {
-  // Noisy values of a function of 7 polynomials in a space of 286; the truth on points that took no part. Means over ten data sets.
+  // Noisy values of a function of 7 polynomials in a space of 286; the error is measured at points that were not used. Means over ten data sets.
   const auto function = [](const Eigen::VectorXd& u) {
     const double x = 2 * u[0] - 1, y = 2 * u[1] - 1, z = 2 * u[2] - 1;
     return 60 + 20 * x * x + 12 * x * y + 15 * y + 8 * z * z * z - 6 * x * z + 4 * y * y * z;
@@ -256,8 +256,8 @@ TEST(Spe, TheChosenLambdasComeNearTheBestOfThePathOnFreshPoints) {
     validated += errors("validation", {1})[0], crossed += errors("cross_validation", {1})[0];
   }
   EXPECT_LT(crossed, 1.1 * best);
-  EXPECT_LT(validated, 1.3 * best);  // 24 held-out values choose less surely than five folds of 96
-  EXPECT_GT(strong, 1.5 * best);     // so the choice matters
+  EXPECT_LT(validated, 1.3 * best);  // 24 held-out values choose less reliably than five folds of 96
+  EXPECT_GT(strong, 1.5 * best);     // so the choice has an effect
   EXPECT_GT(weak, 1.5 * best);
 }
 
@@ -291,8 +291,8 @@ TEST(AdaptiveSpace, GrowsWhereTheFunctionVariesAndOnlyThere) {
   };
   const double grown = error({12}, {});
   EXPECT_LT(grown, 2e-3);
-  EXPECT_GT(error({1}, {}), 10 * grown);  // growth is what does it
-  EXPECT_GT(error({}, {4}), 5 * grown);   // 35 terms of every direction
+  EXPECT_GT(error({1}, {}), 10 * grown);  // the growth of the space makes the difference
+  EXPECT_GT(error({}, {4}), 5 * grown);   // 35 terms in every direction
   EXPECT_LT(degrees.cols(), 60);
   o.most_terms = 12;
   EXPECT_LE(fit_sparse_polynomials(data, (o.adaptive = {12}, o.total_degree = {}, o), 1, 1).spaces.at(0).terms, 12u);
@@ -342,8 +342,8 @@ TEST(Spe, ASparseGridSpaceRecoversWhatLiesInItAndNothingElse) {
     return fitted.surrogates.at(0).validation.rrmse;
   };
   EXPECT_LT(held_out_error(8, 2, 0), 1e-4);   // levels 3, 1, 0
-  EXPECT_LT(held_out_error(16, 0, 0), 1e-4);  // beyond every total degree of so few terms
-  EXPECT_GT(held_out_error(3, 3, 1), 0.05);   // levels 2, 2, 1: outside, though of lower total degree
+  EXPECT_LT(held_out_error(16, 0, 0), 1e-4);  // beyond every total degree with so few terms
+  EXPECT_GT(held_out_error(3, 3, 1), 0.05);   // levels 2, 2, 1: outside, though the total degree is lower
   EXPECT_GT(held_out_error(17, 0, 0), 0.05);
 }
 
@@ -414,5 +414,5 @@ TEST(DensityModes, AreThoseOfAKnownMixture) {
     // The smoothed cloud is a Gaussian of variance 0.02^2 + 0.05^2.
     EXPECT_NEAR(modes[m].density, sizes[m] / 100.0 * 0.05 * 0.05 / (0.05 * 0.05 + 0.02 * 0.02), 0.05 * sizes[m] / 100.0) << m;
   }
-  EXPECT_EQ(density_modes(points, 1.0).size(), 1u);  // the negative control: all in one
+  EXPECT_EQ(density_modes(points, 1.0).size(), 1u);  // negative control: all points in one cluster
 }

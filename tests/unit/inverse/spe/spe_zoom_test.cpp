@@ -44,7 +44,7 @@ TEST(SpeZoom, TheBoxIsHalvedAboutTheBest) {
 TEST(SpeZoom, WhereTheBestLiesAtTheEdgeTheBoxMoves) {
   const Bounds now{Eigen::Vector2d(2, 0), Eigen::Vector2d(6, 0.5)};
   EXPECT_TRUE(at_edge(square, now, {5.9, 0.2}));
-  EXPECT_FALSE(at_edge(square, now, {4, 0.02}));  // 0 is a bound: nothing lies beyond
+  EXPECT_FALSE(at_edge(square, now, {4, 0.02}));  // 0 is a bound: the box does not go beyond it
   EXPECT_TRUE(at_edge(square, now, {4, 0.48}));
   const Bounds b = next_box(square, now, {5.9, 0.02}, true);
   EXPECT_NEAR(b.low[0], 3.9, 1e-12);
@@ -65,7 +65,7 @@ TEST(SpeZoom, NewRunsLieInTheBox) {
   EXPECT_EQ(points, points_in(box, c.model.shape().parameters, 30, 7));
 }
 
-/// The misfit has a narrow valley in wide bounds, which polynomials over the whole of them do not follow.
+/// The misfit has a narrow valley in wide bounds, which polynomials over the whole range do not follow.
 TEST(SpeZoom, FindsWhatPolynomialsOfTheWholeBoxMiss) {
   const Case c;
   const auto archive = archive_of(c.model, "chebyshev", 80, 3);
@@ -82,7 +82,7 @@ TEST(SpeZoom, FindsWhatPolynomialsOfTheWholeBoxMiss) {
   EXPECT_GE(last.runs, last.made);
   EXPECT_GT(last.made, 30u);
   EXPECT_EQ(spe_json(zoomed, c.problem, {}).at("zoom").size(), zoomed.zooms.size());
-  // With one thread or two, the same.
+  // The result is the same with one thread and with two.
   EXPECT_EQ(run_spe(c.problem, archive, c.model, o, 1, 1).theta, zoomed.theta);
 }
 
@@ -102,13 +102,13 @@ TEST(SpeZoom, TheAnswerIsNeverWorseThanARunOfTheCampaign) {
     o.known_candidates = 0;
     const auto blind = run_spe(c.problem, archive, c.model, o, seed, 1);
     EXPECT_GE(*blind.best.objective_model, *s.best.objective_model);
-    EXPECT_EQ(s.model_runs, blind.model_runs);  // it cost no run
+    EXPECT_EQ(s.model_runs, blind.model_runs);  // the check cost no run
   }
 }
 
 TEST(SpeZoom, OptimaWhereRunsFailAreLeftOut) {
   Case c;
-  c.model.fails = [](std::span<const double> t) { return t[1] > 1550; };  // the truth is beyond
+  c.model.fails = [](std::span<const double> t) { return t[1] > 1550; };  // the truth lies beyond the bounds
   const auto archive = archive_of(c.model, "chebyshev", 150, 1);
   auto o = small();
   o.zoom = 1;
