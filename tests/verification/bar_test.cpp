@@ -25,7 +25,7 @@ TEST(Bar, FreeFixedFrequencies) {
     const auto out = ExplicitSolver(mesh, moduli).solve(s, rows, {});
     return fitted_frequency(out.times, row_of(out, 0), 0.8 * exact, 1.2 * exact);
   };
-  // In 80 elements mode 3 may err by (k h)^2 / 12 = 0.02 %, and by (nu k)^2 times the mean square radius for the inertia across (Rayleigh), 0.01 %.
+  // With 80 elements mode 3 may err by (k h)^2 / 12 = 0.02 %, and by lateral inertia (Rayleigh), (nu k)^2 times the mean square radius, 0.01 %.
   for (const int n : {1, 2, 3}) {
     const double exact = (2 * n - 1) * bar_speed() / (4 * length), coarse = frequency(n, 20, steel()), middle = frequency(n, 40, steel()),
                  fine = frequency(n, 80, steel());

@@ -70,7 +70,7 @@ Vibration vibrate(int through, int along, const LinearElastic& moduli) {
   const auto out = solver.solve(s, rows, {});
   Vibration v{};
   v.frequency = fitted_frequency(out.times, row_of(out, 0), 1500, 4000);
-  // Amplitudes of the three rows at that frequency, strain relative to deflection as the theory has it.
+  // Amplitudes of the three rows at that frequency, with strain relative to deflection as in the theory.
   const auto amplitude = [&](std::span<const double> y) {
     Eigen::MatrixXd a(Eigen::Index(y.size()), 3);
     for (Eigen::Index i = 0; i < a.rows(); ++i)
@@ -119,10 +119,10 @@ TEST(Bending, FreePlateSwingsAtTheReferenceFrequencyWithTheRightSurfaceStrain) {
               .control = "strain at the element's centre",
               .control_value = v.centre_strain});
     }
-    // One element carries (1 + 2) times the rotary inertia of its layer, lumped at the faces: 1.5 % in frequency, for the record.
+    // One element has (1 + 2) times the rotary inertia of its layer, lumped at the faces. The effect of 1.5 % in frequency is recorded without a bound.
     EXPECT_NEAR(v.frequency, reference_frequency, (through == 1 ? 0.02 : 0.01) * reference_frequency) << through;
     EXPECT_NEAR(v.surface_strain, 1, 0.02) << through;
-    // Control: the strain at the element's centre shows (n - 1)/n of the bending.
+    // Control: the strain at the centre of the element contains (n - 1)/n of the bending.
     EXPECT_NEAR(v.centre_strain, double(through - 1) / through, 0.02) << through;
   }
 }

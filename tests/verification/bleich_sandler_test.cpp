@@ -1,9 +1,9 @@
 // Bulk cavitation under a plate (Bleich and Sandler 1970; numbers of physics.md section 4).
 //
-// Gravity and hydrostatic prestress need no terms of their own. In the frame that falls with g there is no weight; plate and liquid are pushed up
-// by the pressure from below and rise together at g, and the pressure in them is the hydrostatic one. So: heating pressure p0(z) = m g + rho g z
-// (gauge), the same on the lower end of the column, cutoff p_atm (absolute pressure 0); g t comes off the velocities afterwards. The liquid is
-// 18 m deep in place of 3.81 m with a non-reflecting lower face: nothing comes back from below within 12 ms.
+// Gravity and hydrostatic prestress need no terms of their own. In the frame that falls with g there is no weight; the pressure from below pushes plate
+// and liquid up at g, and the pressure in them is the hydrostatic one. So the heating pressure is p0(z) = m g + rho g z
+// (gauge), the same on the lower end of the column, and the cutoff is p_atm (absolute pressure 0); g t is subtracted from the velocities. The liquid is
+// 18 m deep in place of 3.81 m with a non-reflecting lower face: no wave returns from below within 12 ms.
 #include <fmt/format.h>
 
 #include "tests/verification/column.hpp"
@@ -46,7 +46,7 @@ Bulk run(double element_size, double damping, bool hydrostatic = true, double cu
   s.liquid.tensile_cutoff = cutoff;
   s.liquid.viscosity = damping * p.density * p.speed * p.h();
   s.end_stress = {{0, 1}, {-pressure_at(length), -pressure_at(length)}};
-  // The plate, and the stretch of each element down to 4.5 m.
+  // The motion of the plate, and the stretch of each element down to 4.5 m.
   std::vector<ObservationRow> rows{component(nearest(mesh, {0, 0, 0}), 0)};
   std::vector<std::size_t> watched;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
@@ -61,7 +61,7 @@ Bulk run(double element_size, double damping, bool hydrostatic = true, double cu
   std::vector<bool> open(mesh.elements.size(), false);
   for (std::size_t i = 0; i < out.times.size(); ++i)
     for (std::size_t k = 0; k < watched.size(); ++k) {
-      // Cavitated: wider than the cutoff's strain (the pressure itself flickers with the viscosity).
+      // An element has cavitated where its strain exceeds that of the cutoff (the pressure itself fluctuates with the viscosity).
       const std::size_t e = watched[k];
       const bool now = s.p0[e] - p.modulus() * row_of(out, k + 1)[i] < -cutoff * (1 + 1e-6);
       const double t = out.times[i];
@@ -70,7 +70,7 @@ Bulk run(double element_size, double damping, bool hydrostatic = true, double cu
       if (open[e] && !now && t < 11e-3) b.closure_time = t, b.closure_depth = depth[e];
       open[e] = now;
     }
-  // Velocities over 10 us, about the time that a wave takes through an element: its ringing is not the plate's motion.
+  // Velocities are means over 10 us, about the travel time through an element, so that ringing of the element is not taken for motion of the plate.
   const auto u = row_of(out, 0);
   for (std::size_t i = 0; i + 5 < u.size(); ++i) b.time.push_back(out.times[i] + 2.5 * interval), b.velocity.push_back((u[i + 5] - u[i]) / (5 * interval));
   double rise = 0;
@@ -84,14 +84,14 @@ double at(const Bulk& b, double t) {
   return (1 - share) * b.velocity[i] + share * b.velocity[i + 1];
 }
 
-/// When the velocity first falls to zero [s].
+/// Time at which the velocity first falls to zero [s].
 double zero_crossing(const Bulk& b) {
   for (std::size_t i = 100; i + 1 < b.time.size(); ++i)
     if (b.velocity[i] > 0 && b.velocity[i + 1] <= 0) return b.time[i] + interval * b.velocity[i] / (b.velocity[i] - b.velocity[i + 1]);
   return 0;
 }
 
-/// When the plate is hit from below again: the steepest rise of the velocity after 11 ms [s].
+/// Time at which the liquid hits the plate again, by the steepest rise of the velocity after 11 ms [s].
 double reload(const Bulk& b) {
   std::size_t best = std::size_t(11e-3 / interval);
   for (std::size_t i = best; i + 2 < b.time.size(); ++i)
@@ -99,7 +99,7 @@ double reload(const Bulk& b) {
   return (b.time[best] + b.time[best + 1]) / 2;
 }
 
-/// The same check for each number: what is read from a run, its reference, what is allowed, and the run that must fail.
+/// The same check for each number: its value in a run, its reference, the allowed difference, and the run that must fail.
 struct Reading {
   std::string name, unit;
   double reference, tolerance;

@@ -1,4 +1,4 @@
-// The whole base model at once: the linear reference box slice of ../shared/data/reference_solutions (independent finite
+// The whole base model: the linear reference box slice of ../shared/data/reference_solutions (independent finite
 // differences, Richardson-extrapolated from 0.25 and 0.125 mm), relative L2 per gauge over 0.5 ms.
 #include <filesystem>
 #include <fstream>
@@ -35,7 +35,7 @@ std::map<std::string, std::vector<double>> read_table(const std::filesystem::pat
 
 struct Misfit {
   double mean = 0, worst = 0;
-  int subcycles = 1;  ///< that the run took
+  int subcycles = 1;  ///< sub-cycles of the run
 };
 
 Misfit misfit(const std::vector<std::string>& overrides) {
@@ -150,8 +150,8 @@ const std::map<std::string, double> null_truth{{"density", 13501.5}, {"sound_spe
 
 }  // namespace
 
-// The record of another code, with small unknowns (the steel's modulus, gauge places and gains). At 1 mm that code itself is 16 % from its own 0.5 mm record:
-// as much is allowed here.
+// The record of another code, with small unknown errors (the steel's modulus, gauge places and gains). At 1 mm that code is itself 16 % from its own 0.5 mm
+// record, and the same is allowed here.
 TEST(BoxSlice, NullRecordIsMetAsCloselyAsItsOwnCodeWould) {
   if (!std::filesystem::exists(null_folder / "recordings.csv")) {
     rows_absent(absent_from_shared(null_folder / "recordings.csv"));
@@ -195,7 +195,7 @@ TEST(BoxSlice, DISABLED_ConvergenceTable) {
   }
 }
 
-// With the cutoff: the mean of eight energies against box_riemer_mean.csv, over the whole record and over the first 100 us.
+// With the cutoff: the mean of eight energies is compared with box_riemer_mean.csv, over the whole record and over the first 100 us.
 TEST(BoxSlice, DISABLED_RiemerMean) {
   if (absent()) GTEST_SKIP() << absent_from_shared(solution);
   const auto reference = read_table(folder / "box_riemer_mean.csv");

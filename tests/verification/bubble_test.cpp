@@ -1,4 +1,4 @@
-// Bubbles alone and the sound of a bubbly liquid (physics.md section 4).
+// Single bubbles, and sound in a bubbly liquid (physics.md section 4).
 #include <fmt/format.h>
 
 #include "tests/verification/bubbles.hpp"
@@ -16,12 +16,12 @@ double empties(const KellerMiksis& cavity, double p, double expected) {
   double t = 0;
   try {
     for (; t < 2 * expected; t += interval) s = under(cavity, s, p, interval);
-  } catch (const NumericsError&) {  // it vanishes within this interval
+  } catch (const NumericsError&) {  // the cavity vanishes within this interval
   }
   return t;
 }
 
-/// Speed of slow sound: the law strained slowly by 1e-5 alpha0.
+/// Speed of slow sound, from the law under a slow strain of 1e-5 alpha0.
 double slow_speed(const KellerMiksis& bubble, double alpha0) {
   const double e = 1e-5 * alpha0, rise = 4e-3;
   const BubblyLiquid law(mercury, bubble, alpha0);
@@ -53,8 +53,8 @@ TEST(Bubble, AnEmptyCavityCollapsesInRayleighsTime) {
               1e6 * empties(empty, 1.01 * p, expected));
 }
 
-// Collapse time, least radius and rebound against an independent computation. The law's own sub-steps, then finer ones; looked at
-// ten thousand times.
+// Collapse time, least radius and rebound are compared with an independent computation, for the law's own sub-steps and for finer ones, with
+// ten thousand samples.
 TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
   struct Case {
     std::string name;
@@ -80,7 +80,7 @@ TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
   }
 }
 
-// That with conduction of heat tells how good the default kappa is, which has three digits: 0.005 of it are 0.22 %.
+// The value with heat conduction shows the accuracy of the default kappa, which has three digits: 0.005 of kappa are 0.22 %.
 TEST(Bubble, SwingsAtMinnaertsFrequency) {
   for (const auto& [kappa, published] : {std::pair{1.0, 13.13}, {5.0 / 3, 16.99}, {1.16, 14.13}}) {
     const auto f = [&, kappa = kappa](double surface_tension) { return std::sqrt(helium(kappa, surface_tension).natural_squared()) / (2e3 * M_PI); };
@@ -98,7 +98,7 @@ TEST(Bubble, SwingsAtMinnaertsFrequency) {
   }
 }
 
-// Slow strain of a light gas: 1/K + alpha0/p_a, isothermal at 0.3 MPa.
+// Under slow strain a light gas has 1/K + alpha0/p_a, isothermal at 0.3 MPa.
 TEST(BubblyLiquid, SlowSoundIsWoods) {
   for (const auto& [alpha0, published] : {std::pair{1e-5, 1042.}, {1e-4, 448.}, {1e-3, 148.}, {1e-2, 47.}})
     verify({.item = "Bubbly dispersion",
@@ -129,13 +129,13 @@ TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
               .control = "alpha -3 %",
               .control_value = phase_speed(fewer, f, 1e-9)});
     }
-    // Without bubbles sound keeps the speed of the liquid.
+    // Without bubbles the speed of sound is that of the liquid.
     EXPECT_NEAR(phase_speed(BubblyLiquid(mercury, bubble, 1e-12), 1e3, 1e-9), mercury_speed, 1e-3);
   }
 }
 
-// One kappa and one thermal viscosity stand for the conduction of heat, which gives 451.9 and 348.7 m/s. Chosen at resonance they are nearer to that at
-// 10 kHz than either limit is; slow sound is isothermal, and they miss it.
+// One kappa and one thermal viscosity represent heat conduction, which gives 451.9 and 348.7 m/s. Chosen at resonance, they are closer to that at
+// 10 kHz than either limit is. Slow sound is isothermal, which they miss.
 TEST(BubblyLiquid, TheDefaultsStandForConductionOfHeatNearResonanceOnly) {
   const double alpha0 = 1e-4, at_1_khz = 451.9, at_10_khz = 348.7;
   const BubblyLiquid law(mercury, helium(1.16, 0.47, 0.5 + 1.3e-3), alpha0), isothermal(mercury, helium(1), alpha0),

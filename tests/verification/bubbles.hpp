@@ -1,5 +1,5 @@
 #pragma once
-/// Bubbles alone, and a liquid with bubbles at one point.
+/// Single bubbles, and one point of a liquid with bubbles.
 #include <complex>
 
 #include "base/linear_algebra.hpp"
@@ -21,7 +21,7 @@ struct Collapse {
   double time, least, rebound;  ///< [s]; over R0
 };
 
-/// First minimum of the radius after the pressure has risen to p, and the maximum that follows.
+/// First minimum of the radius after the pressure has risen to p, and the following maximum.
 inline Collapse collapse(const KellerMiksis& b, double p, double interval, double greatest_step = unbounded) {
   KellerMiksis::State s{b.radius, 0};
   Collapse c{0, 1, 0};
@@ -37,7 +37,7 @@ inline Collapse collapse(const KellerMiksis& b, double p, double interval, doubl
   return c;
 }
 
-// Mercury at 333 K, no regularising viscosity, never at its cutoff.
+// Mercury at 333 K, without regularising viscosity, which never reaches its cutoff.
 inline const Riemer mercury{mercury_density * mercury_speed * mercury_speed, unbounded, 0};
 
 /// Helium at 0.3 MPa in mercury, R0 100 um (physics.md section 4).

@@ -1,7 +1,7 @@
-// A cavity closes: mercury that has given way, stretched evenly by e0 and without strength, flies at V against a rigid wall. A front of speed S leaves the
-// wall, behind it the liquid is at rest under p: rho S V = p, S (e0 + p/K) = V, so p = K/2 (sqrt(e0^2 + 4 rho V^2/K) - e0) (Rankine and Hugoniot). The motion's
-// energy is more than what is stored, rho V^2/2 > p^2/2K: closing is inelastic. Without its own viscosity each element swings back: on a mesh of any size a
-// quarter of the displacement behind the front is missing.
+// A cavity closes: cavitated mercury with an even void strain e0 and without strength moves at V against a rigid wall. A front of speed S leaves the
+// wall, behind which the liquid is at rest under p: rho S V = p, S (e0 + p/K) = V, so p = K/2 (sqrt(e0^2 + 4 rho V^2/K) - e0) (Rankine and Hugoniot). The
+// kinetic energy exceeds the stored energy, rho V^2/2 > p^2/2K: closing is inelastic. Without its own viscosity each element swings back, and on a mesh of any
+// size a quarter of the displacement behind the front is missing.
 #include <fmt/format.h>
 
 #include "tests/verification/rows.hpp"
@@ -21,7 +21,7 @@ struct Front {
   double lost = 0.5 * mercury_density * thrown * thrown - 0.5 * pressure * pressure / modulus;  ///< [J/m^3]
 };
 
-/// In n elements across the length; side 1 mm.
+/// A run with n elements across the length; side 1 mm.
 SolveSummary closing(int n, double collapse_viscosity, bool energies = true) {
   Mesh m = block({n, 1, 1}, {0, 0, 0}, {length, 1e-3, 1e-3}, Region::mercury);
   m.liquid_element_size = length / n;
@@ -32,11 +32,11 @@ SolveSummary closing(int n, double collapse_viscosity, bool energies = true) {
   s.initial_displacement = field(m, [](const Vec3& x) { return Vec3{stretch * x[0], 0, 0}; });
   s.initial_velocity = field(m, [](const Vec3& x) { return Vec3{x[0] > 0 ? -thrown : 0, 0, 0}; });
   SolveOptions o;
-  o.energy_balance = energies, o.time_step_safety = 0.15;  // as the steel's step is for the mercury of a target
+  o.energy_balance = energies, o.time_step_safety = 0.15;  // as the step of the steel does for the mercury of a target
   return ExplicitSolver(m, steel()).solve(s, std::vector<ObservationRow>{component(nearest(m, {0.04, 0, 0}), 0)}, o);
 }
 
-/// Energy lost so far by what the front has run over [J].
+/// Energy dissipated so far behind the front [J].
 double lost() {
   const Front front;
   return front.lost * front.speed * time_of_front * 1e-6;
@@ -72,7 +72,7 @@ TEST(Collapse, IsInelasticAsTheFrontSays) {
 
 TEST(Collapse, DoesNotDependOnWhatIsKept) {
   const auto kept = closing(50, 0.5).observations, not_kept = closing(50, 0.5, false).observations, without = closing(50, 0, false).observations;
-  // The two are compiled apart: with AVX2 a product may be contracted with a sum in one of them alone, which no wave sees.
+  // The two are compiled separately: with AVX2 one of them may contract a product and a sum, which no wave resolves.
   double apart = 0, control = 0, greatest = 0;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     apart = std::max(apart, std::abs(kept[i] - not_kept[i]));
@@ -84,7 +84,7 @@ TEST(Collapse, DoesNotDependOnWhatIsKept) {
   EXPECT_GT(control, 1e-2 * greatest);
 }
 
-// Liquid that never was at its cutoff knows nothing of it: same bytes, same step where the cutoff is out of reach.
+// Liquid that never reaches its cutoff is not affected by it: the bytes are the same, and the step is the same where the cutoff is out of reach.
 TEST(Collapse, IsOfLiquidThatHasBeenAtItsCutoffOnly) {
   Mesh m = block({20, 1, 1}, {0, 0, 0}, {0.02, 1e-3, 1e-3}, Region::mercury);
   m.liquid_element_size = 1e-3;

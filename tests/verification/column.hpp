@@ -21,8 +21,8 @@ struct PlateOnColumn {
     fix(m, 2 | 4, everywhere());
     return m;
   }
-  /// The wave at the instant when its front is at the plate: p = p0 exp(x / (c theta)), v = p / (rho c), u' = -p / K. The plate is at rest but for what
-  /// the half element of liquid that moves with it brings.
+  /// The wave when its front is at the plate: p = p0 exp(x / (c theta)), v = p / (rho c), u' = -p / K. The plate is at rest except for the motion of
+  /// the half element of liquid that moves with it.
   [[nodiscard]] RunSetup setup(const Mesh& m, double end, double interval) const {
     RunSetup s = linear_setup(end, interval);
     s.liquid_density = density;

@@ -1,5 +1,5 @@
 // Inner corners of the steel: a free L-shaped frame (two legs of 60 x 5 mm, plane strain), first opening mode.
-// No closed solution: 1531.8 Hz is extrapolated from uncorrected runs with 5, 10 and 20 elements through the legs (1540.18,
+// There is no closed solution: 1531.8 Hz is extrapolated from uncorrected runs with 5, 10 and 20 elements through the legs (1540.18,
 // 1535.77, 1533.69 Hz), whose differences fall by 2.12, the 2^1.09 that the exponent 0.544 of a 270 degree corner predicts
 // (Williams 1952).
 #include <fmt/format.h>
@@ -65,13 +65,13 @@ TEST(Corner, TheSofteningRestoresTheConvergenceThatAReentrantEdgeTakes) {
             .tolerance = (through == 5 ? 1e-3 : 4e-3) * limit,
             .control = "without the correction",
             .control_value = limit * (1 + plain)});
-    EXPECT_GT(plain, 2.5 * std::abs(corrected));  // control: without it the frame is too stiff
+    EXPECT_GT(plain, 2.5 * std::abs(corrected));  // control: without the correction the frame is too stiff
   }
 }
 
 // A wall of 5 mm that bends with a wavelength of 60 mm under 50 mm of mercury has no corner: its frequency converges at
-// second order as it is. Thin-plate theory, (D k^4 - m w^2) sqrt(k^2 - w^2/c^2) = rho w^2, gives 6214 Hz (physics.md section 4,
-// c = 1456 m/s, all space filled); shear and rotary inertia of the thick wall take 3 % off.
+// second order without a correction. Thin-plate theory, (D k^4 - m w^2) sqrt(k^2 - w^2/c^2) = rho w^2, gives 6214 Hz (physics.md section 4,
+// c = 1456 m/s, all space filled); shear and rotary inertia of the thick wall reduce it by 3 %.
 TEST(Corner, WetBendingWithoutACornerConvergesAtSecondOrder) {
   const double half = 0.03, depth = 0.05, k = M_PI / half;
   const auto wet = [&](double h, bool slip) {
@@ -94,7 +94,7 @@ TEST(Corner, WetBendingWithoutACornerConvergesAtSecondOrder) {
   EXPECT_LT(std::abs(middle / fine - 1), 2e-4);
   EXPECT_GT((coarse - middle) / (middle - fine), 2.5);
   EXPECT_NEAR(fine, 6214, 0.04 * 6214);
-  const double tied = wet(0.00125, false);  // control: half a layer of mercury hangs on the wall
+  const double tied = wet(0.00125, false);  // control: half a layer of mercury moves with the wall
   EXPECT_GT(std::abs(tied / fine - 1), 0.01);
   const double order = std::log2((coarse - middle) / (middle - fine));
   verify({.item = "Inner corner",

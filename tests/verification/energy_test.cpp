@@ -1,4 +1,4 @@
-// Energy: 1/2 v- M v+ + stored energy is kept (physics.md section 4).
+// Energy: 1/2 v- M v+ + stored energy is conserved (physics.md section 4).
 #include "forward/mesh/make_mesh.hpp"
 #include "forward/solver/load.hpp"
 #include "tests/verification/rows.hpp"
@@ -58,12 +58,12 @@ TEST(Energy, SuddenHeatIsTheEnergyOfItsPressure) {
   for (std::size_t e = 0; e < box.mesh.elements.size(); ++e)
     expected += box.setup.p0[e] * box.setup.p0[e] / (2 * box.setup.liquid.bulk_modulus) * hexahedron::volume(hexahedron::corners(box.mesh, e));
   EXPECT_NEAR(box.run().energy_in, expected, 1e-9 * expected);
-  // Control: a slow pulse puts in another amount.
+  // Control: a slow pulse adds another amount.
   box.setup.pulse_length = 20e-6;
   EXPECT_GT(std::abs(box.run().energy_in / expected - 1), 0.02);
 }
 
-// What viscosity takes and what leaves through the rear is counted; without either entry the balance would fail.
+// The dissipation by viscosity and the energy that leaves through the rear are counted; without either entry the balance would fail.
 TEST(Energy, DissipationAndRadiationAreCounted) {
   HeatedBox box("non_reflecting");
   box.setup.liquid.viscosity = 2000;
@@ -127,8 +127,8 @@ TEST(Energy, IsKeptWithTheCutoffBetterAsTheStepFalls) {
           .control_value = small.dissipated / small.energy_in});
 }
 
-// The energy that central differences keep has 1/2 v- M v+ for its kinetic part. With the mean of both velocities it swings: 1/8 dt^2 a M a is missing, which
-// is a good part of what the few elements of a front hold, here of 20 in all. Mercury alone in a rigid channel, so that the stored energy is sum V p^2 / 2 K.
+// Central differences conserve an energy whose kinetic part is 1/2 v- M v+. With the mean of both velocities it oscillates: 1/8 dt^2 a M a is missing, which
+// is a large part of the energy in the few elements of a front, here of 20 in all. Mercury alone in a rigid channel has the stored energy sum V p^2 / 2 K.
 TEST(Energy, AveragedVelocitiesMakeItSwing) {
   Mesh mesh = block({20, 1, 1}, {0, 0, 0}, {0.02, 0.001, 0.001}, Region::mercury);
   fix(mesh, 2 | 4, everywhere()), fix(mesh, 1, plane(0, 0)), fix(mesh, 1, plane(0, 0.02));

@@ -1,4 +1,4 @@
-// The line on measured records of ../shared/data (its README says where they come from): which physics explains them, and what is left.
+// The line model on measured records of ../shared/data (sources in its README): which mechanism explains them, and the remaining residual.
 #include <fmt/format.h>
 #include <gsl/gsl_multimin.h>
 
@@ -30,7 +30,7 @@ struct Fit {
   double rms = 0;
 };
 
-/// Least of f by Nelder and Mead's simplex (GSL's nmsimplex2), begun twice.
+/// Minimum of f by Nelder and Mead's simplex (GSL's nmsimplex2), started twice.
 Fit least(const std::function<double(const std::vector<double>&)>& f, std::vector<double> x, const std::vector<double>& steps, int iterations = 120) {
   const std::size_t n = x.size();
   using Vector = std::unique_ptr<gsl_vector, decltype(&gsl_vector_free)>;
@@ -70,7 +70,7 @@ constexpr double sample = 3.3e-7, bar_speed = 5357, bar_radius = 0.01, travel = 
 
 }  // namespace
 
-// Two gauges of bars pressed together; the first drives, the second is compared over 250 to 420 us. Delay and gain are fitted with each mechanism's number.
+// Two gauges on bars pressed together: the first drives, the second is compared over 250 to 420 us. Delay, gain and each mechanism's number are fitted.
 TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
   const auto path = data() / "hopkinson_bar" / "disp_check.dat";
   if (!std::filesystem::exists(path)) {
@@ -109,7 +109,7 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
         std::vector<std::complex<double>> k;
         for (const double w : wave.omega()) {
           const double c = bar_speed * love_speed(w * bar_radius / bar_speed, x[1]);
-          k.push_back(c > 0 ? std::complex<double>(w / c) : std::complex<double>(0, -1e3));  // no waves above its cut-off
+          k.push_back(c > 0 ? std::complex<double>(w / c) : std::complex<double>(0, -1e3));  // no waves above the cut-off frequency
         }
         auto there = wave.at(travel, k, 1e-6 * x[0]);
         there.resize(model.shape().times.size());
@@ -143,8 +143,8 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
   for (const Fit* rival : {&base, &lag, &viscous, &low_pass, &love}) EXPECT_GT(rival->rms, inertia.rms + 0.5);
 }
 
-// Gauge pressure at a closing valve of Adelaide's rig (37.23 m, 22.1 mm, 1.4 m/s, 22 m of head, the valve 2.03 m above), column separation. The points, sorted
-// in time, are compared on even times of 1 ms.
+// Gauge pressure at a closing valve of Adelaide's rig (37.23 m, 22.1 mm, 1.4 m/s, 22 m of head, the valve 2.03 m above) with column separation. Its points
+// are sorted in time and compared at even times of 1 ms.
 TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
   const auto path = data() / "water_hammer" / "severe_valve_trace.csv";
   if (!std::filesystem::exists(path)) {
@@ -159,7 +159,7 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
     if (std::istringstream s(line); s >> t >> comma >> p) points.emplace_back(t, p);
   }
   std::sort(points.begin(), points.end());
-  // Six points at 2.06 MPa after the pressure has fallen to vapour's, evenly spaced at one height: a line of the figure, not of the record.
+  // Six points lie evenly spaced at 2.06 MPa after the pressure has fallen to that of vapour: they are a line of the figure and not of the record.
   for (const auto& p : points)
     if (!(p.first > 0.446 && p.first < 0.480 && p.second > 1000)) without.push_back(p);
   EXPECT_EQ(points.size() - without.size(), 6u);
@@ -193,7 +193,7 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
   };
   const std::string speed = "line.wave_speed", friction = "line.friction_factor";
   const Numbers cutoff{{"mechanism.vapour_cutoff.pressure", -99e3}},
-      any_friction{{"line.outlet_pressure", -1e9}};  // a valve that lets even absurd friction be steady
+      any_friction{{"line.outlet_pressure", -1e9}};  // a valve pressure that makes even absurd friction steady
   const auto nominal = at(cutoff);
   const Fit elastic = fit({speed, friction}, {1319, 0.3}, {60, 0.2}, any_friction), vapour = fit({speed, friction}, {1319, 0.0236}, {60, 0.01}, cutoff),
             unsteady = fit({speed, friction, "mechanism.unsteady_friction.strength"}, {1319, 0.3, 5}, {60, 0.2, 5}, any_friction),
@@ -201,7 +201,7 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
             lag = fit({speed, friction, "mechanism.sensor_response.lag"}, {1319, 0.3, 0.02}, {60, 0.2, 0.02}, any_friction);
   Numbers fitted = cutoff, level = cutoff;
   fitted[speed] = vapour.x[0], fitted[friction] = vapour.x[1], level["line.rise"] = 0;
-  const auto returns = [&](const std::vector<double>& history) {  // when the pressure comes back
+  const auto returns = [&](const std::vector<double>& history) {  // when the pressure returns
     for (std::size_t i = 400;; ++i)
       if (history[i] > 200) return model.shape().times[i];
   };
@@ -241,5 +241,5 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
   for (const Fit* rival : {&elastic, &unsteady, &wall, &lag}) EXPECT_GT(rival->rms, 1.5 * vapour.rms);
   EXPECT_GT(vapour.x[1], 0.01);
   EXPECT_LT(vapour.x[1], 0.04);
-  EXPECT_GT(elastic.x[1], 0.2);  // absurd: the steady flow would lose more than there is
+  EXPECT_GT(elastic.x[1], 0.2);  // absurd: the steady flow would lose more pressure than is available
 }

@@ -1,5 +1,5 @@
-// The line against exact solutions: Joukowsky's pressure and the period 4L/a at Courant number 1, quasi-steady and unsteady friction, a retarded wall, vapour
-// cavities; Pochhammer and Chree's first mode of a bar.
+// The line model against exact solutions: Joukowsky's pressure and the period 4L/a at Courant number 1, quasi-steady and unsteady friction, viscoelastic walls,
+// vapour cavities, and Pochhammer and Chree's first mode of a bar.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 const std::string item = "Line";
 
-/// Water in 40 m of pipe, no friction, a valve that closes at once: rho a V = 625 kPa.
+/// Water in 40 m of pipe without friction, and a valve that closes at once: rho a V = 625 kPa.
 PipeSetup pipe(int cells = 64) {
   return {.length = 40, .diameter = 0.02, .wave_speed = 1250, .density = 1000, .velocity = 0.5, .reservoir_pressure = 200e3, .cells = cells};
 }
@@ -48,8 +48,8 @@ double decay(const PipeSetup& s, double frequency) {
   return -std::log(std::abs(b / a)) / (6 * period);
 }
 
-/// Volume of liquid that a level pipe's pressure has pressed into it, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each cell,
-/// which is what the scheme keeps [m^3].
+/// Volume of liquid that the pressure has pressed into a level pipe, A/(rho a^2) int p dx: half of what the characteristics carry that leave into each cell,
+/// which the scheme conserves [m^3].
 double stored(const PipeFlow& flow, const PipeSetup& s) {
   const double impedance = s.density * s.wave_speed;
   double sum = 0;
@@ -149,8 +149,8 @@ TEST(LinePipe, LosesWhatARetardedWallTakes) {
   }
 }
 
-// In the n-th period 2L/a of a frictionless pipe the liquid leaves the valve at V0 - (2n + 1) d, d = (p_R - p_v)/(rho a): exact, with the grid's nodes on all
-// changes.
+// In the n-th period 2L/a of a frictionless pipe the liquid leaves the valve at V0 - (2n + 1) d, d = (p_R - p_v)/(rho a). This is exact where grid nodes lie
+// on all changes.
 TEST(LinePipe, CavityAtTheValveIsThatOfTheExactSolution) {
   PipeSetup s = pipe(32);
   s.vapour_pressure = -100e3;

@@ -1,5 +1,5 @@
-// Sensitivity indices and designs beside OpenTURNS 1.20 (Baudin, Dutfoy, Iooss and Popelin 2017), an independent library for uncertainty quantification.
-// What follows from the same points is compared digit by digit; what rests on random numbers is compared within four standard errors.
+// Sensitivity indices and designs compared with OpenTURNS 1.20 (Baudin, Dutfoy, Iooss and Popelin 2017), an independent library for uncertainty quantification.
+// Results from the same points must agree to rounding; results from random numbers must agree within four standard errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ KnownFunction g_function() {
   return g;
 }
 
-/// Points (d, n) as OpenTURNS keeps them, a row each.
+/// Points (d, n) in OpenTURNS' form, one row a point.
 OT::Sample sample_of(const Eigen::MatrixXd& points) {
   OT::Sample out(OT::UnsignedInteger(points.cols()), OT::UnsignedInteger(points.rows()));
   for (Eigen::Index i = 0; i < points.cols(); ++i)
@@ -231,7 +231,7 @@ TEST_P(SobolIndicesOf, AreThoseOfSaltellisEstimator) {
   EXPECT_LT(worst_z(ours, exact), 4);
   std::printf("  standard errors: ours below %.2g, theirs below %.2g; z: ours and theirs %.2f, ours and exact %.2f, theirs and exact %.2f\n",
               ours.error.maxCoeff(), theirs.error.maxCoeff(), worst_z(ours, theirs), worst_z(ours, exact), worst_z(theirs, exact));
-  // Negative control: first and total order confused.
+  // Negative control: first and total order are exchanged.
   Repeated confused = ours;
   confused.mean << ours.mean.tail(d), ours.mean.head(d);
   EXPECT_GT(worst_z(confused, theirs), 8);
@@ -260,7 +260,7 @@ Eigen::VectorXd their_chaos_indices(const Eigen::MatrixXd& x, const Eigen::Vecto
 
 class ChaosIndicesOf : public ::testing::TestWithParam<KnownFunction> {};
 
-// Least squares on the same values has one solution: both libraries differ by rounding alone.
+// Least squares on the same values has one solution, so that both libraries differ by rounding only.
 TEST_P(ChaosIndicesOf, AreThoseOfTheSamePolynomial) {
   const KnownFunction& f = GetParam();
   const auto d = Eigen::Index(f.dimensions);
@@ -287,7 +287,7 @@ Eigen::MatrixXd independent_points(std::size_t dimensions, std::size_t runs, std
   return points_of(OT::MonteCarloExperiment(uniform(dimensions, 0, 1), runs).generate());
 }
 
-// Both sequences follow Sobol' (1967); their direction numbers differ, and ours has a random shift. "As even" is a discrepancy between 0.8 and 1.25 of theirs.
+// Both sequences follow Sobol' (1967); their direction numbers differ, and ours has a random shift. The discrepancy must lie between 0.8 and 1.25 of theirs.
 TEST(DesignBesideOpenTurns, SobolPointsAreAsEvenAsTheirSequence) {
   constexpr std::size_t d = 6, n = 256;
   const double theirs = discrepancy(points_of(OT::SobolSequence(d).generate(n)));
@@ -336,7 +336,7 @@ TEST(DesignBesideOpenTurns, ChebyshevPointsAreArcsineQuantilesOfSobols) {
     worst_uniform = std::max(worst_uniform, std::abs(u.data()[i] - x.data()[i]));
   }
   EXPECT_LT(worst, 1e-14);
-  EXPECT_GT(worst_uniform, 0.1);  // negative control: points that are not carried over
+  EXPECT_GT(worst_uniform, 0.1);  // negative control: points of the uniform measure
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A target answers the same whether its mesh was made here or came from a file, in whatever order and place.
+// A target gives the same results from a mesh that was made here and from a mesh file, for any order and place of nodes and elements.
 
 #include <algorithm>
 #include <filesystem>
@@ -55,7 +55,7 @@ ForwardCase from(ForwardCase c, const std::filesystem::path& path) {
   return c;
 }
 
-/// Writes `mesh` as Abaqus input anew: nodes and elements in random order with gaps in their numbers, every hexahedron
+/// Writes `mesh` again as Abaqus input: nodes and elements in random order with gaps in their numbers, every hexahedron
 /// turned to one of its 24 orientations, and the whole moved; with `reversed`, y changes its sign.
 void write_shuffled(const MeshFile& mesh, const std::filesystem::path& path, const Vec3& move, bool reversed) {
   std::mt19937_64 random(7);
@@ -136,7 +136,7 @@ TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheAnswerByRoundingAlone) {
   measured("shuffled", shuffled);
   EXPECT_LT(shuffled, 1e-9);
 
-  // The symmetry plane at y = 0.3, the mesh above it and below it; gauges on either side are found in it.
+  // The symmetry plane is at y = 0.3 with the mesh above or below it; gauges on either side are mapped to the mesh.
   for (const bool reversed : {false, true}) {
     write_shuffled(file, scratch_file("moved.inp"), {0, 0.3, 0}, reversed);
     ForwardCase moved = from(c, scratch_file("moved.inp"));

@@ -1,4 +1,4 @@
-// Patch, rigid-body and hourglass tests (physics.md section 4), all on forces that the solver itself makes.
+// Patch, rigid-body and hourglass tests (physics.md section 4), all on forces that the solver itself computes.
 #include <fmt/format.h>
 
 #include "base/linear_algebra.hpp"
@@ -28,7 +28,7 @@ std::vector<Vec3> linear(const Mesh& mesh, const Eigen::Matrix3d& gradient) {
   return field(mesh, [&](const Vec3& x) { return hexahedron::vec3(gradient * hexahedron::point(x)); });
 }
 
-/// Greatest acceleration of an inner node over the greatest of all.
+/// Greatest acceleration of an inner node over the greatest of all nodes.
 double inner_share(const Mesh& mesh, const Eigen::VectorXd& a) {
   double in = 0, all = 0;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -43,7 +43,7 @@ const Eigen::Matrix3d gradient = (Eigen::Matrix3d() << 1.1, 0.3, -0.7, 0.2, -0.4
 
 }  // namespace
 
-// Irons' patch test: in a linear field no inner node feels a force, whatever the shape of the elements.
+// Irons' patch test: in a linear field no inner node has a force, whatever the shape of the elements.
 TEST(Patch, LinearFieldsLeaveInnerNodesOfADistortedPatchAtRest) {
   for (const Region region : {Region::steel, Region::mercury}) {
     const Mesh mesh = distorted(region);
@@ -62,7 +62,7 @@ TEST(Patch, LinearFieldsLeaveInnerNodesOfADistortedPatchAtRest) {
   }
 }
 
-// Control of the above: gradients at the element's centre, in place of their mean over the volume, fail the patch test.
+// Control for the test above: gradients at the centre of the element, instead of their mean over the volume, fail the patch test.
 TEST(Patch, CentreGradientsInPlaceOfMeanOnesWouldFail) {
   const Mesh mesh = distorted(Region::steel);
   for (const bool mean : {true, false}) {
@@ -134,7 +134,7 @@ TEST(Patch, MercuryCarriesNoShear) {
   }
 }
 
-// Force on a face of a stretched bar is stress times area: traction of the exact uniform stress.
+// The force on a face of a stretched bar is stress times area, with the exact uniform stress.
 TEST(Patch, UniformStressLoadsTheFacesWithItsTraction) {
   const Mesh mesh = distorted(Region::steel);
   const ExplicitSolver solver(mesh, steel());
@@ -147,7 +147,7 @@ TEST(Patch, UniformStressLoadsTheFacesWithItsTraction) {
   const NodeId corner = nearest(mesh, {0.008, 0.008, 0.008});
   const Eigen::Vector3d force = m[corner] * a.segment<3>(3 * corner), expected = -stress * Eigen::Vector3d::Ones() * 1e-6;
   EXPECT_LT((force - expected).norm(), 1e-9 * expected.norm());
-  // Control: Poisson's ratio wrong by 0.01.
+  // Control: a Poisson's ratio with an error of 0.01.
   const LinearElastic wrong = LinearElastic::from_young(young, poisson + 0.01);
   RunSetup spoiled = setup;
   spoiled.steel = wrong;
@@ -181,7 +181,7 @@ TEST(SteelElement, HasSixZeroEnergyModesAndNoMore) {
   }
 }
 
-// The liquid resists nothing but a change of volume and, weakly, hourglassing: 1 + 12 energies, 11 zero ones.
+// The liquid resists only a change of volume and, weakly, hourglassing: 1 + 12 energies, 11 of zero.
 TEST(LiquidElement, ResistsVolumeAndWeaklyHourglassing) {
   const Mesh mesh = block({1, 1, 1}, {0, 0, 0}, {0.002, 0.002, 0.002}, Region::mercury);
   const ExplicitSolver solver(mesh, steel());

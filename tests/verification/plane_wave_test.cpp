@@ -9,7 +9,7 @@ using namespace calomel::testing;
 
 namespace {
 
-/// A column of n elements along x that can only move along x.
+/// A column of n elements along x whose nodes move along x only.
 Mesh column(int n, double length, const std::function<Region(const Vec3&)>& region_at) {
   const double h = length / n;
   Mesh m = block({n, 1, 1}, {0, 0, 0}, {length, h, h}, region_at);
@@ -61,7 +61,7 @@ TEST(PlaneWave, SpeedAndOrderInBothMaterials) {
     EXPECT_NEAR(fine.speed, c, 0.001 * c);
     EXPECT_GT(order, 1.8);
     EXPECT_GT(std::log2(coarse.error / middle.error), 1.8);
-    // Control: a modulus 2 % too high is a speed 1 % too high.
+    // Control: a modulus that is 2 % too high gives a speed that is 1 % too high.
     RunSetup spoiled = setup;
     spoiled.liquid.bulk_modulus *= 1.02;
     spoiled.steel.lambda *= 1.02, spoiled.steel.mu *= 1.02;
@@ -76,7 +76,7 @@ TEST(PlaneWave, SpeedAndOrderInBothMaterials) {
             .tolerance = 0.001 * c,
             .control = "modulus +2 %",
             .control_value = faster.speed});
-    // The front is 10 mm wide: lumped linear elements lag by (h / sd)^2 travel / 24 sd, 0.8 % at 1 mm; central differences take part of it back.
+    // The front is 10 mm wide: lumped linear elements lag by (h / sd)^2 travel / 24 sd, 0.8 % at 1 mm, of which central differences cancel a part.
     verify({.item = "Plane wave",
             .quantity = "pulse in " + name + " after 20 widths, 1 mm, relative L2",
             .reference = 0,
@@ -95,7 +95,7 @@ struct Reflection {
   double reflected, transmitted;  ///< pressure over incident pressure
 };
 
-/// A pulse in mercury meets steel at x = 0.3; what comes back and goes on is projected on the exact shapes.
+/// A pulse in mercury meets steel at x = 0.3; the reflected and the transmitted wave are projected on the exact shapes.
 Reflection reflection(double h, double speed, double steel_stiffness, int common_normals, bool tied = false, int subcycles = 1) {
   const double wall = 0.3, length = 1.3, sd = 0.02;
   Mesh mesh = column(int(std::lround(length / h)), length, [&](const Vec3& x) { return x[0] < wall ? Region::mercury : Region::steel; });
@@ -162,7 +162,7 @@ TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
             .control = "steel 10 % softer",
             .control_value = soft.transmitted});
   }
-  // The wave passes from mercury that takes every third step to such as takes every step, and back.
+  // The wave passes from mercury with sub-cycles of three steps to mercury without, and back.
   const double r = exact_reflection(1450);
   const auto cycled = reflection(0.002, 1450, 1, 1, false, 3), soft = reflection(0.002, 1450, 0.9, 1, false, 3);
   verify({.item = "Mercury to steel",
@@ -188,5 +188,5 @@ TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
 TEST(Interface, ControlsFail) {
   const double r = exact_reflection(1450);
   EXPECT_GT(std::abs(reflection(0.002, 1450, 0.9, 1).reflected - r), 0.02 * r);  // a softer steel
-  EXPECT_NEAR(reflection(0.002, 1450, 1, 0).reflected, -1, 0.01);                // pairs that share no normal: a free surface
+  EXPECT_NEAR(reflection(0.002, 1450, 1, 0).reflected, -1, 0.01);                // pairs with zero normals: a free surface
 }

@@ -1,5 +1,5 @@
 // A simply supported plate of 0.4 x 0.3 m, dry (physics.md section 4): thin-plate theory (Navier), f11 = pi/2 sqrt(D/(rho h)) (1/a^2 + 1/b^2).
-// Shear and rotary inertia (Mindlin 1951) take (kh)^2/24 (1 + 2/(kappa (1 - nu))) off, 0.05 % at 3 mm and 0.08 % at 5 mm.
+// Shear and rotary inertia (Mindlin 1951) reduce it by (kh)^2/24 (1 + 2/(kappa (1 - nu))), 0.05 % at 3 mm and 0.08 % at 5 mm.
 #include <fmt/format.h>
 
 #include "tests/verification/rows.hpp"
@@ -38,7 +38,7 @@ double frequency(double h, int n, const LinearElastic& moduli, bool supported = 
 
 }  // namespace
 
-// No tolerance is stated: with elements of a/16 by b/16 a wave of this length errs by (k h)^2 / 24 = 0.3 %; 0.5 % is allowed.
+// The source states no tolerance. With elements of a/16 by b/16 a wave of this length errs by (k h)^2 / 24 = 0.3 %; 0.5 % is allowed.
 TEST(Plate, SimplySupportedSwingsAtNaviersFrequency) {
   for (const auto& [h, tabulated] : {std::pair{0.003, 121.5}, std::pair{0.005, 202.5}}) {
     EXPECT_NEAR(theory(h), tabulated, 0.05);  // the table and the formula

@@ -1,4 +1,4 @@
-// posterior.nc in the tools that it is for: xarray opens every group, dimensions chain and draw first, as ArviZ expects them.
+// posterior.nc is opened by xarray, group by group, with the dimensions chain and draw first, as ArviZ expects them.
 #include <gmock/gmock.h>
 
 #include "base/json.hpp"
@@ -11,7 +11,7 @@
 namespace calomel::testing {
 namespace {
 
-/// Draws of eight schools by nuts, with everything that a posterior.nc may have beside.
+/// Draws of eight schools by nuts, with every group that a posterior.nc may have.
 std::filesystem::path written() {
   const auto data = Json::parse(R"({"y": [28, 8, -3, 7, -1, 1, 18, 12], "sigma": [15, 10, 16, 11, 9, 11, 10, 18]})");
   const auto& p = reference_posterior("eight_schools");
@@ -32,7 +32,7 @@ std::filesystem::path written() {
   return path;
 }
 
-/// Opens every group that the file has and says what is wrong; `turned` turns chain and draw round first.
+/// Opens every group of the file and reports errors; with `turned`, chain and draw are exchanged first.
 const char* const script =
     "import sys, netCDF4, xarray\n"
     "path, turned = sys.argv[1], sys.argv[2] == 'turned'\n"

@@ -1,4 +1,4 @@
-// Samplers on posteriors with published reference draws: every sampler of the registry on every posterior, the densities and their gradients, and controls that
+// Samplers on posteriors with published reference draws: every registered sampler on every posterior, the densities and their gradients, and controls that
 // must fail. Rule: at the 5, 25, 50, 75 and 95 % reference quantiles |z| < 4 (reference_scores.hpp). One seed, no second try.
 #include <gmock/gmock.h>
 
@@ -23,7 +23,7 @@ std::vector<std::string> posterior_names() {
   return names;
 }
 
-/// Data of the right form and of a few numbers only, so that the densities can be tested where the published ones are not.
+/// A few data of the right form, so that the densities can be tested where the published data are absent.
 Json made_up(const std::string& name) {
   if (name == "eight_schools") return Json::parse(R"({"y": [28, 8, -3, 7, -1, 1, 18, 12], "sigma": [15, 10, 16, 11, 9, 11, 10, 18]})");
   if (name == "kid_scores") return Json::parse(R"({"kid_score": [65, 98, 85, 83, 115], "mom_hs": [1, 1, 0, 1, 0], "mom_iq": [1.2, 0.9, 1.15, 1.0, 0.93]})");
@@ -32,7 +32,7 @@ Json made_up(const std::string& name) {
   return Json::parse(R"({"ts": [1, 2, 3.5, 12, 20], "y_init": [30, 4], "y": [[47.2, 6.1], [70.2, 9.8], [36, 59], [60, 15], [25, 9]]})");
 }
 
-/// d/dx_k by central differences of three widths, together of sixth order.
+/// d/dx_k by central differences of three widths, combined to sixth order.
 double difference(const LogDensity& density, std::vector<double> x, std::size_t k) {
   const double x0 = x[k], h = 1e-3 * std::max(1.0, std::abs(x0));
   const auto slope = [&](double step) {
@@ -44,7 +44,7 @@ double difference(const LogDensity& density, std::vector<double> x, std::size_t 
   return (64 * slope(h / 4) - 20 * slope(h / 2) + slope(h)) / 45;
 }
 
-/// The greatest difference of the gradient from the differences at random places about the centre, in the greatest component there.
+/// The greatest difference between the gradient and finite differences at random places about the centre, relative to the greatest component there.
 double gradient_error(const ReferencePosterior& p, const LogDensity& density, const LogDensity& differenced) {
   RandomStream random(1, 0);
   double worst = 0;
@@ -71,7 +71,7 @@ TEST_P(ReferenceDensity, HasTheGradientOfItsDifferences) {
     EXPECT_LT(gradient_error(p, *density, *density), 1e-7);
     EXPECT_LT(gradient_error(p, *dropped, *dropped), 1e-7);
     EXPECT_LT(gradient_error(p, *stand_in, *stand_in), 1e-7);
-    EXPECT_GT(gradient_error(p, *density, *dropped), 1e-5);  // the test would tell a slope of 1 that is missing
+    EXPECT_GT(gradient_error(p, *density, *dropped), 1e-5);  // the test would detect a missing gradient of 1
   }
 }
 
@@ -84,7 +84,7 @@ TEST_P(ReferenceDensity, KeepsOrDropsTheLogOfTheDerivativeOfItsTransformation) {
   for (int n = 0; n < 20; ++n) {
     std::vector<double> x = p.centre;
     for (double& v : x) v += p.deviation * random.normal();
-    // ln of the product of dq/dx over coordinates that are transformed: ln q for q = e^x, ln q (1 - q) for a logit. They are told from the names, which say the
+    // ln of the product of dq/dx over transformed coordinates: ln q for q = e^x, ln q (1 - q) for a logit. The names of the coordinates contain the
     // transformation.
     double expected = 0;
     for (std::size_t k = 0; k < x.size(); ++k) {
@@ -116,7 +116,7 @@ TEST(LotkaVolterra, IsOfFourthOrderAndTenStepsAYearAreEnough) {
 }
 
 TEST(LotkaVolterra, HasPopulationsAtRest) {
-  // u = gamma/delta, v = alpha/beta stand still: a record of them costs nothing but ln sigma and the priors.
+  // u = gamma/delta, v = alpha/beta is stationary: on a record of it ln p consists of ln sigma and the priors.
   const double alpha = 0.5, beta = 0.025, gamma = 0.8, delta = 0.02, u = gamma / delta, v = alpha / beta;
   Json data;
   data["ts"] = {1, 10, 20}, data["y_init"] = {u, v}, data["y"] = {{u, v}, {u, v}, {u, v}};
@@ -128,7 +128,7 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
   EXPECT_NEAR(lotka_volterra(data, 10)->log_density(x), priors - 4 * (x[6] + x[7]), 1e-9);
 }
 
-/// Lengths that keep all posteriors together within a minute of one core, ensembles being long enough for R-hat, which takes each walker for a chain; a sampler
+/// Lengths with which all posteriors together take a minute of one core. Ensembles are long enough for R-hat, which takes each walker for a chain. A sampler
 /// without a line of its own has its defaults.
 SamplerOptions options_of(const std::string& kind, const std::string& posterior) {
   SamplerOptions o = default_sampler_options(kind);
@@ -165,7 +165,7 @@ TEST_P(EverySampler, FollowsTheReference) {
 INSTANTIATE_TEST_SUITE_P(OfTheRegistry, EverySampler, Combine(ValuesIn(samplers().names()), ValuesIn(posterior_names())),
                          [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param); });
 
-/// The greatest |z| of the same draws by nuts, of a density that is wrong.
+/// The greatest |z| of the same draws by nuts, from a wrong density.
 double worst_of_wrong(const ReferencePosterior& p, const LogDensity& wrong, const Json& file) {
   const auto r = sample(wrong, wrong, start_of(p), options_of("nuts", p.name), {.seed = 1, .threads = 4});
   return std::abs(scores(r.quantities, file["reference"]).worst);
@@ -181,8 +181,8 @@ TEST_P(Control, AFlatterDensityIsTold) {
 }
 INSTANTIATE_TEST_SUITE_P(Published, Control, ValuesIn(posterior_names()), [](const auto& info) { return info.param; });
 
-/// Where the data are few. On the others' hundreds of data the Jacobian moves a quantile by less than a twentieth of a deviation, which 10 000 reference draws
-/// cannot tell.
+/// Posteriors of few data. On the hundreds of data of the others the Jacobian moves a quantile by less than a twentieth of a deviation, which 10 000 reference
+/// draws cannot resolve.
 class FewData : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(FewData, TellADroppedJacobian) {

@@ -1,4 +1,4 @@
-// The rear face: p = p0 + rho c v_n, mercury goes on behind it.
+// The rear face, p = p0 + rho c v_n, behind which the mercury continues.
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
 
@@ -57,7 +57,7 @@ TEST(RearFace, UniformlyHeatedMercuryBeforeItStaysAtRest) {
   double greatest = 0;
   for (const double u : at_rest.observations) greatest = std::max(greatest, std::abs(u));
 
-  // Control: with the total pressure on the face, the jump -p0/2 starts there: it moves at p0/(2 rho c).
+  // Control: with the total pressure on the face the jump -p0/2 starts there, and the face moves at p0/(2 rho c).
   o.heated_rear = false;
   const auto launched = solver.solve(s, rows, o);
   const auto u = row_of(launched, 0);
@@ -103,7 +103,7 @@ TEST(RearFace, ReflectsNothingAtNormalIncidence) {
 
 // The mode cos(pi z / H) of a rigid channel is two plane waves at +- theta, tan(theta) = (pi/H)/k_x: each reflects
 // (cos theta - 1)/(cos theta + 1), -0.1716 at 45 degrees; the packet's envelope spreads the angle by a few degrees. The face
-// averages the velocity over a step, which takes cos(omega dt / 2) off its impedance: 0.186 with half as many elements each way.
+// averages the velocity over a step, which takes a factor cos(omega dt / 2) off its impedance: 0.186 with half as many elements each way.
 TEST(RearFace, ReflectsAtFortyFiveDegreesAsAPlaneWaveConditionDoes) {
   const double height = 0.02, k = M_PI / height, sd = 0.06, start = 0.25, far = 0.5, omega = mercury_speed * k * std::sqrt(2.0);
   const Mesh mesh = channel(500, 20, height, far);

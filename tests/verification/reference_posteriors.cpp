@@ -13,7 +13,7 @@ using Numbers = std::vector<double>;
 using Names = std::vector<std::string>;
 
 double square(double x) { return x * x; }
-/// ln N(x; mean, sd), the constant left out, and its derivative by x added to `slope`.
+/// ln N(x; mean, sd) without its constant; its derivative by x is added to `slope`.
 double log_normal(double x, double mean, double sd, double& slope) {
   const double r = (x - mean) / sd;
   slope -= r / sd;
@@ -282,7 +282,7 @@ struct LotkaVolterra {
   }
 };
 
-/// A quarter of another density's ln p left out: deviations greater by the root of 4/3.
+/// A density without a quarter of another's ln p: its deviations are greater by the root of 4/3.
 class Flatter final : public LogDensity {
  public:
   explicit Flatter(std::unique_ptr<LogDensity> of) : of_(std::move(of)) {}
@@ -325,7 +325,7 @@ template <std::unique_ptr<LogDensity> (*make)(const Json&, Jacobian)>
 std::unique_ptr<LogDensity> flatter(const Json& data) {
   return std::make_unique<Flatter>(make(data, Jacobian::kept));
 }
-/// Two steps a year in place of ten, and flatter.
+/// A density with two steps a year in place of ten, and flatter.
 std::unique_ptr<LogDensity> coarse_hare_and_lynx(const Json& data) { return std::make_unique<Flatter>(hare_and_lynx(data, 2, Jacobian::kept)); }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 namespace calomel::testing {
 
-/// Whether ln |dq/dx| of the transformations is in the density, as it has to be; dropped is a control.
+/// Whether ln |dq/dx| of the transformations is in the density, as it must be; `dropped` is a control.
 enum class Jacobian { kept, dropped };
 
 struct ReferencePosterior {
@@ -18,10 +18,10 @@ struct ReferencePosterior {
   std::string title;           ///< "eight schools, non-centred"
   std::string file;            ///< of data and reference: {data, reference: {quantity: {quantiles: {"0.05": value}}}}
   std::vector<double> centre;  ///< (d), about which chains start
-  double deviation = 1;        ///< of the density's shape as far as a sampler is told, the same for every coordinate
-  double dispersion = 2;       ///< deviations by which walkers of an ensemble start off: less than chains where some would stay in a lesser mode
+  double deviation = 1;        ///< typical deviation that a sampler receives, the same for every coordinate
+  double dispersion = 2;       ///< deviation of the first walkers of an ensemble: smaller than for chains where some would stay in a lesser mode
   std::unique_ptr<LogDensity> (*make)(const Json& data, Jacobian jacobian);
-  /// A cheaper or poorer density on the same coordinates, for samplers that have a first stage. Sampled by itself it misses the reference.
+  /// A cheaper or less accurate density on the same coordinates, for samplers that have a first stage. Sampled by itself it misses the reference.
   std::unique_ptr<LogDensity> (*stand_in)(const Json& data);
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Draws held against a posterior's published reference.
+/// Comparison of draws with the published reference of a posterior.
 #include <filesystem>
 #include <string>
 
@@ -8,9 +8,9 @@
 
 namespace calomel::testing {
 
-/// Where a posterior's {data, reference} is or would be: data/posteriors of the folder `shared` beside the source tree, or of where CALOMEL_SHARED points.
+/// The file {data, reference} of a posterior: in data/posteriors of the folder `shared` beside the source tree, or of the folder that CALOMEL_SHARED names.
 std::filesystem::path reference_path(const ReferencePosterior& posterior);
-/// What the file holds; null where it is not there.
+/// Contents of the file; null if it does not exist.
 Json reference_file(const ReferencePosterior& posterior);
 
 struct Scores {
@@ -22,10 +22,10 @@ struct Scores {
 /// effective sample size of the indicator x <= q, 1e-4 for the reference's own 10 000 draws.
 Scores scores(const Draws& draws, const Json& reference);
 
-/// Centre and deviations of the starts; point starts are drawn about it by run_sampler.
+/// Mean and covariance of the starts; run_sampler draws starting points about the mean.
 SamplerStart start_of(const ReferencePosterior& posterior);
 
-/// The sampler options.kind, whichever it is: one of two densities takes `stand_in` for its first stage, others do not see it.
+/// Runs the sampler options.kind. A sampler with two densities takes `stand_in` for its first stage; others ignore it.
 SamplerResult sample(const LogDensity& density, const LogDensity& stand_in, const SamplerStart& start, const SamplerOptions& options, const SamplerRun& run);
 
 }  // namespace calomel::testing

@@ -1,4 +1,4 @@
-// The same answer whatever the number of threads, the use of the SIMD lanes, the precision and the instruction set.
+// The results do not depend on the number of threads, the use of the SIMD lanes, the precision and the instruction set, within stated bounds.
 #include <cstdlib>
 #include <iostream>
 
@@ -69,7 +69,7 @@ TEST(Reproducibility, AnyNumberOfThreadsGivesTheSameBits) {
     const auto one = box.run(1, precision);
     EXPECT_EQ(box.run(2, precision), one) << precision;
     EXPECT_EQ(box.run(3, precision), one) << precision;
-    // Control: the comparison sees a relative change of 1e-9 in the pulse (1e-6 in single precision).
+    // Control: the comparison detects a relative change of 1e-9 in the pulse (1e-6 in single precision).
     Box other = box;
     for (auto& p : other.setup.p0) p *= std::string(precision) == "double" ? 1 + 1e-9 : 1 + 1e-6;
     EXPECT_NE(other.run(1, precision), one) << precision;

@@ -67,8 +67,8 @@ std::vector<double> solver_frequencies(double h, int n, double c, const std::vec
 
 }  // namespace
 
-// Elements of about 1.6 mm: a radial wave of k = omega / c may err by (k h)^2 / 12, 1.1 % in the highest mode, 0.1 % in the lowest; with
-// the thickness of the steel in two elements, 0.1 % beside it.
+// With elements of about 1.6 mm a radial wave of k = omega / c may err by (k h)^2 / 12, 1.1 % in the highest mode, 0.1 % in the lowest; with
+// two elements through the steel another 0.1 %.
 TEST(Ring, FilledWithMercuryBreathesAtItsExactFrequencies) {
   const std::vector<std::pair<double, std::vector<double>>> cases{{0.003, {11511, 25048, 38953, 52968}}, {0.005, {11677, 24693, 38244}}};
   for (const auto& [h, tabulated] : cases) {

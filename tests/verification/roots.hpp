@@ -1,5 +1,5 @@
 #pragma once
-/// Roots of characteristic equations, and frequencies of records that hold several tones.
+/// Roots of characteristic equations, and frequencies in records with several tones.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -21,7 +21,7 @@ inline double bisect(const std::function<double(double)>& f, double low, double 
   return (low + high) / 2;
 }
 
-/// All roots on a scan of `steps` intervals; a change of sign through a pole is left out (there |f| grows under bisection).
+/// All roots on a scan of `steps` intervals. A change of sign through a pole is excluded, because |f| grows there under bisection.
 inline std::vector<double> roots_between(const std::function<double(double)>& f, double low, double high, int steps) {
   std::vector<double> roots;
   for (int i = 0; i < steps; ++i) {

@@ -1,4 +1,4 @@
-// First longitudinal mode of a round bar (Pochhammer 1876, Chree 1889), nu = 0.29. A bar whose plane ends cannot move along x swings
+// First longitudinal mode of a round bar (Pochhammer 1876, Chree 1889), nu = 0.29. A bar whose plane ends cannot move along x oscillates
 // exactly in the mode with k = pi / L; its frequency at that k gives c = omega / k.
 #include <fmt/format.h>
 
@@ -45,7 +45,7 @@ double exact_ratio(double omega, double nu = poisson) {
   return bisect([&](double ratio) { return LongitudinalMode(w, omega / (ratio * a), nu).radial_stress(); }, 0.65, 1 - 1e-6);
 }
 
-/// c / c0 that the solver gives at the wave number of (omega, ratio), with elements of `size` radii.
+/// c / c0 of the solver at the wave number of (omega, ratio), with elements of `size` radii.
 double solver_ratio(double omega, double ratio, double nu, double size, double stiffness = 1) {
   const double ka = omega / ratio, k = ka / a, w = omega * bar_speed() / a, period = 2 * M_PI / w;
   const LinearElastic moduli = LinearElastic::from_young(stiffness * young, nu);
@@ -71,7 +71,7 @@ constexpr std::array<std::pair<double, double>, 8> table{
 
 }  // namespace
 
-// A quarter bar with elements of h = a / 6: a wave of this length may err by (k h)^2 / 12 (twice the leading term of lumped linear elements),
+// In a quarter bar with elements of h = a / 6 a wave of this length may err by (k h)^2 / 12 (twice the leading term of lumped linear elements),
 // and the table by its last digit.
 TEST(RoundBar, DispersesAsPochhammerAndChree) {
   std::vector<double> omegas, exact, got;

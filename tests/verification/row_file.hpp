@@ -7,18 +7,18 @@
 
 namespace calomel::testing {
 
-/// One checked number. The unit is that of reference, measured, tolerance and control_value ("" = dimensionless).
+/// One checked number. Reference, measured, tolerance and control_value have its unit ("" = dimensionless).
 struct Row {
   std::string item;      ///< one of `items()`
   std::string quantity;  ///< unique within the item
   std::string unit;
   double reference = 0;
-  std::string source;  ///< where the reference comes from
+  std::string source;  ///< source of the reference
   double measured = 0;
   double tolerance = 0;                                             ///< allowed |measured - reference|
   double order = std::numeric_limits<double>::quiet_NaN();          ///< observed under refinement; NaN: none
-  std::string control;                                              ///< what was spoiled
-  double control_value = std::numeric_limits<double>::quiet_NaN();  ///< what came out then
+  std::string control;                                              ///< the change that makes the control
+  double control_value = std::numeric_limits<double>::quiet_NaN();  ///< result of the control
 };
 
 /// A curve of a picture.
@@ -31,7 +31,7 @@ struct Curve {
 const std::vector<std::string>& items();
 
 std::string to_line(const Row& row);
-/// Errors: InputError when the line is no row.
+/// Errors: InputError when the line is not a row.
 Row row_from_line(const std::string& line);
 
 /// All rows and curves below a folder that tests have written; rows by item, then by test and place in it.

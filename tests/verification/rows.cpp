@@ -9,7 +9,7 @@
 namespace calomel::testing {
 namespace {
 
-/// Appends a line to this test's file, which the first line of a run begins anew.
+/// Appends a line to the file of this test, which the first line of a run truncates.
 void append(const std::string& line) {
   static std::string begun;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();

@@ -1,6 +1,6 @@
 #pragma once
-/// The record of the verification: every test leaves the numbers it checked, one file a test, from which the table and the
-/// pictures of docs/verification are made (table_main.cpp).
+/// The record of the verification: every test writes the numbers it checked to a file of its own. table_main.cpp makes the table and the
+/// pictures of docs/verification from these files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace calomel::testing {
 
 /// Records a row, and fails unless |measured - reference| <= tolerance and the control lies outside the tolerance.
-/// Without a control in the row, another check of the same test is one: then `control` says in words which.
+/// Without a control value, another check of the same test is the control, and `control` names it in words.
 void verify(const Row& row);
 
 /// Records a curve of a picture. `x`, `y`: (points).
@@ -25,7 +25,7 @@ double observed_order(const std::vector<double>& h, const std::vector<double>& e
 /// The same, which also puts the errors into the picture of convergence.
 double drawn_order(const std::string& what, const std::vector<double>& h, const std::vector<double>& error);
 
-/// Records that this test could not run, so that its rows are not missed.
+/// Records why this test could not run, so that its rows are not reported as missing.
 void rows_absent(const std::string& why);
 
 }  // namespace calomel::testing

@@ -1,4 +1,4 @@
-// Mercury slides along steel: the tangential velocities of a slip pair are their own, the normal one is common.
+// Mercury slides along steel: the two nodes of a slip pair have separate tangential velocities and a common normal velocity.
 #include "forward/mesh/make_mesh.hpp"
 #include "tests/verification/rows.hpp"
 #include "tests/verification/small_runs.hpp"
@@ -73,7 +73,7 @@ TEST(Slip, NormalMotionIsCommonAndMomentumIsKept) {
   const Vec3 v{0.3, 0, -1};
   const Motion m = slide(mesh, v, time);
   for (const auto& p : mesh.slip) EXPECT_NEAR(m.displacement[std::size_t(p.steel)][2], m.displacement[std::size_t(p.mercury)][2], 1e-12 * time + 1e-15);
-  // Momentum = sum m u / t for constant total momentum.
+  // The momentum is sum m u / t for constant total momentum.
   const auto mass = masses(mesh, linear_setup(0, 0));
   Eigen::Vector3d got = Eigen::Vector3d::Zero(), start = Eigen::Vector3d::Zero();
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -83,13 +83,13 @@ TEST(Slip, NormalMotionIsCommonAndMomentumIsKept) {
   EXPECT_LT((got - start).norm(), 1e-9 * start.norm());
 }
 
-// In a long box the mercury next to an edge between two walls may move along that edge only.
+// In a long box the mercury beside an edge between two walls moves along that edge only.
 TEST(Slip, AlongAnEdgeBetweenTwoWallsOnlyTheEdgeDirectionIsFree) {
   GeometryOptions g;
   g.kind = "box", g.length = 0.06, g.width = 0.024, g.height = 0.02, g.wall = 0.004, g.element_size = 0.002;
   Mesh mesh = make_mesh(g);
   mesh.rear.clear();  // a free end
-  // Stopped before anything can reach the middle from the front wall.
+  // The run stops before a wave from the front wall can reach the middle.
   const double time = 3e-6;
   const Motion m = slide(mesh, {1, 0, 0}, time);
   int edges = 0;

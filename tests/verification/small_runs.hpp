@@ -1,5 +1,5 @@
 #pragma once
-/// Small meshes made by hand, runs on them, and fits of what comes out.
+/// Small hand-made meshes, runs on them, and fits of their results.
 #include <gmock/gmock.h>
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ inline constexpr double mercury_density = 13500, mercury_speed = 1450;
 inline LinearElastic steel() { return LinearElastic::from_young(young, poisson); }
 inline double steel_speed() { return std::sqrt(steel().longitudinal_modulus() / steel_density); }
 
-/// Prints a measured number beside its reference and keeps it in the test's XML record.
+/// Prints a measured number beside its reference and records it as a property of the test.
 void measured(const std::string& what, double value);
 
 /// n x n x n equal elements between two corners. Node (i, j, k) is number (k (ny + 1) + j) (nx + 1) + i.
@@ -60,14 +60,14 @@ inline std::span<const double> row_of(const SolveSummary& s, std::size_t row) { 
 /// Lumped nodal masses, an eighth of each element's.
 Eigen::VectorXd masses(const Mesh& mesh, const RunSetup& setup);
 
-/// Accelerations [m/s^2] (3 n + c) that a displacement field meets at rest, read off one step of the solver itself:
+/// Accelerations [m/s^2] (3 n + c) of a displacement field at rest, from one step of the solver itself:
 /// u1 - u0 = a dt^2 / 2.
 Eigen::VectorXd accelerations(const ExplicitSolver& solver, RunSetup setup, const std::vector<Vec3>& displacement, const SolveOptions& options = {});
 
 /// Stiffness matrix [N/m] of a small mesh, column by column from the solver.
 Eigen::MatrixXd stiffness(const ExplicitSolver& solver, const RunSetup& setup);
 
-/// Frequency [Hz] within (low, high) of the harmonic (with a mean) that leaves the least residue, by golden section after a scan.
+/// Frequency [Hz] within (low, high) of the harmonic (with a mean) that leaves the least residual, by golden section after a scan.
 double fitted_frequency(std::span<const double> t, std::span<const double> y, double low, double high);
 
 }  // namespace calomel::testing

@@ -15,7 +15,7 @@ namespace {
 
 std::string number(double v) { return std::isnan(v) ? "" : fmt::format("{:.5g}", v); }
 
-/// Deviation as people read it: relative where the reference is a size, absolute otherwise.
+/// Deviation for people: relative where the reference is not 0, absolute otherwise.
 std::string error_of(const Row& r) {
   if (r.reference == 0) return number(r.measured);
   return fmt::format("{:+.2g} %", 100 * (r.measured / r.reference - 1));

@@ -1,4 +1,4 @@
-// The record of the verification and the table made from it.
+// Tests the record of the verification and the table made from it.
 #include "tests/verification/table.hpp"
 
 #include <gmock/gmock.h>
@@ -67,7 +67,7 @@ TEST(Table, RowsTooManyAndTooFewAreNoticed) {
   other = two;
   other.rows.push_back(two.rows[0]);
   EXPECT_THAT(compare(other, committed.page), ElementsAre(HasSubstr("recorded twice")));
-  // A test that could not run may leave its rows out.
+  // The rows of a test that could not run may be missing.
   other = two, other.rows.pop_back(), other.absent = {"BoxSlice.X: no reference solutions"};
   EXPECT_THAT(compare(other, committed.page), IsEmpty());
 }

@@ -1,4 +1,4 @@
-// A free plate hit by an exponential wave through a liquid that holds tension (Taylor 1941):
+// An exponential wave hits a free plate through a liquid that holds tension (Taylor 1941):
 // v = 2 p0 theta / (m (B - 1)) (exp(-t / theta) - exp(-B t / theta)), B = rho c theta / m.
 #include "tests/verification/column.hpp"
 #include "tests/verification/rows.hpp"
@@ -39,8 +39,8 @@ Flight fly(int n, double mass_factor) {
 
 }  // namespace
 
-// Elements of 20 mm: the wave reflected from the plate begins with a jump, so that first order, rho h / 2 m = 7 % of the added liquid times
-// h / (c theta) = 1.4 %, is all that can be promised: 1 % is allowed.
+// With elements of 20 mm the wave reflected from the plate begins with a jump, so that the method is of first order. The error is rho h / 2 m = 7 % of added
+// liquid times h / (c theta) = 1.4 %; 1 % is allowed.
 TEST(TaylorPlate, MovesAsTheFormulaSays) {
   const Flight coarse = fly(200, 1), fine = fly(400, 1), spoiled = fly(400, 1.05);
   verify({.item = "Taylor plate",

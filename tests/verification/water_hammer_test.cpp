@@ -1,11 +1,11 @@
 // Water hammer: a mercury-filled steel pipe of 0.1 m inner diameter. Joukowsky: dp = rho a dV; Korteweg: a = c / sqrt(1 + K D / (E h)), with E / (1 - nu^2)
 // when the pipe cannot stretch along its axis (physics.md section 4).
 //
-// Half a standing wave of 2 m in a quarter of the pipe between ends that cannot move along x: a = 2 L f and p = rho a V cos kx. Korteweg's pipe is thin
+// Half a standing wave of 2 m in a quarter of the pipe between ends that cannot move along x has a = 2 L f and p = rho a V cos kx. Korteweg's pipe is thin
 // and has no inertia. The compliance of a ring of finite thickness is (r_o^2 + r_i^2)/(r_o^2 - r_i^2) + nu in place of D / 2h (Lame; held axially
-// (1 + nu)((1 - 2 nu) r_i^2 + r_o^2)/(r_o^2 - r_i^2)): 2 to 3 % slower at 3 to 5 mm. That is the reference. A wall whose
+// (1 + nu)((1 - 2 nu) r_i^2 + r_o^2)/(r_o^2 - r_i^2)), 2 to 3 % slower at 3 to 5 mm. That is the reference. A wall whose
 // particles are all held along the axis also resists in shear, (1 - nu)/2 (k R)^2 = 0.9 % of its hoop stiffness at this wavelength, which the reference
-// includes; radial inertia of the mercury, which takes (k R)^2 / 16 = 0.15 % off the speed, it does not.
+// includes. The reference does not include radial inertia of the mercury, which reduces the speed by (k R)^2 / 16 = 0.15 %.
 #include <fmt/format.h>
 
 #include "forward/mesh/section.hpp"
@@ -82,7 +82,7 @@ Hammer hammer(double h, bool held, int along, const LinearElastic& moduli) {
 
 }  // namespace
 
-// Elements of length / 20 along the wave: (k h)^2 / 12 = 0.2 %; with the inertia above 0.5 % is allowed.
+// With elements of length / 20 along the wave the error is (k h)^2 / 12 = 0.2 %; with the inertia above 0.5 % is allowed.
 TEST(WaterHammer, RunsAtKortewegsSpeedWithJoukowskysPressure) {
   struct Case {
     double h;
@@ -94,7 +94,7 @@ TEST(WaterHammer, RunsAtKortewegsSpeedWithJoukowskysPressure) {
     const double exact = thick_walled(c.h, c.held);
     const std::string pipe = fmt::format("{:.0f} mm, {}", 1e3 * c.h, c.held ? "held axially" : "free");
     const Hammer got = hammer(c.h, c.held, 20, steel());
-    EXPECT_NEAR(got.speed, c.tabulated, 0.04 * c.tabulated);  // the thin wall's number is not far
+    EXPECT_NEAR(got.speed, c.tabulated, 0.04 * c.tabulated);  // the value of the thin wall is close
     verify({.item = "Water hammer",
             .quantity = "speed, " + pipe,
             .unit = "m/s",
@@ -105,7 +105,7 @@ TEST(WaterHammer, RunsAtKortewegsSpeedWithJoukowskysPressure) {
             .tolerance = 0.005 * exact,
             .control = "modulus of the pipe +3 %",
             .control_value = hammer(c.h, c.held, 20, LinearElastic::from_young(1.03 * young, poisson)).speed});
-    // A velocity of the mercury alone also stirs the pipe's own waves: some of it does not go into this mode.
+    // A velocity of the mercury alone also excites the waves of the pipe, so that a part of it does not enter this mode.
     verify({.item = "Water hammer",
             .quantity = "pressure over rho a V, " + pipe,
             .reference = 1,

@@ -47,13 +47,13 @@ double elastic_layer(double h, double k, double depth) {
   return bisect(determinant, 0.7 * thin_plate(h, k), 1.1 * thin_plate(h, k));
 }
 
-/// Half a wavelength between symmetry planes in n elements, n / 8 through the plate, the mercury in layers that grow away from it.
+/// Half a wavelength between symmetry planes in n elements, with n / 8 through the plate, and mercury in layers that grow away from it.
 double solver_frequency(double h, double half, double depth, int n, double stiffness = 1) {
   const double k = M_PI / half;
   const int layers = n + 4, through = n / 8;
   Mesh m = block({n, 1, through + layers}, {0, 0, -double(through)}, {half, half / n, double(layers)},
                  [](const Vec3& x) { return x[2] < 0 ? Region::steel : Region::mercury; });
-  // Quadratic spacing: the layer on the plate is as thin as half / n or thinner.
+  // The spacing is quadratic: the layer on the plate is at most half / n thick.
   for (auto& x : m.nodes) x[2] = x[2] <= 0 ? x[2] * h / through : depth * (0.35 * x[2] / layers + 0.65 * std::pow(x[2] / layers, 2));
   m.liquid_element_size = half / n;
   fix(m, 2, everywhere()), fix(m, 1, plane(0, 0)), fix(m, 1, plane(0, half)), fix(m, 4, plane(2, depth));
