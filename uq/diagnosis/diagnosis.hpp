@@ -51,7 +51,8 @@ struct Diagnosis {
   [[nodiscard]] std::vector<std::string> unsettled() const;
 };
 
-/// Makes a diagnosis; the steps are in the order of the headers of this folder that it includes. Errors: those of fit_posterior and of the runs; Interrupted.
+/// Makes a diagnosis. Its steps, each in its own header: base_fit, screening, leading_fits (with linearised_fit and explanation_fit), judgement, pair_fits,
+/// hold_out_predictions, locate, missing_terms, separating_measurement. Errors: those of fit_posterior and of the runs; Interrupted.
 [[nodiscard]] Diagnosis diagnose(const DiagnosisInputs& in);
 
 }  // namespace calomel

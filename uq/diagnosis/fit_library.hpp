@@ -51,8 +51,8 @@ struct FitContext {
 [[nodiscard]] ScreeningInputs screening_about(const DiagnosisInputs& in, RunBudget& budget, const PosteriorFit& fit, std::vector<AddedParameter> added,
                                               const std::vector<ParameterGroup>& groups);
 
-/// The effect of a number as it is reported: a share of another number in the unit of the case, times what `own` parameters of the case or the case itself have
-/// for the whole. A share that the records do not narrow to half its prior's deviation is reported as its prior.
+/// A number of an explanation as it is reported, in the unit of the case. A share is multiplied by the number that it is a share of, which is one of the case's
+/// parameters (`own`) or stands in the case. A share that the records do not narrow to half its prior's deviation is reported as its prior.
 [[nodiscard]] Estimate reported_number(const DiagnosisInputs& in, const AddedParameter& a, double mean, double sd, const std::vector<Estimate>& own);
 
 /// Reports an explanation that was fitted.

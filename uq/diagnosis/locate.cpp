@@ -81,88 +81,128 @@ std::vector<double> false_discovery(const std::vector<double>& p) {
   return q;
 }
 
-LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
+namespace {
+
+/// The span of the records in equal windows; records may begin late.
+struct RecordSpan {
+  double begin = 0, end = 0;
+
+  explicit RecordSpan(const Decimation& grid) {
+    const Eigen::VectorXd times = grid.times();
+    const double step = times.size() > 1 ? grid.half_window() : 0;
+    end = times.maxCoeff() + 0.5 * step;
+    begin = times.minCoeff() > step ? times.minCoeff() - 0.5 * step : 0;
+  }
+  [[nodiscard]] int window_of(double t) const { return end > begin ? std::clamp(int((t - begin) / (end - begin) * windows), 0, windows - 1) : 0; }
+  [[nodiscard]] double begin_of(int w) const { return begin + (end - begin) * w / windows; }
+};
+
+/// All parts of one residual with their scores. q-values need the p-values of all of them.
+struct PartTests {
+  const Decimation& grid;
+  const RecordSpan span;
+  std::vector<Tested> sensors, time_windows, bands_of_all, map, band_map;  ///< the maps observation by observation
+};
+
+PartTests test_all_parts(const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
+  PartTests tests{.grid = grid, .span = RecordSpan(grid)};
   const Eigen::Index n = residual.size();
   const Eigen::VectorXd times = grid.times();
-  const double step = n > 1 ? grid.half_window() : 0, end = times.maxCoeff() + 0.5 * step;
-  const double begin = times.minCoeff() > step ? times.minCoeff() - 0.5 * step : 0;  // records may begin late
-  LocatedMismatch out;
-  std::vector<Tested> all;
+  const auto at_rows = [&](const std::vector<Eigen::Index>& at) { return tested(unit_rows(at, n), residual, covariance); };
   for (std::size_t i = 0; i < grid.observations(); ++i) {
     std::vector<Eigen::Index> at(grid.windows(i).size());
     std::iota(at.begin(), at.end(), Eigen::Index(grid.offset(i)));
-    all.push_back(tested(unit_rows(at, n), residual, covariance));
-    out.sensors.emplace_back().name = problem.label(problem.observations[i]);
+    tests.sensors.push_back(at_rows(at));
   }
-  const auto window_of = [&](double t) { return end > begin ? std::clamp(int((t - begin) / (end - begin) * windows), 0, windows - 1) : 0; };
-  const auto begin_of = [&](int w) { return begin + (end - begin) * w / windows; };
   for (int w = 0; w < windows; ++w) {
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < n; ++i)
-      if (window_of(times[i]) == w) at.push_back(i);
-    all.push_back(tested(unit_rows(at, n), residual, covariance));
-    auto& x = out.windows.emplace_back();
-    x.begin = begin_of(w);
-    x.end = begin_of(w + 1);
+      if (tests.span.window_of(times[i]) == w) at.push_back(i);
+    tests.time_windows.push_back(at_rows(at));
   }
-  double nyquist = 0;
-  for (std::size_t i = 0; i < grid.observations(); ++i)
-    if (const auto w = grid.windows(i); w.size() > 1) nyquist = std::max(nyquist, 0.5 / (w[1].time - w[0].time));
   for (int b = 0; b < bands; ++b) {
-    auto& x = out.bands.emplace_back();
-    x.low = nyquist * b / bands;
-    x.high = nyquist * (b + 1) / bands;
     std::vector<Eigen::MatrixXd> parts;
     for (std::size_t i = 0; i < grid.observations(); ++i) parts.push_back(cosine_rows(grid, i, b));
-    all.push_back(tested(stacked(parts), residual, covariance));
+    tests.bands_of_all.push_back(tested(stacked(parts), residual, covariance));
   }
-  // The maps: their parts are counted in the same discovery rate.
-  out.map.resize(Eigen::Index(grid.observations()), windows);
-  const std::size_t map_begin = all.size();
   for (std::size_t i = 0; i < grid.observations(); ++i)
     for (int w = 0; w < windows; ++w) {
       std::vector<Eigen::Index> at;
       for (std::size_t k = 0; k < grid.windows(i).size(); ++k)
-        if (window_of(grid.windows(i)[k].time) == w) at.push_back(Eigen::Index(grid.offset(i) + k));
-      all.push_back(tested(unit_rows(at, n), residual, covariance));
-      out.map(Eigen::Index(i), w) = all.back().score;
+        if (tests.span.window_of(grid.windows(i)[k].time) == w) at.push_back(Eigen::Index(grid.offset(i) + k));
+      tests.map.push_back(at_rows(at));
     }
-  out.band_map.resize(Eigen::Index(grid.observations()), bands);
-  const std::size_t band_map_begin = all.size();
   for (std::size_t i = 0; i < grid.observations(); ++i)
-    for (int b = 0; b < bands; ++b) {
-      all.push_back(tested(cosine_rows(grid, i, b), residual, covariance));
-      out.band_map(Eigen::Index(i), b) = all.back().score;
-    }
-  std::vector<double> p;
-  for (const auto& t : all) p.push_back(t.p_value);
-  const auto q = false_discovery(p);
-  std::size_t at = 0;
-  const auto fill = [&](ResidualPart& part) {
-    part.score = all[at].score;
-    part.q_value = q[at];
-    ++at;
-  };
-  for (auto& s : out.sensors) fill(s);
-  for (auto& w : out.windows) fill(w);
-  for (auto& b : out.bands) fill(b);
-  out.map_q_values.resize(out.map.rows(), windows);
-  out.band_map_q_values.resize(out.band_map.rows(), bands);
+    for (int b = 0; b < bands; ++b) tests.band_map.push_back(tested(cosine_rows(grid, i, b), residual, covariance));
+  return tests;
+}
+
+/// Highest frequency of the grid [Hz].
+double nyquist_of(const Decimation& grid) {
+  double nyquist = 0;
   for (std::size_t i = 0; i < grid.observations(); ++i)
-    for (int b = 0; b < bands; ++b) out.band_map_q_values(Eigen::Index(i), b) = q[band_map_begin + i * bands + std::size_t(b)];
-  double first = end, strongest = 0;
-  for (std::size_t i = 0; i < grid.observations(); ++i)
+    if (const auto w = grid.windows(i); w.size() > 1) nyquist = std::max(nyquist, 0.5 / (w[1].time - w[0].time));
+  return nyquist;
+}
+
+/// Keeps the gauge and the window at which the mismatch is first significant; the strongest where several begin together.
+void find_first(const PartTests& tests, LocatedMismatch& out) {
+  double first = tests.span.end, strongest = 0;
+  for (std::size_t i = 0; i < tests.grid.observations(); ++i)
     for (int w = 0; w < windows; ++w) {
-      const std::size_t k = map_begin + i * windows + std::size_t(w);
-      out.map_q_values(Eigen::Index(i), w) = q[k];
-      const double from = begin_of(w);
-      if (!(q[k] < significant_q) || from > first || (from == first && all[k].score <= strongest)) continue;
+      const double score = tests.map[i * windows + std::size_t(w)].score, from = tests.span.begin_of(w);
+      if (!(out.map_q_values(Eigen::Index(i), w) < significant_q) || from > first || (from == first && score <= strongest)) continue;
       first = from;
-      strongest = all[k].score;
+      strongest = score;
       out.first_sensor = out.sensors[i].name;
       out.first_observation = i;
       out.first_time = from;
     }
+}
+
+}  // namespace
+
+LocatedMismatch locate(const Problem& problem, const Decimation& grid, const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance) {
+  const PartTests tests = test_all_parts(grid, residual, covariance);
+  std::vector<double> p;
+  for (const auto* part : {&tests.sensors, &tests.time_windows, &tests.bands_of_all, &tests.map, &tests.band_map})
+    for (const auto& t : *part) p.push_back(t.p_value);
+  const auto q = false_discovery(p);
+  auto next = q.begin();
+  const auto fill = [&](ResidualPart& part, const Tested& t) {
+    part.score = t.score;
+    part.q_value = *next++;
+  };
+  LocatedMismatch out;
+  for (std::size_t i = 0; i < grid.observations(); ++i) {
+    out.sensors.emplace_back().name = problem.label(problem.observations[i]);
+    fill(out.sensors.back(), tests.sensors[i]);
+  }
+  for (int w = 0; w < windows; ++w) {
+    auto& x = out.windows.emplace_back();
+    x.begin = tests.span.begin_of(w);
+    x.end = tests.span.begin_of(w + 1);
+    fill(x, tests.time_windows[std::size_t(w)]);
+  }
+  const double nyquist = nyquist_of(grid);
+  for (int b = 0; b < bands; ++b) {
+    auto& x = out.bands.emplace_back();
+    x.low = nyquist * b / bands;
+    x.high = nyquist * (b + 1) / bands;
+    fill(x, tests.bands_of_all[std::size_t(b)]);
+  }
+  const auto fill_map = [&](const std::vector<Tested>& parts, int columns, Eigen::MatrixXd& scores, Eigen::MatrixXd& q_values) {
+    scores.resize(Eigen::Index(grid.observations()), columns);
+    q_values.resize(scores.rows(), columns);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const Eigen::Index row = Eigen::Index(k) / columns, column = Eigen::Index(k) % columns;
+      scores(row, column) = parts[k].score;
+      q_values(row, column) = *next++;
+    }
+  };
+  fill_map(tests.map, windows, out.map, out.map_q_values);
+  fill_map(tests.band_map, bands, out.band_map, out.band_map_q_values);
+  find_first(tests, out);
   return out;
 }
 
