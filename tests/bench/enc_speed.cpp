@@ -18,7 +18,7 @@
 #include "forward/surrogate/training.hpp"
 #include "inverse/enc/enc_rounds.hpp"
 #include "tests/bench/machine.hpp"
-#include "tests/unit/surrogate/wave_family.hpp"
+#include "tests/unit/forward/surrogate/wave_family.hpp"
 
 using namespace calomel;
 

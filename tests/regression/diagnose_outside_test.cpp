@@ -8,7 +8,7 @@
 #include "base/random.hpp"
 #include "tests/regression/program.hpp"
 #include "tests/slice_case.hpp"
-#include "tests/unit/external/served.hpp"
+#include "tests/unit/forward/external/served.hpp"
 
 namespace calomel::testing {
 namespace {

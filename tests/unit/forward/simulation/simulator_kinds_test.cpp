@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/line/line_cases.hpp"
+#include "tests/unit/forward/line/line_cases.hpp"
 
 namespace calomel {
 namespace {
