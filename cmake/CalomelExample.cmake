@@ -1,7 +1,7 @@
-# An example run whole, in a reduced form, and held against what it must show:
+# Runs a reduced form of an example from beginning to end and checks its results:
 #   calomel_example(02_box_slice CASE box_slice.toml TRUTH ../recorder/box_slice.truth.toml
 #     SET campaign.runs=40 ... EXPECT --within impedance=3 ...)
-# Three tests in a row: an empty output folder, `calomel study`, check_calibration.
+# These are three tests, one after another: empty the output folder, `calomel study`, check_calibration.
 function(calomel_example name)
   cmake_parse_arguments(ARG "" "CASE;TRUTH" "SET;EXPECT" ${ARGN})
   if(NOT CALOMEL_TESTS)

@@ -1,4 +1,4 @@
-# Install and export, so that find_package(calomel) works.
+# Installs and exports the libraries, so that find_package(calomel) works.
 include(CMakePackageConfigHelpers)
 get_property(libraries GLOBAL PROPERTY CALOMEL_LIBRARIES)
 install(TARGETS ${libraries} EXPORT calomelTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -1,4 +1,4 @@
-# The example on a coarse mesh with few runs, from the record to the residual.
+# Runs the example on a coarse mesh with few runs, from the record to the residual.
 include("${CMAKE_CURRENT_LIST_DIR}/../steps.cmake")
 find_record(record CALOMEL_HOPKINSON_RECORD "${DEFAULT_RECORD}" "disp_check.dat of github.com/snkhaderi/IITH_split_hopkinson_bar_data_processing")
 if(NOT record)

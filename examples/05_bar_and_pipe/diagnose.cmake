@@ -1,4 +1,4 @@
-# One case, from its record to the numbers expected of its diagnosis.
+# Diagnoses one case and compares the numbers with the expected ones.
 set(here "${CMAKE_CURRENT_LIST_DIR}")
 include("${here}/../steps.cmake")
 file(REMOVE_RECURSE "${WORK}")
@@ -19,7 +19,7 @@ else()
   file(COPY "${here}/${NAME}.csv" DESTINATION "${WORK}")
 endif()
 execute_process(COMMAND "${CALOMEL}" diagnose "${WORK}/${NAME}.toml" ${overrides} RESULT_VARIABLE status)
-if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the elastic line's own fit does not settle, its numbers run to their bounds
+if(NOT status EQUAL 0 AND NOT status EQUAL 4)  # 4: the fit of the elastic line does not converge, because its numbers reach their bounds
   message(FATAL_ERROR "exit status ${status} of the diagnosis")
 endif()
 step("${PROGRAM}" table "${WORK}/${NAME}.out/diagnosis.json" "${here}/expected_${NAME}.csv")

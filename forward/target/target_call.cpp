@@ -71,12 +71,12 @@ std::vector<double> table_values(const ForwardCase& c) {
   return theta;
 }
 
-struct Place {
+struct FacePlace {
   Vec3 position, direction;
 };
 
 /// Middles of outer faces that lie away from the target's edges, with the direction of a gauge there.
-std::vector<Place> face_middles(const Mesh& mesh) {
+std::vector<FacePlace> face_middles(const Mesh& mesh) {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (const auto& f : mesh.outer)
     for (const auto n : f.nodes)
@@ -84,7 +84,7 @@ std::vector<Place> face_middles(const Mesh& mesh) {
         low[i] = std::min(low[i], mesh.nodes[std::size_t(n)][i]);
         high[i] = std::max(high[i], mesh.nodes[std::size_t(n)][i]);
       }
-  std::vector<Place> all;
+  std::vector<FacePlace> all;
   for (const auto& f : mesh.outer) {
     std::array<Vec3, 4> x;
     Vec3 middle{};
@@ -110,13 +110,13 @@ std::vector<Place> face_middles(const Mesh& mesh) {
 }
 
 /// Places on the outer surface, each as far as possible from the case's gauges and from those before it.
-std::vector<Place> free_places(const Mesh& mesh, const std::vector<SensorOptions>& own, int wanted) {
-  const std::vector<Place> all = face_middles(mesh);
+std::vector<FacePlace> free_places(const Mesh& mesh, const std::vector<SensorOptions>& own, int wanted) {
+  const std::vector<FacePlace> all = face_middles(mesh);
   const auto distance = [](const auto& p, const auto& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); };
   std::vector<double> nearest(all.size(), 1e300);
   for (std::size_t i = 0; i < all.size(); ++i)
     for (const auto& s : own) nearest[i] = std::min(nearest[i], distance(all[i].position, s.position));
-  std::vector<Place> out;
+  std::vector<FacePlace> out;
   while (int(out.size()) < wanted && !all.empty()) {
     const auto farthest = std::size_t(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
     if (!(nearest[farthest] > 0)) break;

@@ -14,7 +14,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double edge = 1e-6;
+constexpr double inset = 1e-6;  ///< a search begins at least this far inside its box [half widths]
 const std::string beyond_name = "beyond";
 
 std::vector<RecordErrors> record_errors(const std::vector<WeightedErrors>& errors) {
@@ -120,7 +120,7 @@ LogPosterior::Point LogPosterior::point(const Eigen::VectorXd& q) const {
 
 Eigen::VectorXd LogPosterior::q(std::span<const double> theta, double beyond) const {
   Eigen::VectorXd q(dimension());
-  const Eigen::VectorXd u = box_.u(theta).cwiseMax(-1 + edge).cwiseMin(1 - edge);
+  const Eigen::VectorXd u = box_.u(theta).cwiseMax(-1 + inset).cwiseMin(1 - inset);
   q.head(Eigen::Index(free_.size())) = 2 * u(free_).array().atanh();
   if (has_beyond_) q[q.size() - 1] = beyond;
   return q;

@@ -15,7 +15,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double box_of_prior = 2;             ///< half width of a first box that the priors decide, in prior standard deviations
+constexpr double first_box_of_prior = 2;       ///< half width of a first box that the priors decide, in prior standard deviations
 constexpr double least_surrogate_error = 0.1;  ///< over the local amplitude, in the search of the basin
 constexpr double most_jitter = 1;              ///< between two runs of nearly one point, in standard errors of all records together; with more, finite
                                                ///< differences of the model say nothing
@@ -76,7 +76,7 @@ void hold_times_to_the_records(PosteriorInputs& in, const PosteriorCase& c, bool
 
 /// Half width of the first box in a parameter by its prior, in the coordinate of the parameter.
 double half_width_by_prior(const Parameter& p) {
-  const double reach = box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
+  const double reach = first_box_of_prior * (p.prior == "lognormal" ? *p.sigma * std::exp(*p.mu) : p.sd.value_or((p.max - p.min) / std::sqrt(12.0)));
   return p.coordinate_width(reach, *p.nominal);
 }
 

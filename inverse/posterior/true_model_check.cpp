@@ -8,7 +8,7 @@ namespace calomel {
 
 namespace {
 
-constexpr double least_p_value = 1e-3;
+constexpr double least_p_of_check = 1e-3;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ TrueModelCheck check_by_true_model(const PosteriorInputs& in, const PosteriorFit
   out.score_sd = std::sqrt(2 / (independent * done) + 2 / (independent * emulator.freedom()));
   out.p_value = boost::math::cdf(boost::math::complement(expected, out.score));
   if (shifts > 0) out.log_likelihood_shift = std::sqrt(shift / shifts);
-  out.holds = out.p_value > least_p_value;
+  out.holds = out.p_value > least_p_of_check;
   return out;
 }
 

@@ -1,4 +1,4 @@
-# Installs what is built, then configures, builds and runs a program that knows nothing but find_package(calomel).
+# Installs the build, then configures, builds and runs a program that uses find_package(calomel) and nothing else.
 function(step)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(NOT status EQUAL 0)
@@ -14,5 +14,5 @@ step(${CMAKE_COMMAND} --build ${WORK}/build)
 step(${WORK}/build/consumer ${CASE})
 message("${said}")
 step(${WORK}/prefix/bin/calomel --version)
-# The generator of records stands where the installed program looks for it.
+# The reference generator is installed where the installed program looks for it.
 step(${WORK}/prefix/bin/calomel challenge make --seed 1 --out ${WORK}/suite --none 1 --single 0 --outside 0 --sensor 0 --pair 0 --grid 0.5e-3)

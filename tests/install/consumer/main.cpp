@@ -1,4 +1,4 @@
-// A program outside of the project: reads a case, runs it at two points, and scores them against records.
+// A program outside the project: reads a case, runs it at two points and compares the results.
 #include <cstdio>
 
 #include "forward/target/built_in_model.hpp"
