@@ -19,7 +19,7 @@ namespace {
 const std::string density = "[parameter.density]\nmin = 12000\nmax = 14500\n", normal = "prior = \"normal\"\nmean = 13500\nsd = 100\n";
 
 StudyCase study(const std::string& more, const std::vector<std::string>& set = {}) {
-  return StudyCase::read(folder_with("posterior_case", {{"case.toml", slice_case + more}}) / "case.toml", set);
+  return StudyCase::read(folder_with("posterior_setup", {{"case.toml", slice_case + more}}) / "case.toml", set);
 }
 
 double own_mesh_error(const StudyCase& s) { return mesh_error(*s.simulator, s.emulator, s.errors.mesh, 0); }
