@@ -36,7 +36,7 @@ std::vector<std::string> names(const std::vector<Parameter>& parameters) {
 
 }  // namespace
 
-TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
+TEST(PosteriorSetup, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
   EXPECT_TRUE(basin_on_surrogate(study(density)));
   EXPECT_FALSE(basin_on_surrogate(study(density + normal)));
   EXPECT_FALSE(basin_on_surrogate(study(density, {"map.product=physical"})));
@@ -44,7 +44,7 @@ TEST(PosteriorCase, TheBasinIsSoughtOnTheSurrogateWhereAParameterHasNoPrior) {
   EXPECT_TRUE(basin_on_surrogate(study(density + normal, {"emulator.start=surrogate"})));
 }
 
-TEST(PosteriorCase, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
+TEST(PosteriorSetup, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
   const double own = own_mesh_error(study(density));
   EXPECT_GT(own, 0);
   EXPECT_EQ(own_mesh_error(study(density, {"emulator.element_sizes=[1e-3]"})), 0.08);
@@ -53,7 +53,7 @@ TEST(PosteriorCase, TheMeshesErrorIsThatOfTheMeshThatItStandsFor) {
   EXPECT_EQ(own_mesh_error(study(density, {"errors.mesh=0.3"})), 0.3);
 }
 
-TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
+TEST(PosteriorSetup, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNoneOfThem) {
   EXPECT_THAT(names(parameters_of(study(density))), ElementsAre("density", "regularising_viscosity", "young", "wall_film"));
   EXPECT_THAT(names(parameters_of(study(density, {"errors.young_sd=0", "errors.wall_film_sd=0"}))), ElementsAre("density", "regularising_viscosity"));
   for (const char* no_film : {"geometry.wetted=no_separation", "material.mercury.law=linear"})  // nothing parts from a wall there
@@ -76,7 +76,7 @@ TEST(PosteriorCase, NuisancesFollowTheCasesParametersWhereTheyHaveAPriorAndAreNo
   EXPECT_EQ(with_young[3].nominal, 0.0);
 }
 
-TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
+TEST(PosteriorSetup, TheEmulatorHasTheCasesMeshAndItsHalf) {
   EXPECT_THAT(sizes_of(study(density)), ElementsAre(0.002, 0.001));
   EXPECT_EQ(meshes_of_emulator(study(density)), EmulatorMeshes::several);
   EXPECT_EQ(level_of_case(study(density)), 1);
@@ -84,7 +84,7 @@ TEST(PosteriorCase, TheEmulatorHasTheCasesMeshAndItsHalf) {
   EXPECT_EQ(meshes_of_emulator(study(density, {"emulator.element_sizes=[0.002]"})), EmulatorMeshes::one_size);
 }
 
-TEST(PosteriorCase, TheFinestMeshIsHeldAgainstTheFrontOfThePulse) {
+TEST(PosteriorSetup, TheFinestMeshIsHeldAgainstTheFrontOfThePulse) {
   const auto elements = [](const std::vector<std::string>& set) {
     const auto s = study(density, set);
     return elements_per_front(*s.simulator, s.emulator);
