@@ -10,6 +10,7 @@
 #include "apps/pipeline/spe_stage.hpp"
 #include "apps/pipeline/stage_call.hpp"
 #include "apps/pipeline/train_stage.hpp"
+#include "apps/presentation/comparison_words.hpp"
 #include "apps/presentation/run_lines.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
@@ -100,7 +101,7 @@ void compare(const StudyInputs& inputs) {
     return;
   }
   const auto comparison = compare_calibrations(summaries);
-  write_json(path, comparison_json(comparison, provenance));
+  write_json(path, comparison_json(comparison, comparison_sentence(comparison), provenance));
   inputs.notes().say(comparison_text(comparison));
 }
 

@@ -1,7 +1,5 @@
 #include "inverse/comparison/comparison.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cctype>
@@ -9,6 +7,7 @@
 
 #include "base/json.hpp"
 #include "base/linear_algebra.hpp"
+#include "inverse/calibration/scored_mesh.hpp"
 
 namespace calomel {
 
@@ -134,19 +133,19 @@ std::vector<ComparedRow> parameter_rows(std::span<const MethodSummary> summaries
   return rows;
 }
 
-const std::string own_mesh_words = "the case's own mesh";
+const std::string own_mesh_name = artefact_name(ScoredMesh::own);
 
-/// Which mesh a summary's scores are on, in words.
+/// The mesh of a summary's scores as artefacts name it.
 std::string mesh_of(const Json& json) {
   const Json& on = part_of(json, "scores_on");
-  return on.is_string() ? on.get<std::string>() : own_mesh_words;
+  return on.is_string() ? on.get<std::string>() : own_mesh_name;
 }
 
 /// Scores on the case's own mesh: beside those corrected for the mesh, or a summary's only ones; null without them.
 const Json& own_mesh(const Json& json) {
   static const Json nothing;
   const Json& own = part_of(part_of(json, "mesh"), "working_mesh");
-  return own.is_object() ? own : mesh_of(json) == own_mesh_words ? json : nothing;
+  return own.is_object() ? own : mesh_of(json) == own_mesh_name ? json : nothing;
 }
 
 /// `same_mesh`: all by the case's own mesh, because not every summary has the same other one.
@@ -188,47 +187,6 @@ ComparedPair pair_of(const Comparison& c, std::size_t a, std::size_t b) {
   return pair;
 }
 
-/// "30 %", "99.4 %", "more than 99.9 %"
-std::string share_text(double share) {
-  return share > 0.999 ? "more than 99.9 %" : share > Comparison::outside_share ? fmt::format("{:.1f} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
-}
-
-/// The parameters in which a method lies far from MAP: ", density (-2.5 sd, -1.8 %)".
-std::string notable(const Comparison& c, const std::string& method) {
-  std::string s;
-  for (const auto& p : c.pairs) {
-    if (!(p.first == method && p.second == "map") && !(p.first == "map" && p.second == method)) continue;
-    const double sign = p.second == "map" ? -1 : 1;
-    for (std::size_t k = 0; k < p.differences.size(); ++k) {
-      const auto& d = p.differences[k];
-      if (!d.in_map_sd || std::abs(*d.in_map_sd) <= Comparison::notable_sds) continue;
-      const auto& values = c.parameters[k].values;
-      const auto map = std::size_t(std::find(c.methods.begin(), c.methods.end(), "map") - c.methods.begin());
-      s += fmt::format(", {} {:+.1f} sd{}", d.name, sign * *d.in_map_sd,
-                       *values[map] != 0 ? fmt::format(" ({:+.1f} %)", sign * 100 * *d.absolute / *values[map]) : "");
-    }
-  }
-  return s;
-}
-
-/// Which answers lie within the posterior, and by what the others miss.
-void judge(Comparison& c) {
-  c.agree = !c.in_posterior.empty();
-  for (const auto& p : c.in_posterior) {
-    c.agree = c.agree && p.distance && !p.outside();
-    const std::string label = method_label(p.method), before = c.sentence.empty() ? "" : "; ";
-    if (!p.distance)
-      c.sentence += fmt::format("{}{}'s place in the posterior is not known", before, label);
-    else if (p.outside())
-      c.sentence += fmt::format("{}{} lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", before, label, *p.distance,
-                                share_text(*p.share_nearer), notable(c, p.method));
-    else
-      c.sentence += fmt::format("{}{} lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", before, label, *p.distance,
-                                share_text(*p.share_nearer));
-  }
-  c.sentence += c.sentence.empty() ? "Whether the methods agree is not known without MAP's covariance; the differences in percent are listed." : ".";
-}
-
 }  // namespace
 
 std::string method_label(const std::string& method) {
@@ -257,12 +215,12 @@ Comparison compare_calibrations(std::span<const MethodSummary> summaries) {
     for (const auto& s : summaries)
       if (s.method != "map") c.in_posterior.push_back(posterior.place(s));
   const bool all = std::all_of(summaries.begin(), summaries.end(), [&](const auto& s) { return mesh_of(s.json) == mesh_of(summaries[0].json); });
-  c.scores_on = !all ? own_mesh_words : summaries.empty() || mesh_of(summaries[0].json) == own_mesh_words ? "" : mesh_of(summaries[0].json);
+  c.scores_on = !all ? own_mesh_name : summaries.empty() || mesh_of(summaries[0].json) == own_mesh_name ? "" : mesh_of(summaries[0].json);
   c.accuracy = score_rows(summaries, "accuracy", !all);
   c.mae = score_rows(summaries, "mae", !all);
   for (std::size_t a = 0; a < c.methods.size(); ++a)
     for (std::size_t b = a + 1; b < c.methods.size(); ++b) c.pairs.push_back(pair_of(c, a, b));
-  judge(c);
+  c.agree = !c.in_posterior.empty() && std::all_of(c.in_posterior.begin(), c.in_posterior.end(), [](const auto& p) { return p.distance && !p.outside(); });
   return c;
 }
 

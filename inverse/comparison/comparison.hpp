@@ -63,12 +63,11 @@ struct Comparison {
   std::vector<ComparedRow> accuracy;    ///< [%] by sensor, the mean last
   std::vector<ComparedRow> mae;         ///< by sensor, the mean last
   std::string mae_unit;
-  std::string scores_on;  ///< what accuracy and mae belong to: "the case's own mesh", another one where all methods have the same, or ""
+  std::string scores_on;  ///< mesh of accuracy and mae as artefacts name it, artefact_name(ScoredMesh); empty where all are on the case's own mesh
   std::vector<ComparedPair> pairs;
   std::vector<PlaceInPosterior> in_posterior;  ///< of every method but MAP; empty without MAP's covariance
   std::vector<ComparedEffort> effort;
-  bool agree = false;    ///< every answer lies within the posterior; also false without MAP
-  std::string sentence;  ///< which answers lie within the posterior, and by what the others miss
+  bool agree = false;  ///< every answer lies within the posterior; also false without MAP
 
   /// A difference of one parameter beyond so many of MAP's standard deviations is pointed out.
   static constexpr double notable_sds = 2;
@@ -79,10 +78,8 @@ struct Comparison {
 /// Rows appear in the order of the first summary that has them; nominal values are those of the first summary that has them.
 [[nodiscard]] Comparison compare_calibrations(std::span<const MethodSummary> summaries);
 
-/// The contents of comparison.json.
-[[nodiscard]] Json comparison_json(const Comparison& comparison, const Provenance& provenance);
-/// The tables in plain text, numbers aligned, for a terminal.
-[[nodiscard]] std::string comparison_text(const Comparison& comparison);
+/// The contents of comparison.json. sentence: which answers lie within the posterior, for people.
+[[nodiscard]] Json comparison_json(const Comparison& comparison, const std::string& sentence, const Provenance& provenance);
 
 /// "ENC" for "enc".
 [[nodiscard]] std::string method_label(const std::string& method);

@@ -127,7 +127,7 @@ std::string case_file_in(const std::string& text) {
 /// Layers from the lowest up; a file may include what stands in its own layer and below.
 const std::vector<std::string> house{"base", "forward", "inverse", "uq", "apps"};
 /// Those of apps/.
-const std::vector<std::string> rooms{"apps/report", "apps/inputs", "apps/presentation", "apps/pipeline", "apps/challenge"};
+const std::vector<std::string> rooms{"apps/inputs", "apps/presentation", "apps/report", "apps/pipeline", "apps/challenge"};
 const std::vector<std::string> report_rooms{"apps/report/data", "apps/report/parts", "apps/report/sections"};
 
 /// "FILE includes INCLUDED" for every include of a file at `path` that leads up.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/presentation/comparison_words.hpp"
 #include "apps/report/data/json_values.hpp"
 
 namespace calomel {
@@ -37,7 +38,7 @@ Table agreement_table(const Study& study) {
     }
     t.rows.push_back(std::move(row));
   }
-  t.note = c.sentence;
+  t.note = comparison_sentence(c);
   return t;
 }
 

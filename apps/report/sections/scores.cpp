@@ -9,6 +9,7 @@
 
 #include "apps/report/data/json_values.hpp"
 #include "apps/report/parts/elements.hpp"
+#include "inverse/calibration/scored_mesh.hpp"
 
 namespace calomel {
 
@@ -30,7 +31,7 @@ std::vector<std::string> on_other_mesh(const Study& study) {
   std::vector<std::string> labels;
   for (const auto& c : study.calibrations)
     if (const auto on = text_at(c.summary, "scores_on");
-        !on.empty() && on != "the case's own mesh" && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
+        !on.empty() && on != artefact_name(ScoredMesh::own) && !part_at(part_at(c.summary, "mesh"), "working_mesh").is_object())
       labels.push_back(c.label + " are runs on " + on);
   return labels;
 }

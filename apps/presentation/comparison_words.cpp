@@ -1,25 +1,35 @@
+#include "apps/presentation/comparison_words.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "base/provenance.hpp"
-#include "inverse/comparison/comparison.hpp"
+#include <cmath>
 
 namespace calomel {
 
 namespace {
 
-Json json_of(const std::optional<double>& x) { return x ? Json(*x) : Json(); }
+/// "30 %", "99.4 %", "more than 99.9 %"
+std::string share_text(double share) {
+  return share > 0.999 ? "more than 99.9 %" : share > Comparison::outside_share ? fmt::format("{:.1f} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
 
-Json rows_json(const Comparison& c, const std::vector<ComparedRow>& rows, bool with_sd) {
-  Json all = Json::array();
-  for (const auto& r : rows) {
-    Json j{{"name", r.name}, {"nominal", json_of(r.nominal)}};
-    for (std::size_t m = 0; m < c.methods.size(); ++m) j[c.methods[m]] = json_of(r.values[m]);
-    if (with_sd) j["map_sd"] = json_of(r.map_sd);
-    all.push_back(std::move(j));
+/// The parameters in which a method lies far from MAP: ", density (-2.5 sd, -1.8 %)".
+std::string notable(const Comparison& c, const std::string& method) {
+  std::string s;
+  for (const auto& p : c.pairs) {
+    if (!(p.first == method && p.second == "map") && !(p.first == "map" && p.second == method)) continue;
+    const double sign = p.second == "map" ? -1 : 1;
+    for (std::size_t k = 0; k < p.differences.size(); ++k) {
+      const auto& d = p.differences[k];
+      if (!d.in_map_sd || std::abs(*d.in_map_sd) <= Comparison::notable_sds) continue;
+      const auto& values = c.parameters[k].values;
+      const auto map = std::size_t(std::find(c.methods.begin(), c.methods.end(), "map") - c.methods.begin());
+      s += fmt::format(", {} {:+.1f} sd{}", d.name, sign * *d.in_map_sd,
+                       *values[map] != 0 ? fmt::format(" ({:+.1f} %)", sign * 100 * *d.absolute / *values[map]) : "");
+    }
   }
-  return all;
+  return s;
 }
 
 /// Lines of equal columns, the first set to the left.
@@ -57,36 +67,20 @@ std::string table_text(const Comparison& c, const std::string& title, const std:
 
 }  // namespace
 
-Json comparison_json(const Comparison& c, const Provenance& provenance) {
-  Json j;
-  j["methods"] = c.methods;
-  j["parameters"] = rows_json(c, c.parameters, true);
-  j["accuracy"] = rows_json(c, c.accuracy, false);
-  j["mae"] = rows_json(c, c.mae, false);
-  j["mae_unit"] = c.mae_unit;
-  j["scores_on"] = c.scores_on;
-  j["agreement"] = Json::array();
-  for (const auto& p : c.pairs) {
-    Json differences = Json::array();
-    for (const auto& d : p.differences)
-      differences.push_back({{"name", d.name}, {"absolute", json_of(d.absolute)}, {"percent", json_of(d.percent)}, {"in_map_sd", json_of(d.in_map_sd)}});
-    j["agreement"].push_back({{"first", p.first}, {"second", p.second}, {"differences", differences}, {"largest_in_map_sd", json_of(p.largest_in_map_sd)}});
+std::string comparison_sentence(const Comparison& c) {
+  if (c.in_posterior.empty()) return "Whether the methods agree is not known without MAP's covariance; the differences in percent are listed.";
+  std::string s;
+  for (const auto& p : c.in_posterior) {
+    s += (s.empty() ? "" : "; ") + method_label(p.method);
+    if (!p.distance)
+      s += "'s place in the posterior is not known";
+    else if (p.outside())
+      s += fmt::format(" lies outside the posterior: {:.1f} deviations from its mode, {} of it nearer{}", *p.distance, share_text(*p.share_nearer),
+                       notable(c, p.method));
+    else
+      s += fmt::format(" lies within the posterior ({:.1f} deviations from its mode, {} of it nearer)", *p.distance, share_text(*p.share_nearer));
   }
-  j["in_posterior"] = Json::array();
-  for (const auto& p : c.in_posterior)
-    j["in_posterior"].push_back({{"method", p.method}, {"distance", json_of(p.distance)}, {"share_nearer", json_of(p.share_nearer)}});
-  j["agree"] = c.agree;
-  j["sentence"] = c.sentence;
-  j["effort"] = Json::array();
-  for (const auto& e : c.effort)
-    j["effort"].push_back({{"method", e.method},
-                           {"evaluations", json_of(e.evaluations)},
-                           {"evaluations_per_second", json_of(e.evaluations_per_second())},
-                           {"model_runs", json_of(e.model_runs)},
-                           {"search_s", json_of(e.search_s)},
-                           {"model_s", json_of(e.model_s)}});
-  j["provenance"] = provenance.json();
-  return j;
+  return s + '.';
 }
 
 std::string comparison_text(const Comparison& c) {
@@ -109,7 +103,7 @@ std::string comparison_text(const Comparison& c) {
       lines.push_back({method_label(p.method), text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
     s += '\n' + aligned(lines);
   }
-  return s + "  " + c.sentence;
+  return s + "  " + comparison_sentence(c);
 }
 
 }  // namespace calomel
