@@ -66,10 +66,11 @@ void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordi
 
 }  // namespace
 
-StudyInputs::StudyInputs(const CommandLine& command)
+StudyInputs::StudyInputs(const CommandLine& command, std::function<std::vector<std::string>(const Problem&)> warnings_of)
     : command_(command),
       study_(StudyCase::read(command.case_file, command.overrides, &stop_requested())),
       notes_(std::cerr, command.quiet),
+      warnings_of_(std::move(warnings_of)),
       executor_(command.threads) {
   if (command.power && !study_.capabilities().planning)
     throw study_.file.located(InputError({.problem = "the power of an experiment is computed for a target only in this version, not for another model",
@@ -87,6 +88,7 @@ const Problem& StudyInputs::problem() {
     recordings_ = study_.matched_recordings(warnings);
     expect_alike(study_, shape, *recordings_, warnings);
     problem_ = study_.file.locating([&] { return make_problem(shape, *recordings_, *study_.recordings); });
+    if (warnings_of_) problem_->warnings = warnings_of_(*problem_);
     notes_.warn(warnings);
     notes_.warn(problem_->warnings);
   }

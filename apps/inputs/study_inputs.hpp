@@ -1,7 +1,10 @@
 #pragma once
 /// What the stages of one call read, each part made when it is first needed, and once.
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/command_line.hpp"
 #include "apps/inputs/study_case.hpp"
@@ -17,7 +20,8 @@ class StudyInputs {
  public:
   /// Reads the case and, but for check and report, makes --out: a place that cannot be written, or in which another call works, is an error before the work.
   /// `command` outlives the object. Errors: InputError for anything wrong with the case or the output directory.
-  explicit StudyInputs(const CommandLine& command);
+  /// `warnings_of` makes the warnings about the problem, which are Problem::warnings from then on; empty: as make_problem has them.
+  explicit StudyInputs(const CommandLine& command, std::function<std::vector<std::string>(const Problem&)> warnings_of = {});
   StudyInputs(const StudyInputs&) = delete;
   StudyInputs& operator=(const StudyInputs&) = delete;
 
@@ -53,6 +57,7 @@ class StudyInputs {
   StudyCase study_;
   std::optional<DirectoryLock> lock_;  ///< of --out, by a verb that writes there
   Notes notes_;
+  std::function<std::vector<std::string>(const Problem&)> warnings_of_;
   ThreadExecutor executor_;
   std::optional<Recordings> recordings_;
   std::optional<Problem> problem_;

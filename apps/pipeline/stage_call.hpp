@@ -4,6 +4,7 @@
 #include "apps/pipeline/case_correction.hpp"
 #include "apps/pipeline/case_posterior.hpp"
 #include "apps/pipeline/finished_stages.hpp"
+#include "apps/presentation/data_check_words.hpp"
 
 namespace calomel {
 
@@ -11,7 +12,7 @@ namespace calomel {
 /// artefacts to --out and says what came of it. Its status is done or not_to_be_trusted.
 struct StageCall {
   /// `command` outlives the object. Errors: as StudyInputs.
-  explicit StageCall(const CommandLine& command) : inputs(command), finished(command.out, command.fresh), posterior(inputs), correction(inputs, posterior) {}
+  explicit StageCall(const CommandLine& command) : inputs(command, problem_warnings), finished(command.out, command.fresh), posterior(inputs), correction(inputs, posterior) {}
 
   StudyInputs inputs;
   FinishedStages finished;

@@ -241,7 +241,7 @@ void add_data_checks(const Diagnosis& d, PlainSummary& summary) {
   for (const auto& channel : d.base.mislabelled) checks += mislabelled_sentence(channel) + ' ';
   if (d.clock) checks += clock_sentence(*d.clock) + ' ';
   if (!checks.empty()) summary.next_step = checks + "Then run the diagnosis again. Until the data are in order, no verdict on physics holds.";
-  if (!d.dead.empty()) summary.next_step += ' ' + plain_dead(d.dead);
+  if (!d.dead.empty()) summary.next_step += ' ' + dead_gauges_sentence(d.dead);
 }
 
 }  // namespace

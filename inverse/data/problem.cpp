@@ -6,7 +6,6 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "base/median.hpp"
@@ -174,7 +173,7 @@ bool constant(const Observation& o) {
   return low == high;
 }
 
-/// Takes out the gauges that are dead, and says so. Errors: InputError where all are.
+/// Takes out the gauges that are dead and lists them. Errors: InputError where all are.
 void leave_out_dead(Problem& p, const Recordings& recordings) {
   if (p.observations.empty()) return;
   std::vector<double> squares;
@@ -195,17 +194,9 @@ void leave_out_dead(Problem& p, const Recordings& recordings) {
                       .key = "recordings.file",
                       .suggestion = "see whether the columns are those of the gauges",
                       .file = recordings.source});
-  p.warnings.push_back(plain_dead(p.dead));
 }
 
 }  // namespace
-
-std::string plain_dead(std::span<const std::string> labels) {
-  const bool one = labels.size() == 1;
-  return fmt::format("{} {} nothing but noise and {} left out: see whether {} dead, and name {} in recordings.exclude.",
-                     (one ? "Gauge " : "Gauges ") + join(labels), one ? "records" : "record", one ? "is" : "are", one ? "it is" : "they are",
-                     one ? "it" : "them");
-}
 
 double band_factor(int n, bool of_the_mean) {
   expect(n >= 2, "a scatter needs two values");
@@ -301,16 +292,6 @@ Problem make_problem(const ModelShape& shape, const Recordings& recordings, cons
                                          p.label(p.observations[j])));
   leave_out_dead(p, recordings);
   if (p.observations.empty()) throw InputError({.problem = "no declared sensor is recorded within the simulation", .key = "recordings.file"});
-  const std::size_t narrow =
-      std::accumulate(p.observations.begin(), p.observations.end(), std::size_t{0}, [](std::size_t n, const auto& o) { return n + o.narrow; });
-  if (narrow > 0) {
-    std::vector<std::string> which;
-    for (const auto& o : p.observations)
-      if (o.narrow > 0) which.push_back(fmt::format("{} {}/{}", p.label(o), o.narrow, o.samples));
-    p.warnings.push_back("samples whose band is narrower than 1 % of the peak are left out of accuracy and delta2: " + join(which));
-  }
-  if (std::all_of(p.observations.begin(), p.observations.end(), [](const auto& o) { return o.banded_samples == 0; }))
-    p.warnings.push_back("no sample has a band of 1 % of its gauge's peak or more: accuracy is not defined and counts as 0");
   return p;
 }
 

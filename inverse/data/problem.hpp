@@ -51,13 +51,10 @@ struct Problem {
   std::size_t outside = 0;                ///< record times outside of the simulation, not compared
   std::vector<Observation> observations;  ///< recorded sensors in the model's order, condition by condition, but for those that are dead
   std::vector<std::string> dead;          ///< labels of gauges that record nothing but noise, which are left out
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< of the recordings and of how they fit the model; those about dead gauges and bands are made by apps/presentation
 
   [[nodiscard]] std::string label(const Observation& o) const;
 };
-
-/// What is said of dead gauges, of which there is one at least.
-std::string plain_dead(std::span<const std::string> labels);
 
 /// Band of each sensor: mean +- t(0.975, n - 1) s, with s the sd over its n pulses; `band = "mean"` divides s by sqrt(n); one
 /// pulse: +- 1.96 noise. A gauge is dead whose mean record is 0 throughout, or never changes where another's does, or has less than three times the mean square

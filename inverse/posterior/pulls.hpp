@@ -17,11 +17,7 @@ struct Pull {
 /// d^T C^-1 r and the variance 1 - d^T C^-1 d. Farthest first.
 [[nodiscard]] std::vector<Pull> pulls(const FitResidual& left);
 
-/// One sentence for each that is farther than three deviations from what was said of it, three at most: "the records pull the gain of T2 by +12.9 of its
-/// standard deviations (errors.gain_sd), +13 %: ...".
-[[nodiscard]] std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors);
-
-/// "the gain of T2"
-[[nodiscard]] std::string pulled_number(const std::string& term, const std::string& gauge);
+/// Pulls beyond it are reported. Where some twenty numbers are as their priors have them, one in twenty fits has such a pull.
+constexpr double far_pull = 3;
 
 }  // namespace calomel

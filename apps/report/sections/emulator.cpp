@@ -7,10 +7,10 @@
 #include <cmath>
 #include <string>
 
+#include "apps/presentation/data_check_words.hpp"
 #include "apps/report/data/json_values.hpp"
 #include "apps/report/parts/elements.hpp"
 #include "apps/report/parts/numbers.hpp"
-#include "inverse/posterior/pulls.hpp"
 
 namespace calomel {
 
@@ -93,7 +93,7 @@ Table pull_table(const Study& study) {
   Table t{.id = "pulls", .caption = "What the records say of numbers that were taken for known to so much, farthest first."};
   t.columns = {{"number", "Number", 4, true}, {"pull", "Pulled by, of its sd before", -1}, {"sd", "Sd by the records, of that before", -2}};
   for (const auto& p : list_at(emulator_of(study), "pulls"))
-    if (t.rows.size() < most) t.rows.push_back({pulled_number(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
+    if (t.rows.size() < most) t.rows.push_back({nuisance_name(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
   t.note = "A number beyond three of its deviations is not what was said of it, or takes up something that the model leaves out.";
   return t;
 }

@@ -30,6 +30,54 @@ TEST(DataCheckWords, AClockIsLateOrEarly) {
   EXPECT_THAT(clock_sentence({.delay = -2e-3, .sd = 1e-4, .log_bayes_factor = 9}), HasSubstr("2.00 \u00b1 0.10 ms early"));
 }
 
+TEST(DataCheckWords, DeadGaugesAreOneOrSeveral) {
+  EXPECT_EQ(dead_gauges_sentence(std::vector<std::string>{"C"}),
+            "Gauge C records nothing but noise and is left out: see whether it is dead, and name it in recordings.exclude.");
+  EXPECT_EQ(dead_gauges_sentence(std::vector<std::string>{"C", "D"}),
+            "Gauges C, D record nothing but noise and are left out: see whether they are dead, and name them in recordings.exclude.");
+}
+
+TEST(DataCheckWords, AProblemWarnsOfDeadGaugesAndOfNarrowBands) {
+  Problem problem;
+  problem.shape.sensors = {"A", "B"};
+  problem.shape.conditions = {"default"};
+  problem.observations.resize(2);
+  problem.observations[0].samples = problem.observations[1].samples = 3;
+  problem.observations[0].banded_samples = problem.observations[1].banded_samples = 3;
+  problem.observations[1].sensor = 1;
+  EXPECT_THAT(problem_warnings(problem), IsEmpty());
+  problem.warnings = {"two lines of the file were skipped"};
+  problem.dead = {"C"};
+  problem.observations[1].narrow = 2;
+  EXPECT_THAT(problem_warnings(problem), ElementsAre("two lines of the file were skipped", dead_gauges_sentence(problem.dead),
+                                                     "samples whose band is narrower than 1 % of the peak are left out of accuracy and delta2: B 2/3"));
+  problem = {.shape = problem.shape, .observations = {problem.observations[0]}};
+  problem.observations[0].banded_samples = 0;
+  EXPECT_THAT(problem_warnings(problem), ElementsAre("no sample has a band of 1 % of its gauge's peak or more: accuracy is not defined and counts as 0"));
+}
+
+TEST(DataCheckWords, ANumberThatTheRecordsPullFarIsNamedWithItsKey) {
+  ErrorOptions options;
+  options.gain_sd = 0.01;
+  const std::vector<Pull> pulls{{.term = "gain", .gauge = "T2", .pull = 12.9, .sd = 0.5}, {.term = "baseline", .gauge = "T3", .pull = -2.9}};
+  const char* gain =
+      "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %: it is not what was said of it, or takes up something that "
+      "the model leaves out";
+  EXPECT_THAT(far_pull_sentences(pulls, options), ElementsAre(gain));
+  const std::vector<Pull> many{pulls[0],
+                               {.term = "baseline", .gauge = "T3", .pull = -4.2},
+                               {.term = "other", .gauge = "", .pull = 4.1},
+                               {.term = "trigger", .gauge = "", .pull = 4},
+                               {.term = "trigger", .gauge = "", .pull = 3.5}};
+  EXPECT_THAT(far_pull_sentences(many, options),
+              ElementsAre(gain,
+                          "the records pull the zero of T3 by -4.2 of its standard deviations (errors.baseline): it is not what was said of it, or takes up "
+                          "something that the model leaves out",
+                          "the records pull other by +4.1 of its standard deviations: it is not what was said of it, or takes up something that the model "
+                          "leaves out; so with 2 further numbers (mode.pulls)"));
+  EXPECT_EQ(nuisance_name("energy scale", ""), "the energy of all pulses");
+}
+
 TEST(DataCheckWords, EveryFindingHasASentence) {
   const ErrorOptions options;
   EXPECT_THAT(data_check_sentences({}, options), IsEmpty());
@@ -38,8 +86,8 @@ TEST(DataCheckWords, EveryFindingHasASentence) {
                           .clock = ClockOffset{.delay = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6},
                           .nuisances = {{.term = "gain", .gauge = "S1", .pull = 5, .sd = 0.5}}};
   EXPECT_THAT(data_check_sentences(checks, options),
-              ElementsAre(plain_dead(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
-                          clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.", HasSubstr("the gain of S1")));
+              ElementsAre(dead_gauges_sentence(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
+                          clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.", far_pull_sentences(checks.nuisances, options)[0]));
 }
 
 }  // namespace

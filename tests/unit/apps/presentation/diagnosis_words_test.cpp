@@ -310,7 +310,7 @@ TEST(DiagnosisWords, DataThatAreNotInOrderComeFirst) {
   EXPECT_EQ(summary_of(d).next_step,
             "All records look 3.07 ± 0.12 µs late (log Bayes factor 75.6 to first order). Check the instant from which they count, and set "
             "recordings.trigger_offset; where the instant is not known, set errors.trigger_sd. " +
-                end + ' ' + plain_dead(d.dead));
+                end + ' ' + dead_gauges_sentence(d.dead));
 }
 
 TEST(DiagnosisWords, MissingTermsAreAHintAndNoName) {
