@@ -40,7 +40,7 @@ const MeshCorrection* FittedCorrection::get(const std::string& method, bool want
   const CasePosterior& made = posterior_.get(progress);
   const PosteriorFit& fit = made.fit;
   std::vector<std::string> reservations;
-  if (!fit.settled) reservations.push_back("the correction for the mesh is based on an " + emulator_sentence(fit.message));
+  if (!fit.settled) reservations.push_back("the correction for the mesh is based on an " + emulator_sentence(fit));
   // The emulator's runs are at its own viscosity, those of the case at what the mesh decides.
   const auto& parameters = made.inputs->parameters;
   const std::string viscosity_key = inputs_.simulator().hints().numerical_viscosity;

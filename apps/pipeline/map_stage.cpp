@@ -38,8 +38,9 @@ MapSummary map_stage(StageCall& call, const Provenance& provenance, const Calibr
   summary.warnings.insert(summary.warnings.begin(), checks.begin(), checks.end());
   const auto doubts = map_warnings(summary, *made.inputs, made.fit);
   summary.warnings.insert(summary.warnings.end(), doubts.begin(), doubts.end());
-  write_map(summary, *made.inputs, made.fit, map_words(summary), provenance, command.out);
-  inputs.notes().say(map_lines(summary));
+  const MapWords words = map_words(summary, made.fit);
+  write_map(summary, *made.inputs, made.fit, words, provenance, command.out);
+  inputs.notes().say(map_lines(summary, words));
   return summary;
 }
 

@@ -44,7 +44,7 @@ ExitStatus sample_stage(StageCall& call) {
   const auto progress = stage_progress("sample", command.quiet);
   const CasePosterior& made = call.posterior.get(progress);
   const auto& parameters = made.inputs->parameters;
-  notes.say(stage_line("sample", emulator_sentence(made.fit.message)));
+  notes.say(stage_line("sample", emulator_sentence(made.fit)));
   // The check comes before the chains: what they walk on is the last emulator.
   const RefinedFit refined = check_and_refine(
       *made.inputs, made.fit, study.posterior.refinements, [&](const TrueModelCheck& c) { notes.say(stage_line("sample", check_sentence(c))); },
@@ -80,7 +80,7 @@ ExitStatus sample_stage(StageCall& call) {
   json["chains_converged"] = convergence.converged;
   json["converged"] = trusted;
   json["message"] = verdict_sentence(convergence, fit, check);
-  json["mode"] = fit_json(fit, parameters);
+  json["mode"] = fit_json(fit, parameters, settling_text(fit.settling()));
   json["modes"] = modes_json(density, modes);
   json["true_model_check"] = check_json(check, parameters, check_sentence(check));
   json["refinement"] = refinement_json(refined, study.posterior.refinements);
@@ -107,7 +107,7 @@ ExitStatus sample_stage(StageCall& call) {
   notes.say(stage_line("sample", convergence_sentence(convergence)));
   if (exact.failed() > 0)
     notes.warn({fmt::format("{} runs of the true model failed at the sampler's proposals; the density counts as zero there", exact.failed())});
-  if (!fit.settled) notes.warn(emulator_sentence(fit.message));
+  if (!fit.settled) notes.warn(emulator_sentence(fit));
   return trusted ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/presentation/fit_words.hpp"
 #include "apps/presentation/run_lines.hpp"
 
 namespace calomel {
@@ -17,19 +16,79 @@ std::vector<std::string> of_method(const std::string& method, std::span<const st
   return lines;
 }
 
+/// "density -1.2 %, tensile_cutoff +3.0 %": from one answer to another.
+std::string moves_text(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to) {
+  std::vector<std::string> words;
+  for (std::size_t k = 0; k < from.size(); ++k)
+    words.push_back(from[k] != 0 ? fmt::format("{} {:+.1f} %", shape.parameters[k].name, 100 * (to[k] / from[k] - 1))
+                                 : fmt::format("{} {:+.4g}", shape.parameters[k].name, to[k]));
+  return join(words);
+}
+
 }  // namespace
 
-std::vector<std::string> enc_lines(const EncSummary& summary) { return of_method("enc", std::vector{summary.mesh.sentence, summary.agreement.sentence}); }
+std::string meaning_sentence(const std::string& product) {
+  if (product == "physical")
+    return "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
+           "picture of it.";
+  return "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
+         "whatever the model leaves out, and the published objective mixes percent with strain.";
+}
 
-std::vector<std::string> spe_lines(const SpeSummary& summary) { return of_method("spe", std::vector{summary.mesh.sentence}); }
+std::string correction_sentence(const Calibration& calibration, const ModelShape& shape) {
+  const CorrectionReport& m = calibration.mesh;
+  if (!m.used) return "";
+  std::string s = fmt::format("predictions are corrected for the mesh by {} runs of the emulator", m.runs);
+  if (!m.calibrated.empty()) s += fmt::format("; at the answer that is {:.2g} % of the histories", 100 * m.difference);
+  if (!m.without.empty()) s += "; against the answer without it: " + moves_text(shape, m.without, calibration.theta);
+  if (!calibration.at_nominal.inside_emulator)
+    s += "; the nominal point lies outside the emulator's box, so that its scores are surer on the case's own mesh (working_mesh)";
+  return s;
+}
 
-std::vector<std::string> map_lines(const MapSummary& summary) {
-  std::vector<std::string> sentences;
-  if (summary.status != CalibrationStatus::no_candidate) sentences.push_back(summary.identification.sentence);
-  sentences.push_back(check_sentence(summary.check));
-  if (summary.score_tests) sentences.push_back(summary.score_tests->sentence);
-  if (summary.nested) sentences.push_back(nested_sentence(*summary.nested));
-  return of_method("map", sentences);
+std::string agreement_sentence(const EncAgreement& agreement, const ModelShape& shape) {
+  std::string s;
+  std::string apart;
+  for (const auto& r : agreement.optimizers)
+    if (r.rounds > 0 && !r.agrees)
+      apart += fmt::format("{}{} ends {:.2f} of the bounds away, {:.3g} worse", apart.empty() ? "" : "; ", r.name, r.distance, r.shortfall);
+  if (agreement.optimizers.size() > 1)
+    s = agreement.optimizers_agree
+            ? fmt::format("The optimisers agree: the best of each lies within {:g} of the bounds of the best of all.", agreement_tolerance)
+            : "The optimisers disagree: " + apart + ".";
+  if (agreement.objectives.size() < 2) return s;
+  s += s.empty() ? "" : " ";
+  if (agreement.objectives_agree) return s + fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance);
+  apart.clear();
+  for (const auto& f : agreement.objectives) {
+    if (f.agrees) continue;
+    apart += (apart.empty() ? "" : "; ") + f.objective;
+    apart += f.theta.empty() ? " has no value anywhere" : " moves " + moves_text(shape, agreement.objectives[0].theta, f.theta);
+  }
+  return s + "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.";
+}
+
+CalibrationWords calibration_words(const Calibration& calibration, const ModelShape& shape) {
+  return {.meaning = meaning_sentence(calibration.product), .mesh = correction_sentence(calibration, shape)};
+}
+
+EncWords enc_words(const EncSummary& summary, const ModelShape& shape) {
+  return {.calibration = calibration_words(summary, shape), .agreement = agreement_sentence(summary.agreement, shape)};
+}
+
+std::vector<std::string> correction_warnings(const Calibration& calibration) {
+  if (calibration.best.inside_emulator) return {};
+  return {
+      "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See where "
+      "`calomel sample` finds the parameters, and whether they are bounded too widely"};
+}
+
+std::vector<std::string> enc_lines(const EncWords& words) { return of_method("enc", std::vector{words.calibration.mesh, words.agreement}); }
+
+std::vector<std::string> spe_lines(const CalibrationWords& words) { return of_method("spe", std::vector{words.mesh}); }
+
+std::vector<std::string> map_lines(const MapSummary& summary, const MapWords& words) {
+  return of_method("map", std::vector{summary.status == CalibrationStatus::no_candidate ? "" : words.identified, words.check, words.score_tests, words.nested});
 }
 
 std::string not_corrected_line(const std::string& method, EmulatorMeshes meshes) {

@@ -10,10 +10,23 @@
 
 namespace calomel {
 
-/// What is a method's own, once its artefacts stand.
-std::vector<std::string> enc_lines(const EncSummary& summary);
-std::vector<std::string> spe_lines(const SpeSummary& summary);
-std::vector<std::string> map_lines(const MapSummary& summary);
+/// What a value of the product means: tuned or physical.
+std::string meaning_sentence(const std::string& product);
+/// What the correction for the mesh did; empty without one.
+std::string correction_sentence(const Calibration& calibration, const ModelShape& shape);
+/// Whether other optimisers and objectives lead to the same answer; empty where none is compared.
+std::string agreement_sentence(const EncAgreement& agreement, const ModelShape& shape);
+
+/// The sentences of enc.json and of spe.json.
+EncWords enc_words(const EncSummary& summary, const ModelShape& shape);
+CalibrationWords calibration_words(const Calibration& calibration, const ModelShape& shape);
+/// A warning where the answer lies outside the box in which the emulator knows the mesh.
+std::vector<std::string> correction_warnings(const Calibration& calibration);
+
+/// The lines for the terminal that are a method's own, once its artefacts are written.
+std::vector<std::string> enc_lines(const EncWords& words);
+std::vector<std::string> spe_lines(const CalibrationWords& words);
+std::vector<std::string> map_lines(const MapSummary& summary, const MapWords& words);
 
 /// Why the predictions of `method` are not corrected for the mesh: there is no other. `meshes` is not several.
 std::string not_corrected_line(const std::string& method, EmulatorMeshes meshes);

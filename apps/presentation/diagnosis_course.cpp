@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "apps/presentation/data_check_words.hpp"
+#include "apps/presentation/fit_words.hpp"
 
 namespace calomel {
 
@@ -24,6 +25,7 @@ std::string fit_status_text(const Alternative& a) {
     case FitStatus::Kind::stable:
       return fmt::format("evidence and numbers were stable from {} coarse and {} fine runs on", a.status.coarse, a.status.fine);
     case FitStatus::Kind::emulator:
+      return settling_text(a.status.settling);
     case FitStatus::Kind::failed:
       break;
   }

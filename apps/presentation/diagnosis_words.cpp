@@ -8,6 +8,7 @@
 #include "apps/presentation/data_check_words.hpp"
 #include "apps/presentation/diagnosis_course.hpp"
 #include "apps/presentation/diagnosis_reasons.hpp"
+#include "apps/presentation/fit_words.hpp"
 
 namespace calomel {
 
@@ -284,6 +285,7 @@ DiagnosisText diagnosis_text(const Diagnosis& d, std::span<const ParameterGroup>
   for (const auto& r : d.verdict.ranking) text.ranking.push_back(explanation_text(d, r.name, groups));
   for (const auto& channel : d.base.mislabelled) text.mislabelled.push_back(mislabelled_sentence(channel));
   if (d.clock) text.clock = clock_sentence(*d.clock);
+  text.base_fit = settling_text(d.base.fit.settling());
   if (!d.missing) return text;
   text.missing = missing_sentence(*d.missing);
   for (const auto& term : d.missing->terms) text.missing_terms.push_back(plain_term(term));

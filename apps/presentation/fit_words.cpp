@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/presentation/calibration_lines.hpp"
 #include "apps/presentation/posterior_lines.hpp"
 
 namespace calomel {
@@ -16,6 +17,16 @@ std::string joined(const std::vector<std::string>& names) {
   std::string s;
   for (std::size_t i = 0; i < names.size(); ++i) s += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
   return s;
+}
+
+/// "2.1 %" or "a factor of 1.5", a standard deviation of a logarithm.
+std::string log_sd_text(double sd) { return sd < 0.3 ? fmt::format("{:.2g} %", 100 * sd) : fmt::format("a factor of {:.2g}", std::exp(sd)); }
+
+/// ", to first order KEY VALUE ± SD, ...", the numbers of a score test; empty where they are not distinguished.
+std::string score_numbers(const ScoreTest& m) {
+  std::string s;
+  for (const auto& k : m.keys) s += fmt::format("{}{} {:.3g} ± {:.2g}", s.empty() ? "" : ", ", k.name, k.value, k.sd);
+  return s.empty() ? "" : ", to first order " + s;
 }
 
 std::string odds(double log_odds) { return fmt::format("odds of at least {:.2g} to 1", std::exp(std::min(log_odds, 700.0))); }
@@ -32,6 +43,50 @@ std::string goodness_sentence(const GoodnessOfFit& g) {
                     "; the errors taken for granted are {:.2g} times as wide as the residuals, and chi-squared would have spoken only above {:.4g}: it has not "
                     "seen what adds less than {:.3g} to it",
                     std::sqrt((double(g.values) - double(g.parameters)) / g.chi2), g.chi2_critical, g.chi2_critical - g.chi2);
+}
+
+std::string settling_text(const Settling& s) {
+  if (s.settled) return fmt::format("settled after {} coarse and {} fine runs", s.coarse, s.fine);
+  return fmt::format(
+      "not settled after {} coarse and {} fine runs: the mode moved by {:.2g} standard deviations in the last round, the emulator's variance is {:.2g} of one "
+      "run's noise",
+      s.coarse, s.fine, s.moved, s.variance);
+}
+
+std::string identification_sentence(const Identification& identification) {
+  if (identification.directions.empty()) return "no parameter is positive, so that products of powers have no meaning here";
+  std::string pinned;
+  std::string open;
+  for (const auto& d : identification.directions) {
+    std::string& list = d.pinned ? pinned : open;
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", d.product, std::isfinite(d.data_sd) ? "sd " + log_sd_text(d.data_sd) : "they say nothing of it");
+  }
+  if (pinned.empty()) return "the data pin no combination much better than was known before; least of all " + identification.directions.back().product;
+  return "the data pin " + pinned + (open.empty() ? " and leave no combination free" : " and leave free " + open);
+}
+
+std::string score_test_sentence(const ScoreTests& tests) {
+  const ScoreTest* first = tests.first();
+  if (!first) return "";
+  if (!tests.stands_out) {
+    std::string names;
+    for (const auto& m : tests.mechanisms)
+      if (m.counts) names += (names.empty() ? "" : ", ") + m.name;
+    return fmt::format(
+        "whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not "
+        "looked for",
+        names, tests.p_value);
+  }
+  const std::string of_runs = tests.with_runs ? fmt::format(", {:.2g} at runs where nothing is missing", first->f_of_runs) : "";
+  const std::string outcome =
+      fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first->f, first->directions, of_runs, tests.p_value, tests.counted());
+  if (first->name == gauge_gains_name)
+    return fmt::format(
+        "whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than "
+        "its standard deviations",
+        outcome);
+  return fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)",
+                     first->name, outcome, score_numbers(*first));
 }
 
 std::string check_sentence(const TrueModelCheck& check) {
@@ -76,14 +131,14 @@ std::string refinement_end(RefinementEnd end) {
 
 std::string map_message(const MapSummary& summary, const PosteriorFit& fit) {
   if (summary.status == CalibrationStatus::no_candidate) return "the true model failed at the mode, which is the emulator's alone: " + summary.best.message;
-  return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior, fit.message,
-                     goodness_sentence(summary.fit));
+  return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior,
+                     settling_text(fit.settling()), goodness_sentence(summary.fit));
 }
 
 std::vector<std::string> map_warnings(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit) {
   std::vector<std::string> out;
   if (summary.status == CalibrationStatus::no_candidate) out.push_back(map_message(summary, fit));
-  if (!fit.settled) out.push_back(emulator_sentence(fit.message));
+  if (!fit.settled) out.push_back(emulator_sentence(fit));
   if (!summary.check.holds) out.push_back(check_sentence(summary.check));
   if (!summary.fit.adequate) out.push_back(goodness_sentence(summary.fit));
   for (const auto& x : summary.nuisances)
@@ -105,8 +160,14 @@ std::vector<std::string> map_warnings(const MapSummary& summary, const Posterior
   return out;
 }
 
-MapWords map_words(const MapSummary& summary) {
-  return {.adequacy = goodness_sentence(summary.fit), .check = check_sentence(summary.check), .nested = summary.nested ? nested_sentence(*summary.nested) : ""};
+MapWords map_words(const MapSummary& summary, const PosteriorFit& fit) {
+  return {.calibration = {.meaning = meaning_sentence(summary.product), .mesh = ""},
+          .adequacy = goodness_sentence(summary.fit),
+          .check = check_sentence(summary.check),
+          .nested = summary.nested ? nested_sentence(*summary.nested) : "",
+          .identified = identification_sentence(summary.identification),
+          .score_tests = summary.score_tests ? score_test_sentence(*summary.score_tests) : "",
+          .emulator = settling_text(fit.settling())};
 }
 
 }  // namespace calomel

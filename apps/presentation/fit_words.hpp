@@ -13,6 +13,12 @@ namespace calomel {
 
 /// Whether the records contradict the fit, with chi-squared and its p values.
 std::string goodness_sentence(const GoodnessOfFit& goodness);
+/// Whether the emulator has settled, "settled after 48 coarse and 14 fine runs"; if not, how far the mode moved and the emulator's variance.
+std::string settling_text(const Settling& settling);
+/// Which products of the parameters the data determine and which they leave free.
+std::string identification_sentence(const Identification& identification);
+/// Whether the residual points where something that was left out would show; empty where no test counts.
+std::string score_test_sentence(const ScoreTests& tests);
 /// How far runs of the true model lie from the emulator.
 std::string check_sentence(const TrueModelCheck& check);
 /// Which of two nested models the records favour.
@@ -26,6 +32,6 @@ std::string map_message(const MapSummary& summary, const PosteriorFit& fit);
 /// strained, the records drift. In this order.
 std::vector<std::string> map_warnings(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit);
 /// The sentences of map.json.
-MapWords map_words(const MapSummary& summary);
+MapWords map_words(const MapSummary& summary, const PosteriorFit& fit);
 
 }  // namespace calomel

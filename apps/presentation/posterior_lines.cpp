@@ -25,7 +25,7 @@ std::vector<std::string> draws_lines(const Convergence& convergence) {
   return lines;
 }
 
-std::string emulator_sentence(const std::string& message) { return "the emulator " + message; }
+std::string emulator_sentence(const PosteriorFit& fit) { return "the emulator " + settling_text(fit.settling()); }
 
 std::vector<std::string> setup_sentences(const SetupFindings& findings) {
   std::vector<std::string> out;
@@ -89,7 +89,7 @@ std::string refinement_sentence(const RefinedFit& fit) {
 
 std::string verdict_sentence(const Convergence& convergence, const PosteriorFit& fit, const TrueModelCheck& check) {
   if (!convergence.converged) return convergence_sentence(convergence);
-  if (!fit.settled) return emulator_sentence(fit.message);
+  if (!fit.settled) return emulator_sentence(fit);
   return check.holds ? convergence_sentence(convergence) : check_sentence(check);
 }
 

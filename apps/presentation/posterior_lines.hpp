@@ -18,12 +18,12 @@ std::string round_line(const PosteriorRound& round, const std::vector<Parameter>
 
 /// Mean, deviation, interval and convergence, a line a parameter.
 std::vector<std::string> draws_lines(const Convergence& convergence);
-/// "the emulator MESSAGE", its own of whether it has settled.
-std::string emulator_sentence(const std::string& message);
-/// Why deviations on a mesh with so few elements through the pulse's front are too small.
+/// Whether the emulator of a fit has settled.
+std::string emulator_sentence(const PosteriorFit& fit);
 /// What the set-up of a posterior found, a sentence each.
 std::vector<std::string> setup_sentences(const SetupFindings& findings);
 
+/// Why deviations on a mesh with so few elements through the pulse's front are too small.
 std::string front_sentence(double elements_per_front, double finest_size);
 /// A parameter whose posterior lies `prior_sds` of its prior's standard deviations above (below: negative) what was known of it.
 std::string absorption_sentence(const std::string& parameter, double prior_sds);

@@ -88,18 +88,21 @@ Calibration begin_calibration(const Problem& problem, Objective objective);
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
                           double cost_at_nominal, int threads, const CalibrationProgress& progress = {});
 
-/// "density -1.2 %, tensile_cutoff +3.0 %": from one answer to another.
-std::string moves(const ModelShape& shape, const std::vector<double>& from, const std::vector<double>& to);
-
 /// Mean over the observations of |difference| / |history|, Euclidean norms over time; both (condition, sensor, time).
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
 
-/// Fills out.mesh of a calibration that was decided with this correction: its histories and scores without it, and a sentence; marks the candidates outside the
-/// emulator's box, with a warning where the answer is one. An empty correction changes nothing. out.mesh.without is the caller's.
+/// Fills out.mesh of a calibration that was decided with this correction: its histories and scores without it. Marks the candidates outside the emulator's box
+/// and takes over the correction's reservations as warnings. An empty correction changes nothing. out.mesh.without is the caller's.
 void report_correction(Calibration& out, const Problem& problem, const MeshCorrection& correction);
 
+/// The sentences of every calibration's artefact for people.
+struct CalibrationWords {
+  std::string meaning;  ///< what a value of its product means
+  std::string mesh;     ///< what the correction for the mesh did; empty without one
+};
+
 /// The keys of every calibration's artefact, with the method's `own` keys after `sensors`.
-Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const Provenance& provenance);
+Json calibration_json(const Calibration& calibration, const Problem& problem, const Json& own, const CalibrationWords& words, const Provenance& provenance);
 
 /// Writes METHOD.nc, then METHOD.json with `json`, into `out_dir`. METHOD.nc: time; calibrated, nominal
 /// (condition, sensor, time), where predictions are corrected for the mesh calibrated_working_mesh and nominal_working_mesh too; record_time; record_mean,

@@ -87,9 +87,9 @@ Json sensors(const Score& best, const Score& at_nominal, const Problem& problem)
   return all;
 }
 
-Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem) {
+Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& problem, const std::string& sentence) {
   const auto of = [](const Score& score, double Score::*field) { return score.ok ? number(score.*field) : Json(); };
-  Json j{{"sentence", m.sentence},
+  Json j{{"sentence", sentence},
          {"relative_difference", s.calibrated.empty() ? Json() : number(m.difference)},
          {"nominal_inside_emulator", s.at_nominal.inside_emulator}};
   if (!m.without.empty()) j["theta_without_correction"] = named(problem.shape.parameters, m.without);
@@ -103,7 +103,7 @@ Json mesh_json(const CorrectionReport& m, const Calibration& s, const Problem& p
 
 }  // namespace
 
-Json calibration_json(const Calibration& s, const Problem& problem, const Json& own, const Provenance& provenance) {
+Json calibration_json(const Calibration& s, const Problem& problem, const Json& own, const CalibrationWords& words, const Provenance& provenance) {
   const auto& shape = problem.shape;
   const auto average = [](const Candidate& c, double Score::*field) { return c.score.ok ? number(c.score.*field) : Json(); };
   const auto accuracy = [&](const Candidate& c) { return c.score.banded_sensors > 0 ? average(c, &Score::accuracy) : Json(); };
@@ -122,9 +122,7 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
                     {"surrogate", number(s.best.objective_surrogate)},
                     {"nominal", s.at_nominal.objective_model ? number(*s.at_nominal.objective_model) : Json()}};
   j["product"] = s.product;
-  j["meaning"] =
-      "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
-      "whatever the model leaves out, and the published objective mixes percent with strain.";
+  j["meaning"] = words.meaning;
   j["accuracy"] = accuracy(s.best);
   j["mae"] = average(s.best, &Score::mae);
   j["nominal_accuracy"] = accuracy(s.at_nominal);
@@ -136,14 +134,14 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
   j["nominal_delta1"] = average(s.at_nominal, &Score::delta1);
   j["nominal_delta2"] = average(s.at_nominal, &Score::delta2);
   j["mae_unit"] = problem.mae_unit;
-  j["scores_on"] = s.mesh.scores_on;
+  j["scores_on"] = artefact_name(s.mesh.scores_on);
   if (const Json z = impedance(shape, s); !z.is_null()) j["impedance"] = z;
   j["candidates"] = Json::array();
   j["failed_candidates"] = Json::array();
   for (const auto& c : s.candidates) j["candidates"].push_back(candidate(c, shape, s.mesh.used));
   for (const auto& c : s.failed) j["failed_candidates"].push_back(candidate(c, shape, s.mesh.used));
   j["sensors"] = sensors(s.best.score, s.at_nominal.score, problem);
-  if (s.mesh.used) j["mesh"] = mesh_json(s.mesh, s, problem);
+  if (s.mesh.used) j["mesh"] = mesh_json(s.mesh, s, problem, words.mesh);
   for (const auto& [key, value] : own.items()) j[key] = value;
   j["compared_times"] = problem.time.size();
   j["times_outside_simulation"] = problem.outside;

@@ -1,9 +1,9 @@
 #pragma once
-/// Corrections of a calibration for its mesh: the option, and what was taken off for its mesh
-/// for its artefacts.
+/// Corrections of a calibration for its mesh: the option, and what the correction changed.
 #include <string>
 #include <vector>
 
+#include "inverse/calibration/scored_mesh.hpp"
 #include "inverse/data/problem.hpp"
 
 namespace calomel {
@@ -22,12 +22,12 @@ void visit_mesh_correction(V& v, bool& mesh_correction) {
 /// Scores and histories on the case's own mesh, where those of the calibration itself are corrected for it.
 struct CorrectionReport {
   bool used = false;
-  std::string scores_on = "the case's own mesh";   ///< which mesh the scores of the calibration itself are on, in words
+  ScoredMesh scores_on = ScoredMesh::own;          ///< mesh of the scores of the calibration itself
+  Eigen::Index runs = 0;                           ///< of the emulator that gives the correction
   double difference = 0;                           ///< |correction| / |history| at the answer, mean over the observations
   std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory says how each method takes it
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) without the correction; empty where failed
   Score best, at_nominal;                          ///< of these
-  std::string sentence;
 };
 
 }  // namespace calomel

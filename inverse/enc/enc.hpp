@@ -75,10 +75,16 @@ struct EncSummary : Calibration {
 [[nodiscard]] EncSummary run_enc(const Problem& problem, const ForwardModel& surrogate, const ForwardModel& true_model, const EncOptions& options,
                                  std::uint64_t seed, int threads, const CalibrationProgress& progress = {}, const MeshCorrection* correction = nullptr);
 
+/// The sentences of enc.json for people.
+struct EncWords {
+  CalibrationWords calibration;
+  std::string agreement;  ///< whether other optimisers and objectives lead to the same answer; empty where none is compared
+};
+
 /// The contents of enc.json.
-Json enc_json(const EncSummary& summary, const Problem& problem, const Provenance& provenance);
+Json enc_json(const EncSummary& summary, const Problem& problem, const EncWords& words, const Provenance& provenance);
 /// Writes enc.nc, then enc.json, into `out_dir`: time; calibrated, nominal (condition, sensor, time); record_time; record_mean, band_low,
 /// band_high (condition, sensor, record_time).
-void write_enc(const EncSummary& summary, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir);
+void write_enc(const EncSummary& summary, const Problem& problem, const EncWords& words, const Provenance& provenance, const std::filesystem::path& out_dir);
 
 }  // namespace calomel

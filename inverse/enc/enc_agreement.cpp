@@ -1,7 +1,5 @@
 #include "inverse/enc/enc_agreement.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -52,26 +50,6 @@ ComparedOptimizer compared(const std::string& name, const std::vector<EncRound>&
   r.shortfall = objective.cost(r.best) - objective.cost(best.objective);
   r.agrees = r.distance <= agreement_tolerance;
   return r;
-}
-
-std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
-  std::string s, apart;
-  for (const auto& r : a.optimizers)
-    if (r.rounds > 0 && !r.agrees)
-      apart += fmt::format("{}{} ends {:.2f} of the bounds away, {:.3g} worse", apart.empty() ? "" : "; ", r.name, r.distance, r.shortfall);
-  if (a.optimizers.size() > 1)
-    s = a.optimizers_agree ? fmt::format("The optimisers agree: the best of each lies within {:g} of the bounds of the best of all.", agreement_tolerance)
-                           : "The optimisers disagree: " + apart + ".";
-  apart.clear();
-  for (const auto& f : a.objectives)
-    if (!f.agrees)
-      apart += f.theta.empty() ? fmt::format("{}{} has no value anywhere", apart.empty() ? "" : "; ", f.objective)
-                               : fmt::format("{}{} moves {}", apart.empty() ? "" : "; ", f.objective, moves(shape, a.objectives[0].theta, f.theta));
-  if (a.objectives.size() > 1)
-    s += std::string(s.empty() ? "" : " ") + (a.objectives_agree
-                                                  ? fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance)
-                                                  : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");
-  return s;
 }
 
 /// The true model at each formulation's answer.
@@ -160,15 +138,14 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
     out.objectives_agree = std::all_of(out.objectives.begin(), out.objectives.end(), [](const auto& f) { return f.agrees; });
     run_model(out, problem, true_model, formulations, threads, progress);
   }
-  out.sentence = sentence_of(out, problem.shape);
   return out;
 }
 
-Json agreement_json(const EncAgreement& a, const Problem& problem) {
+Json agreement_json(const EncAgreement& a, const Problem& problem, const std::string& sentence) {
   Json j{{"tolerance", agreement_tolerance},
          {"optimizers_agree", a.optimizers_agree},
          {"objectives_agree", a.objectives.empty() ? Json() : Json(a.objectives_agree)},
-         {"sentence", a.sentence}};
+         {"sentence", sentence}};
   j["optimizers"] = Json::array();
   j["objectives"] = Json::array();
   for (const auto& r : a.optimizers)

@@ -40,7 +40,6 @@ struct EncAgreement {
   std::vector<ComparedOptimizer> optimizers;
   std::vector<EncFormulation> objectives;  ///< the calibration's own first; empty when none is compared
   bool optimizers_agree = false, objectives_agree = false;
-  std::string sentence;
   std::size_t evaluations = 0;  ///< of the surrogate, beside the calibration's own
 };
 
@@ -56,6 +55,7 @@ EncAgreement find_agreement(const Problem& problem, const ForwardModel& surrogat
                             const CalibrationProgress& progress = {});
 
 /// agreement of enc.json: {tolerance, optimizers, objectives, optimizers_agree, objectives_agree, sentence, evaluations}
-Json agreement_json(const EncAgreement& agreement, const Problem& problem);
+/// sentence: whether they agree, for people.
+Json agreement_json(const EncAgreement& agreement, const Problem& problem, const std::string& sentence);
 
 }  // namespace calomel

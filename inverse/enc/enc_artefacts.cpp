@@ -4,7 +4,7 @@
 
 namespace calomel {
 
-Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& provenance) {
+Json enc_json(const EncSummary& s, const Problem& problem, const EncWords& words, const Provenance& provenance) {
   const auto& shape = problem.shape;
   Json own;
   own["optimizers"] = Json::array();
@@ -15,13 +15,13 @@ Json enc_json(const EncSummary& s, const Problem& problem, const Provenance& pro
   for (const auto& r : s.rounds)
     own["rounds"].push_back(
         {{"optimizer", r.optimizer}, {"theta", named(shape.parameters, r.theta)}, {"objective", number(r.objective)}, {"evaluations", r.evaluations}});
-  own["agreement"] = agreement_json(s.agreement, problem);
+  own["agreement"] = agreement_json(s.agreement, problem, words.agreement);
   own["agreement_s"] = s.agreement_s;
-  return calibration_json(s, problem, own, provenance);
+  return calibration_json(s, problem, own, words.calibration, provenance);
 }
 
-void write_enc(const EncSummary& s, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir) {
-  write_calibration("enc", s, problem, enc_json(s, problem, provenance), provenance, out_dir);
+void write_enc(const EncSummary& s, const Problem& problem, const EncWords& words, const Provenance& provenance, const std::filesystem::path& out_dir) {
+  write_calibration("enc", s, problem, enc_json(s, problem, words, provenance), provenance, out_dir);
 }
 
 }  // namespace calomel

@@ -116,7 +116,7 @@ MapSummary run_map(const PosteriorInputs& in, const PosteriorFit& fit, const std
   out.nominal = nominal(in.problem.shape);
   out.warnings = in.problem.warnings;
   out.warnings.insert(out.warnings.end(), in.warnings.begin(), in.warnings.end());
-  out.mesh.scores_on = in.levels > 1 ? "the finest mesh of the emulator" : "the case's own mesh";
+  out.mesh.scores_on = in.levels > 1 ? ScoredMesh::emulators_finest : ScoredMesh::own;
   run_candidates(out, in, fit);
 
   const auto n = Eigen::Index(in.problem.shape.parameters.size());

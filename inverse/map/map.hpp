@@ -84,9 +84,13 @@ struct MapSummary : Calibration {
 
 /// The sentences of map.json for people.
 struct MapWords {
-  std::string adequacy;  ///< whether the records contradict the fit
-  std::string check;     ///< how far runs of the true model lie from the emulator
-  std::string nested;    ///< which of the nested models is favoured; empty without one
+  CalibrationWords calibration;
+  std::string adequacy;     ///< whether the records contradict the fit
+  std::string check;        ///< how far runs of the true model lie from the emulator
+  std::string nested;       ///< which of the nested models is favoured; empty without one
+  std::string identified;   ///< which products of the parameters the data determine
+  std::string score_tests;  ///< where the residual points; empty without score tests
+  std::string emulator;     ///< whether the emulator has settled
 };
 
 /// The contents of map.json.

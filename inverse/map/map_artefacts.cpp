@@ -16,7 +16,7 @@ Json directions_json(const Identification& id, const ModelShape& shape) {
   for (const auto& d : id.directions) {
     Json exponents = Json::object();
     for (std::size_t k = 0; k < id.parameters.size(); ++k) exponents[shape.parameters[id.parameters[k]].name] = d.exponents[Eigen::Index(k)];
-    all.push_back({{"product", d.text},
+    all.push_back({{"product", d.product},
                    {"exponents", exponents},
                    {"value", number(d.value)},
                    {"low", number(d.value * std::exp(-quantile95 * d.sd))},
@@ -40,10 +40,6 @@ Json combinations_json(std::span<const Combination> combinations) {
 Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance) {
   const auto& shape = in.problem.shape;
   Json own;
-  if (s.product == "physical")
-    own["meaning"] =
-        "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
-        "picture of it.";
   own["parameters"] = Json::array();
   own["sd"] = Json::object();
   for (std::size_t k = 0; k < shape.parameters.size(); ++k) {
@@ -71,18 +67,18 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   own["chi2_critical"] = number(s.fit.chi2_critical);
   own["adequate"] = s.adequate;
   own["adequacy"] = words.adequacy;
-  if (s.score_tests) own["score_tests"] = score_tests_json(*s.score_tests);
-  own["identified"] = s.identification.sentence;
+  if (s.score_tests) own["score_tests"] = score_tests_json(*s.score_tests, words.score_tests);
+  own["identified"] = words.identified;
   own["directions"] = directions_json(s.identification, shape);
   own["combinations"] = combinations_json(s.identification.combinations);
   const auto& noise = fit.errors->noise();
   std::vector<double> noise_time;
   for (const auto& n : noise.series) noise_time.push_back(n.time);
   own["replicates"] = {{"energy_sd", number(noise.energy_sd)}, {"split_half", number(noise.split_half)}, {"noise_time_s", numbers(noise_time)}};
-  own["emulator"] = fit_json(fit, in.parameters);
+  own["emulator"] = fit_json(fit, in.parameters, words.emulator);
   own["true_model_check"] = check_json(s.check, in.parameters, words.check);
   if (s.nested) own["nested_model"] = nested_json(*s.nested, in.parameters, words.nested);
-  return calibration_json(s, in.problem, own, provenance);
+  return calibration_json(s, in.problem, own, words.calibration, provenance);
 }
 
 void write_map(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit& fit, const MapWords& words, const Provenance& provenance,

@@ -22,8 +22,6 @@ std::string powers(const std::vector<std::string>& names, const Eigen::VectorXd&
   return s;
 }
 
-std::string share(double sd) { return sd < 0.3 ? fmt::format("{:.2g} %", 100 * sd) : fmt::format("a factor of {:.2g}", std::exp(sd)); }
-
 Combination combination(const std::string& name, double value, double relative_sd) {
   return {name, value, value * std::exp(-quantile95 * relative_sd), value * std::exp(quantile95 * relative_sd), relative_sd};
 }
@@ -43,10 +41,7 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
       if (positive(k)) out.parameters.push_back(k);
   }
   const auto n = Eigen::Index(out.parameters.size());
-  if (n == 0) {
-    out.sentence = "no parameter is positive, so that products of powers have no meaning here";
-    return out;
-  }
+  if (n == 0) return out;
   // Everything by the logarithms; what the others may do is part of the covariance, not of the data's own curvature.
   Eigen::VectorXd value(n), before(n);
   std::vector<std::string> names;
@@ -75,7 +70,8 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     d.data_sd = eigen.values[k] > 1e-12 ? std::sqrt(1 / eigen.values[k]) : std::numeric_limits<double>::infinity();
     d.sd = std::sqrt(std::max(0.0, d.exponents.dot(relative * d.exponents)));
     d.prior_sd = std::sqrt((d.exponents.array() * before.array()).square().sum());
-    d.text = powers(names, d.exponents);
+    d.pinned = d.data_sd < pinned_share * d.prior_sd;
+    d.product = powers(names, d.exponents);
     out.directions.push_back(std::move(d));
   }
   for (const auto& product : products) {
@@ -92,13 +88,6 @@ Identification identify(const std::vector<Parameter>& parameters, const std::vec
     if (found < product.exponents.size()) continue;
     out.combinations.push_back(combination(product.name, of_values, std::sqrt(std::max(0.0, v.dot(relative * v)))));
   }
-  std::string pinned, open;
-  for (const auto& d : out.directions) {
-    std::string& list = d.data_sd < pinned_share * d.prior_sd ? pinned : open;
-    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", d.text, std::isfinite(d.data_sd) ? "sd " + share(d.data_sd) : "they say nothing of it");
-  }
-  out.sentence = pinned.empty() ? "the data pin no combination much better than was known before; least of all " + out.directions.back().text
-                                : "the data pin " + pinned + (open.empty() ? " and leave no combination free" : " and leave free " + open);
   return out;
 }
 

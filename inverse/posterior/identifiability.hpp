@@ -16,7 +16,8 @@ struct Direction {
   double sd = 0;              ///< of its logarithm, posterior
   double data_sd = 0;         ///< by the data alone; infinity where they say nothing
   double prior_sd = 0;        ///< before the data
-  std::string text;           ///< "density^0.71 sound_speed^0.70"
+  bool pinned = false;        ///< the data determine it: data_sd is far below prior_sd
+  std::string product;        ///< its name, "density^0.71 sound_speed^0.70"
 };
 
 /// A product of powers and its 95 % interval.
@@ -28,9 +29,8 @@ struct Combination {
 
 struct Identification {
   std::vector<std::size_t> parameters;    ///< the positive ones among the keys of interest, or all positive ones where fewer than two of these are
-  std::vector<Direction> directions;      ///< best determined first
+  std::vector<Direction> directions;      ///< best determined first; empty where no parameter is positive
   std::vector<Combination> combinations;  ///< the named products whose parameters are all there
-  std::string sentence;
 };
 
 /// data: curvature of -log likelihood by the parameters, the posterior's precision less the prior's, (n, n) in their own units; covariance: of the posterior,

@@ -7,7 +7,7 @@
 
 namespace calomel {
 
-Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters) {
+Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters, const std::string& message) {
   const auto& best = fit.modes[0];
   const auto density = fit.posterior->density(best.at);
   const Eigen::MatrixXd covariance = parameter_covariance(*fit.posterior, best);
@@ -43,7 +43,7 @@ Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters)
           {"discrepancy", discrepancy},
           {"other_modes", others},
           {"settled", fit.settled},
-          {"message", fit.message},
+          {"message", message},
           {"rounds", rounds},
           {"levels", levels},
           {"covariance_shares", shares_json(*fit.errors)},

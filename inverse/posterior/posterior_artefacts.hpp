@@ -6,8 +6,9 @@
 
 namespace calomel {
 
-/// Mode, covariance, evidence, rounds, levels and shares of the errors' covariance; theta by name.
-Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters);
+/// Mode, covariance, evidence, rounds, levels and shares of the errors' covariance; theta by name. message: whether the emulator has settled,
+/// for people.
+Json fit_json(const PosteriorFit& fit, const std::vector<Parameter>& parameters, const std::string& message);
 /// [{term, gauge, pull, sd}], the farthest first.
 Json pulls_json(const FitResidual& left);
 /// {term: share of the covariance's trace}.

@@ -52,12 +52,6 @@ class Fit {
       fit();
     }
     out_.settled = settled();
-    const auto& last = out_.rounds.back();
-    out_.message = out_.settled ? fmt::format("settled after {} coarse and {} fine runs", last.coarse, last.fine)
-                                : fmt::format(
-                                      "not settled after {} coarse and {} fine runs: the mode moved by {:.2g} standard deviations in the last round, the "
-                                      "emulator's variance is {:.2g} of one run's noise",
-                                      last.coarse, last.fine, last.moved, last.variance);
     return std::move(out_);
   }
 
@@ -342,6 +336,12 @@ int PosteriorInputs::finest_to_begin(Eigen::Index d) const {
 int PosteriorInputs::stood_for(int runs, bool linear) const {
   const auto coefficients = [&](std::size_t n) { return linear ? double(n + 1) : double(MultilevelRegression::coefficients(Eigen::Index(n), 1)); };
   return int(runs * coefficients(known_dimension) / coefficients(parameters.size()));
+}
+
+Settling PosteriorFit::settling() const {
+  if (rounds.empty()) return {.settled = settled};
+  const PosteriorRound& last = rounds.back();
+  return {.settled = settled, .coarse = last.coarse, .fine = last.fine, .moved = last.moved, .variance = last.variance};
 }
 
 Eigen::MatrixXd PosteriorFit::histories(const std::vector<float> RunRecord::*what) const {

@@ -166,6 +166,14 @@ struct LevelError {
   double noise = 0;     ///< of the residuals, likewise, their freedom counted
 };
 
+/// Whether the emulator of a fit has settled, and its last round.
+struct Settling {
+  bool settled = false;
+  int coarse = 0, fine = 0;  ///< runs
+  double moved = 0;          ///< of the mode in the last round, in standard deviations
+  double variance = 0;       ///< of the emulator, in units of one run's noise
+};
+
 struct PosteriorFit {
   std::optional<LogPosterior> posterior;
   std::optional<ErrorModel> errors;        ///< without a discrepancy
@@ -181,8 +189,9 @@ struct PosteriorFit {
   std::vector<PosteriorRound> rounds;
   std::vector<LevelError> levels;
   bool settled = false;
-  std::string message;
 
+  /// Whether the emulator has settled, and its last round; zeros before the first one.
+  [[nodiscard]] Settling settling() const;
   /// Of the runs in use, as columns: their means, or another of their fields, (values of the model, used).
   [[nodiscard]] Eigen::MatrixXd histories(const std::vector<float> RunRecord::*what = &RunRecord::mean) const;
   /// The emulator's history at a point, (values of the model), the records' place beyond the finest mesh or, without it, the finest mesh.

@@ -1,7 +1,5 @@
 #include "inverse/posterior/score_test.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
@@ -14,7 +12,6 @@ namespace calomel {
 
 namespace {
 
-const std::string gains = "gauge_gains";
 constexpr double nothing = 1e-4;  ///< of a direction's own length, or of the greatest singular value: what is left of it is rounding
 
 /// Orthonormal columns that span those of `m`, (rows, rank): its left singular vectors by the eigenvectors of m^T m. Of columns down to `nothing` of the
@@ -92,50 +89,33 @@ class Tests {
   double freedom_ = 0;
 };
 
-std::string numbers_of(const ScoreTest& m) {
-  std::string s;
-  for (const auto& k : m.keys) s += fmt::format("{}{} {:.3g} ± {:.2g}", s.empty() ? "" : ", ", k.name, k.value, k.sd);
-  return s.empty() ? "" : ", to first order " + s;
+}  // namespace
+
+const ScoreTest* ScoreTests::first() const {
+  const auto at = std::find_if(mechanisms.begin(), mechanisms.end(), [](const auto& m) { return m.counts; });
+  return at == mechanisms.end() ? nullptr : &*at;
 }
 
-}  // namespace
+std::size_t ScoreTests::counted() const {
+  return std::size_t(std::count_if(mechanisms.begin(), mechanisms.end(), [](const auto& m) { return m.counts; }));
+}
 
 ScoreTests score_tests(const LogPosterior& posterior, const LogPosterior::Point& at, const Decimation& grid, const std::vector<MechanismDirections>& left_out,
                        const Eigen::MatrixXd& nothing_missing) {
   const Tests test(posterior, at, grid, nothing_missing);
-  ScoreTests out{.scale = test.scale()};
+  ScoreTests out{.scale = test.scale(), .with_runs = nothing_missing.cols() > 0};
   for (const auto& l : left_out) out.mechanisms.push_back(test.of(l));
   std::stable_sort(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& a, const auto& b) { return a.p_value < b.p_value; });
-  const auto counted = std::count_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
-  if (counted == 0) return out;
-  const auto& first = *std::find_if(out.mechanisms.begin(), out.mechanisms.end(), [](const auto& m) { return m.counts; });
-  out.p_value = std::min(1.0, double(counted) * first.p_value);
+  const ScoreTest* first = out.first();
+  if (!first) return out;
+  out.p_value = std::min(1.0, double(out.counted()) * first->p_value);
   out.stands_out = out.p_value < least_score_p;
-  std::string names;
-  for (const auto& m : out.mechanisms)
-    if (m.counts) names += (names.empty() ? "" : ", ") + m.name;
-  const std::string of_runs = nothing_missing.cols() > 0 ? fmt::format(", {:.2g} at runs where nothing is missing", first.f_of_runs) : "";
-  const std::string outcome = fmt::format("F {:.3g} for {} directions{}, p {:.2g} of {} sets", first.f, first.directions, of_runs, out.p_value, counted);
-  if (!out.stands_out)
-    out.sentence = fmt::format(
-        "whatever the covariance's scale, the residual does not point where one of these would show: {} (least p {:.2g}); what else may be missing was not "
-        "looked for",
-        names, out.p_value);
-  else if (first.name == gains)
-    out.sentence = fmt::format(
-        "whatever the covariance's scale, amplitudes of single gauges do not fit together ({}): the load, gauges, or the answer itself may be off by more than "
-        "its standard deviations",
-        outcome);
-  else
-    out.sentence =
-        fmt::format("whatever the covariance's scale, the residual points where {} would show ({}{}): enable it, fit anew and compare (map.compare_with)",
-                    first.name, outcome, numbers_of(first));
   return out;
 }
 
 MechanismDirections gauge_gains(const Problem& problem, const std::vector<double>& history) {
   const auto n = Eigen::Index(problem.shape.times.size());
-  MechanismDirections out{.name = gains};
+  MechanismDirections out{.name = gauge_gains_name};
   out.directions = Eigen::MatrixXd::Zero(Eigen::Index(history.size()), Eigen::Index(problem.observations.size()));
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const auto& o = problem.observations[i];
@@ -147,7 +127,7 @@ MechanismDirections gauge_gains(const Problem& problem, const std::vector<double
   return out;
 }
 
-Json score_tests_json(const ScoreTests& s) {
+Json score_tests_json(const ScoreTests& s, const std::string& sentence) {
   Json all = Json::array();
   for (const auto& m : s.mechanisms) {
     Json keys = Json::object();
@@ -161,7 +141,7 @@ Json score_tests_json(const ScoreTests& s) {
                    {"counts", m.counts},
                    {"keys", keys}});
   }
-  return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", s.sentence}, {"mechanisms", all}};
+  return {{"scale", number(s.scale)}, {"p_value", number(s.p_value)}, {"stands_out", s.stands_out}, {"sentence", sentence}, {"mechanisms", all}};
 }
 
 }  // namespace calomel

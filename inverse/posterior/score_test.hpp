@@ -31,10 +31,16 @@ struct ScoreTests {
   double scale = 1;         ///< mean square of the whitened residual outside the parameters' directions: 1 where the covariance is as wide as the residual
   double p_value = 1;       ///< least of those that count, times their number
   bool stands_out = false;  ///< p_value below least_score_p
-  std::string sentence;
+  bool with_runs = false;   ///< F is held against runs at which nothing was missing
+
+  /// The most telling one of those that count, or null.
+  [[nodiscard]] const ScoreTest* first() const;
+  /// Number of those that count.
+  [[nodiscard]] std::size_t counted() const;
 };
 
 constexpr double least_score_p = 1e-3;
+constexpr const char* gauge_gains_name = "gauge_gains";  ///< of the test that gauge_gains() is for
 
 /// Score tests with a free scale. The whitened residual at a mode, outside the directions of the fitted parameters and of the multiple beyond the finest mesh,
 /// is split into the part in the k directions of a mechanism and the rest: F = (|part|^2 / k) / (|rest|^2 / (values - n - k)), of Fisher's distribution for a
@@ -49,7 +55,7 @@ constexpr double least_score_p = 1e-3;
 /// amplitudes that do not fit together. `history`: (values of the model) at the answer.
 [[nodiscard]] MechanismDirections gauge_gains(const Problem& problem, const std::vector<double>& history);
 
-/// For map.json.
-Json score_tests_json(const ScoreTests& tests);
+/// For map.json. sentence: what the tests show, for people.
+Json score_tests_json(const ScoreTests& tests, const std::string& sentence);
 
 }  // namespace calomel

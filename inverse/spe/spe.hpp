@@ -65,8 +65,8 @@ ScatteredData discrepancies(const Problem& problem, const Archive& archive, cons
                                  int threads, const CalibrationProgress& progress = {}, const MeshCorrection* correction = nullptr);
 
 /// The contents of spe.json.
-Json spe_json(const SpeSummary& summary, const Problem& problem, const Provenance& provenance);
+Json spe_json(const SpeSummary& summary, const Problem& problem, const CalibrationWords& words, const Provenance& provenance);
 /// Writes spe.nc (as enc.nc), then spe.json, into `out_dir`.
-void write_spe(const SpeSummary& summary, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir);
+void write_spe(const SpeSummary& summary, const Problem& problem, const CalibrationWords& words, const Provenance& provenance, const std::filesystem::path& out_dir);
 
 }  // namespace calomel

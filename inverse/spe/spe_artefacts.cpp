@@ -51,7 +51,7 @@ Json surrogate(const SpeSummary& s, std::size_t i) {
 
 }  // namespace
 
-Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& provenance) {
+Json spe_json(const SpeSummary& s, const Problem& problem, const CalibrationWords& words, const Provenance& provenance) {
   const auto& shape = problem.shape;
   Json own;
   own["runs"] = {{"used", s.runs_used}, {"excluded", s.runs_excluded},  {"added", s.runs_added},
@@ -83,11 +83,11 @@ Json spe_json(const SpeSummary& s, const Problem& problem, const Provenance& pro
     own["optima"].push_back(
         {{"surrogate", o.surrogate}, {"theta", named(shape.parameters, o.theta)}, {"objective", number(o.objective)}, {"trials", o.trials}});
   own["fit_s"] = s.fit_s;
-  return calibration_json(s, problem, own, provenance);
+  return calibration_json(s, problem, own, words, provenance);
 }
 
-void write_spe(const SpeSummary& s, const Problem& problem, const Provenance& provenance, const std::filesystem::path& out_dir) {
-  write_calibration("spe", s, problem, spe_json(s, problem, provenance), provenance, out_dir);
+void write_spe(const SpeSummary& s, const Problem& problem, const CalibrationWords& words, const Provenance& provenance, const std::filesystem::path& out_dir) {
+  write_calibration("spe", s, problem, spe_json(s, problem, words, provenance), provenance, out_dir);
 }
 
 }  // namespace calomel

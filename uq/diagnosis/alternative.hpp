@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "forward/parameter_group.hpp"
+#include "inverse/posterior/posterior_fit.hpp"
 #include "uq/diagnosis/screening.hpp"
 #include "uq/diagnosis/verdict.hpp"
 
@@ -26,11 +27,12 @@ struct FitStatus {
     on_unsettled_fit,       ///< it is added to a fit that has not settled
     numbers_moved,          ///< its numbers still moved after all its runs
     stable,                 ///< evidence and numbers were stable before its emulator settled
-    emulator,               ///< as `message` has it, PosteriorFit's
+    emulator,               ///< as `settling` has it
     failed                  ///< with the error `message`
   };
   Kind kind = Kind::unremarkable;
   int coarse = 0, fine = 0;  ///< runs from which on it was stable
+  Settling settling;         ///< of the emulator
   std::string message;
 };
 

@@ -285,7 +285,7 @@ Json diagnosis_json(const Diagnosis& d, const DiagnosisInputs& in, const Diagnos
           {"evidence", evidence_json(d.base)},
           {"runs", d.runs},
           {"skipped", text.skipped},
-          {"base_fit", fit_json(d.base.fit, in.base.parameters)},
+          {"base_fit", fit_json(d.base.fit, in.base.parameters, text.base_fit)},
           {"unsettled", d.unsettled()},
           {"provenance", provenance.json()}};
 }

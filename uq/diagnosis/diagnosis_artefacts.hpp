@@ -35,6 +35,7 @@ struct DiagnosisText {
   std::vector<std::string> skipped;        ///< what was not done
   std::vector<std::string> mislabelled;    ///< of BaseFit::mislabelled
   std::string clock;                       ///< where there is an offset
+  std::string base_fit;                    ///< whether its emulator has settled
   std::string missing;                     ///< where terms were screened
   std::vector<std::string> missing_terms;  ///< the value of each
 

@@ -113,7 +113,7 @@ std::optional<Alternative> fit_explanation(const FitContext& context, const Para
     if (made.stable && !fit.settled)
       a.status = {.kind = FitStatus::Kind::stable, .coarse = fit.rounds.back().coarse, .fine = fit.rounds.back().fine};
     else
-      a.status = {.kind = FitStatus::Kind::emulator, .message = fit.message};
+      a.status = {.kind = FitStatus::Kind::emulator, .settling = fit.settling()};
     made.inputs.run = {};  // what they refer to ends here
     context.library.fits.emplace(a.explanation.name, ExplanationFit{added, std::move(made.inputs), std::move(made.fit)});
   } catch (const NumericsError& e) {

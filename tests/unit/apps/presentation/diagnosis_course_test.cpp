@@ -44,7 +44,7 @@ TEST(DiagnosisCourse, AFitEndsInOneOfSeveralWays) {
   EXPECT_EQ(text({.kind = Kind::on_unsettled_fit}), "it is added to a fit that has not settled");
   EXPECT_EQ(text({.kind = Kind::numbers_moved}), "its numbers still moved after 12 runs");
   EXPECT_EQ(text({.kind = Kind::stable, .coarse = 30, .fine = 20}), "evidence and numbers were stable from 30 coarse and 20 fine runs on");
-  EXPECT_EQ(text({.kind = Kind::emulator, .message = "settled"}), "settled");
+  EXPECT_EQ(text({.kind = Kind::emulator, .settling = {.settled = true, .coarse = 30, .fine = 20}}), "settled after 30 coarse and 20 fine runs");
   EXPECT_EQ(text({.kind = Kind::failed, .message = "no run came through"}), "no run came through");
 }
 

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
+#include "apps/presentation/calibration_lines.hpp"
+#include "apps/presentation/posterior_lines.hpp"
 #include "tests/unit/inverse/map/fitted.hpp"
 
 namespace calomel {
@@ -56,6 +59,53 @@ TEST(FitWords, AFitIsAdequateOrNotOrItsErrorsAreTooWide) {
   EXPECT_EQ(goodness_sentence(g),
             "the fit is not adequate: the model leaves out more than noise and known errors explain: chi-squared 12 for 50 values less 2 parameters (p 0.68), "
             "41.9 for 48.4 effective data (p 0.63)");
+}
+
+TEST(FitWords, AnEmulatorHasSettledOrNot) {
+  Settling s{.settled = true, .coarse = 48, .fine = 14, .moved = 0.05, .variance = 0.1};
+  EXPECT_EQ(settling_text(s), "settled after 48 coarse and 14 fine runs");
+  s = {.settled = false, .coarse = 48, .fine = 14, .moved = 1.234, .variance = 0.567};
+  EXPECT_EQ(settling_text(s),
+            "not settled after 48 coarse and 14 fine runs: the mode moved by 1.2 standard deviations in the last round, the emulator's variance is 0.57 of one "
+            "run's noise");
+}
+
+TEST(FitWords, TheDataPinSomeProductsAndLeaveOthersFree) {
+  Identification id;
+  EXPECT_EQ(identification_sentence(id), "no parameter is positive, so that products of powers have no meaning here");
+  id.directions = {{.data_sd = 0.0123, .pinned = true, .product = "density^0.71 sound_speed^0.70"}, {.data_sd = 0.5, .product = "density^0.70 sound_speed^-0.71"}};
+  EXPECT_EQ(identification_sentence(id),
+            "the data pin density^0.71 sound_speed^0.70 (sd 1.2 %) and leave free density^0.70 sound_speed^-0.71 (sd a factor of 1.6)");
+  id.directions[1].pinned = true;
+  EXPECT_EQ(identification_sentence(id),
+            "the data pin density^0.71 sound_speed^0.70 (sd 1.2 %), density^0.70 sound_speed^-0.71 (sd a factor of 1.6) and leave no combination free");
+  id.directions = {{.data_sd = std::numeric_limits<double>::infinity(), .product = "tensile_cutoff^1.00"}};
+  EXPECT_EQ(identification_sentence(id), "the data pin no combination much better than was known before; least of all tensile_cutoff^1.00");
+  id.directions.insert(id.directions.begin(), {.data_sd = 0.02, .pinned = true, .product = "density^1.00"});
+  EXPECT_EQ(identification_sentence(id), "the data pin density^1.00 (sd 2 %) and leave free tensile_cutoff^1.00 (they say nothing of it)");
+}
+
+TEST(FitWords, TheResidualPointsSomewhereOrNot) {
+  ScoreTests tests;
+  EXPECT_EQ(score_test_sentence(tests), "");
+  tests.mechanisms = {{.name = "damping", .directions = 2, .f = 1.234, .counts = false},
+                      {.name = "interface", .directions = 2, .f = 21.34, .f_of_runs = 1.26, .keys = {{.name = "gap", .value = 0.0123, .sd = 0.0015}}},
+                      {.name = "gauge_gains", .directions = 3, .f = 0.9}};
+  tests.p_value = 0.31;
+  EXPECT_EQ(score_test_sentence(tests),
+            "whatever the covariance's scale, the residual does not point where one of these would show: interface, gauge_gains (least p 0.31); what else may be "
+            "missing was not looked for");
+  tests.p_value = 2e-5;
+  tests.stands_out = true;
+  EXPECT_EQ(score_test_sentence(tests),
+            "whatever the covariance's scale, the residual points where interface would show (F 21.3 for 2 directions, p 2e-05 of 2 sets, to first order gap "
+            "0.0123 ± 0.0015): enable it, fit anew and compare (map.compare_with)");
+  tests.mechanisms.erase(tests.mechanisms.begin() + 1);
+  tests.mechanisms[1].f_of_runs = 0.97;
+  tests.with_runs = true;
+  EXPECT_EQ(score_test_sentence(tests),
+            "whatever the covariance's scale, amplitudes of single gauges do not fit together (F 0.9 for 3 directions, 0.97 at runs where nothing is missing, p "
+            "2e-05 of 1 sets): the load, gauges, or the answer itself may be off by more than its standard deviations");
 }
 
 TEST(FitWords, ACheckHoldsOrNotOrWasNotMade) {
@@ -114,11 +164,15 @@ TEST(FitWords, AModeWithoutDoubtsHasAMessageAndNoWarning) {
   EXPECT_THAT(map_warnings(s, f.in, f.fit), IsEmpty());
   s.log_likelihood = 12.5;
   s.log_prior = -2;
-  EXPECT_EQ(map_message(s, f.fit), "log posterior 10.5 on the emulator, which " + f.fit.message + "; " + goodness_sentence(s.fit));
-  const MapWords words = map_words(s);
+  EXPECT_EQ(map_message(s, f.fit), "log posterior 10.5 on the emulator, which " + settling_text(f.fit.settling()) + "; " + goodness_sentence(s.fit));
+  const MapWords words = map_words(s, f.fit);
   EXPECT_EQ(words.adequacy, goodness_sentence(s.fit));
   EXPECT_EQ(words.check, check_sentence(s.check));
   EXPECT_EQ(words.nested, "");
+  EXPECT_EQ(words.calibration.meaning, meaning_sentence("tuned"));
+  EXPECT_EQ(words.identified, identification_sentence(s.identification));
+  EXPECT_EQ(words.score_tests, "");
+  EXPECT_EQ(words.emulator, settling_text(f.fit.settling()));
 }
 
 TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
@@ -130,7 +184,6 @@ TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
   MapSummary s = f.map({0, 0}, {2, 4});
   EXPECT_THAT(map_warnings(s, f.in, f.fit), Contains(goodness_sentence(s.fit)));
   f.fit.settled = false;
-  f.fit.message = "has not settled after 0 rounds";
   s.check.holds = false;
   s.nuisances = {{.name = "viscosity", .value = 12.345, .pull = -0.9}, {.name = "beyond", .value = 1.5, .pull = -2.5}};
   f.problem.shape.parameters[0].max = s.theta[0] = 3.25;
@@ -138,7 +191,7 @@ TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
   f.problem.shape.parameters[1].max = s.theta[1] + 1.5 * std::sqrt(s.covariance(1, 1));
   EXPECT_THAT(
       map_warnings(s, f.in, f.fit),
-      ElementsAre("the emulator has not settled after 0 rounds", check_sentence(s.check), goodness_sentence(s.fit),
+      ElementsAre(emulator_sentence(f.fit), check_sentence(s.check), goodness_sentence(s.fit),
                   "the records pull the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from what was known "
                   "of it: something is missing that it takes up",
                   "a = 3.25 sits on a bound: the data would have it outside, or do not determine it",

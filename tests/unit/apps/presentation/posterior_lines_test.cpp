@@ -39,12 +39,12 @@ TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
 TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
   Convergence convergence{.finding = {.state = ChainState::short_chains, .draws = 3}, .parameter = "tau"};
   PosteriorFit fit;
-  fit.message = "has not settled after 12 rounds";
+  fit.rounds.push_back({.coarse = 48, .fine = 14, .moved = 1.5, .variance = 0.25});
   TrueModelCheck check;
   EXPECT_EQ(verdict_sentence(convergence, fit, check), convergence_sentence(convergence));
   convergence.converged = true;
   convergence.finding.state = ChainState::converged;
-  EXPECT_EQ(verdict_sentence(convergence, fit, check), "the emulator has not settled after 12 rounds");
+  EXPECT_EQ(verdict_sentence(convergence, fit, check), emulator_sentence(fit));
   fit.settled = true;
   EXPECT_EQ(verdict_sentence(convergence, fit, check), check_sentence(check));
   check.holds = true;

@@ -11,8 +11,6 @@
 #include "tests/unit/inverse/oscillations.hpp"
 
 using namespace calomel;
-using testing::HasSubstr;
-using testing::Not;
 
 namespace {
 
@@ -152,7 +150,6 @@ TEST(EncAgreement, OptimisersAndObjectivesAgreeWhereTheModelIsTheTruth) {
   EXPECT_THAT(names, testing::ElementsAre("de", "mfo", "cmaes_restarts", "gradient"));
   EXPECT_TRUE(a.optimizers_agree);
   EXPECT_TRUE(a.objectives_agree);
-  EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("optimisers agree"), HasSubstr("objectives agree"), Not(HasSubstr("disagree"))));
   ASSERT_EQ(a.objectives.size(), 3u);
   EXPECT_EQ(a.objectives[1].objective, "rrmse");
   EXPECT_GT(a.evaluations, 0u);
@@ -162,7 +159,6 @@ TEST(EncAgreement, ObjectivesDisagreeWhereOneGaugeSaysWhatTheModelCannot) {
   const Case c(true);
   const auto a = run(c, small()).agreement;
   EXPECT_FALSE(a.objectives_agree);
-  EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("objectives disagree"), HasSubstr("moves"), HasSubstr("depends on the formulation")));
   // each answer is the best of all by its own objective, because the surrogate of this model is the model itself
   for (std::size_t i = 0; i < a.objectives.size(); ++i)
     for (std::size_t k = 0; k < a.objectives.size(); ++k) {
@@ -178,7 +174,7 @@ TEST(EncAgreement, AnOptimiserThatIsCutShortDisagrees) {
   o.compare_optimizers = {"es"}, o.generations = 1, o.population = 5;
   const auto a = run(c, o).agreement;
   EXPECT_FALSE(a.optimizers_agree);
-  EXPECT_THAT(a.sentence, testing::AllOf(HasSubstr("optimisers disagree"), HasSubstr("worse")));
+  EXPECT_THAT(a.optimizers, testing::Contains(testing::Field(&ComparedOptimizer::shortfall, testing::Gt(0))));
 }
 
 TEST(EncAgreement, WithoutAGradientTheGradientSearchIsLeftOut) {
@@ -189,7 +185,7 @@ TEST(EncAgreement, WithoutAGradientTheGradientSearchIsLeftOut) {
   const auto a = run_enc(c.problem, rough, rough, o, 1, 2).agreement;
   EXPECT_EQ(a.optimizers.size(), 3u);
   EXPECT_TRUE(a.objectives.empty());
-  EXPECT_TRUE(agreement_json(a, c.problem)["objectives_agree"].is_null());
+  EXPECT_TRUE(agreement_json(a, c.problem, "")["objectives_agree"].is_null());
 }
 
 TEST(EncAgreement, IsTheSameOnOneAndTwoThreads) {
@@ -197,5 +193,5 @@ TEST(EncAgreement, IsTheSameOnOneAndTwoThreads) {
   EncOptions o = small();
   o.generations = 10;
   const auto a = run_enc(c.problem, c.model, c.model, o, 1, 1).agreement, b = run_enc(c.problem, c.model, c.model, o, 1, 2).agreement;
-  EXPECT_EQ(agreement_json(a, c.problem).dump(), agreement_json(b, c.problem).dump());
+  EXPECT_EQ(agreement_json(a, c.problem, "").dump(), agreement_json(b, c.problem, "").dump());
 }

@@ -53,7 +53,7 @@ TEST(Enc, OneAndTwoThreadsGiveTheSame) {
   Case c;
   auto a = run_enc(c.problem, c.model, c.model, small(), 1, 1), b = run_enc(c.problem, c.model, c.model, small(), 1, 2);
   for (auto* s : {&a, &b}) s->search_s = s->model_s = s->agreement_s = 0;
-  EXPECT_EQ(enc_json(a, c.problem, {}).dump(), enc_json(b, c.problem, {}).dump());
+  EXPECT_EQ(enc_json(a, c.problem, {}, {}).dump(), enc_json(b, c.problem, {}, {}).dump());
   EXPECT_EQ(a.calibrated, b.calibrated);
   const auto other = run_enc(c.problem, c.model, c.model, small(), 2, 1);
   EXPECT_NE(a.theta, other.theta);
@@ -136,13 +136,13 @@ TEST(Enc, WhenEveryRunFailsItSaysSo) {
   auto s = run_enc(c.problem, c.model, broken, small(), 1, 2);
   EXPECT_EQ(s.status, CalibrationStatus::no_candidate);
   EXPECT_FALSE(s.trusted());
-  write_enc(s, c.problem, {.stage = "enc"}, dir);
+  write_enc(s, c.problem, {}, {.stage = "enc"}, dir);
   EXPECT_TRUE(read_json(dir / "enc.json")["candidates"][0]["objective_model"].is_null());
   s = run_enc(c.problem, broken, c.model, small(), 1, 2);  // the surrogate fails everywhere
   EXPECT_EQ(s.status, CalibrationStatus::no_candidate);
   EXPECT_EQ(s.theta, nominal(c.model.shape()));
   EXPECT_THAT(s.message, HasSubstr("surrogate failed"));
-  write_enc(s, c.problem, {.stage = "enc"}, dir);
+  write_enc(s, c.problem, {}, {.stage = "enc"}, dir);
 }
 
 TEST(Enc, TheNominalIsKeptWhenNoCandidateIsBetter) {
@@ -173,7 +173,7 @@ TEST(Enc, ArtefactsHoldTheContract) {
     ++told;
   });
   EXPECT_EQ(told, 8 + 6);
-  write_enc(s, c.problem, {.stage = "enc", .seed = 1}, dir);
+  write_enc(s, c.problem, {}, {.stage = "enc", .seed = 1}, dir);
   const Json j = read_json(dir / "enc.json");
   for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae", "rounds",
                           "optimizers", "warnings", "provenance"})

@@ -233,7 +233,7 @@ struct Meshes {
 TEST(FitPosterior, FindsTheTruthBeyondTheFinestMeshWithinItsDeviations) {
   Meshes meshes;
   const PosteriorFit fit = fit_posterior(meshes.inputs());
-  EXPECT_TRUE(fit.settled) << fit.message;
+  EXPECT_TRUE(fit.settled) << fit.settling().moved;
   const auto& best = fit.modes[0];
   const Eigen::VectorXd sd = parameter_covariance(*fit.posterior, best).diagonal().cwiseSqrt();
   for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(std::abs(best.at.theta[k] - meshes.truth[k]), 3 * sd[Eigen::Index(k)]) << k;

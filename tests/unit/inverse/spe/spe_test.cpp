@@ -135,7 +135,7 @@ TEST(Spe, OneAndTwoThreadsGiveTheSameAndTheSeedDecides) {
   Case c;
   auto a = run_spe(c.problem, c.archive, c.model, small(), 1, 1), b = run_spe(c.problem, c.archive, c.model, small(), 1, 2);
   for (auto* s : {&a, &b}) s->search_s = s->model_s = s->fit_s = 0;
-  EXPECT_EQ(spe_json(a, c.problem, {}).dump(), spe_json(b, c.problem, {}).dump());
+  EXPECT_EQ(spe_json(a, c.problem, {}, {}).dump(), spe_json(b, c.problem, {}, {}).dump());
   EXPECT_EQ(a.calibrated, b.calibrated);
   EXPECT_NE(run_spe(c.problem, c.archive, c.model, small(), 2, 2).theta, a.theta);
 }
@@ -364,7 +364,7 @@ TEST(Spe, ArtefactsHoldTheContract) {
   Case c;
   const auto dir = scratch("spe");
   const auto s = run_spe(c.problem, c.archive, c.model, small(), 1, 2, [](const std::string&, std::size_t done, std::size_t total) { EXPECT_LE(done, total); });
-  write_spe(s, c.problem, {.stage = "spe", .seed = 1}, dir);
+  write_spe(s, c.problem, {}, {.stage = "spe", .seed = 1}, dir);
   const Json j = read_json(dir / "spe.json");
   for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae",
                           "surrogates", "modes", "optima", "lambda_choices", "train_rrmse", "validation_rrmse", "warnings", "provenance"})

@@ -81,7 +81,7 @@ TEST(SpeZoom, FindsWhatPolynomialsOfTheWholeBoxMiss) {
   EXPECT_GE(last.high[1] - last.low[1], 0.125 * 1000 - 1e-9);
   EXPECT_GE(last.runs, last.made);
   EXPECT_GT(last.made, 30u);
-  EXPECT_EQ(spe_json(zoomed, c.problem, {}).at("zoom").size(), zoomed.zooms.size());
+  EXPECT_EQ(spe_json(zoomed, c.problem, {}, {}).at("zoom").size(), zoomed.zooms.size());
   // The result is the same with one thread and with two.
   EXPECT_EQ(run_spe(c.problem, archive, c.model, o, 1, 1).theta, zoomed.theta);
 }
