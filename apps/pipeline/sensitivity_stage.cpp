@@ -8,6 +8,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/pipeline/train_stage.hpp"
 #include "apps/presentation/run_lines.hpp"
+#include "apps/presentation/sensitivity_words.hpp"
 #include "apps/presentation/stage_progress.hpp"
 #include "base/artefact.hpp"
 #include "base/not_finite.hpp"
@@ -54,45 +55,6 @@ TotalsOfRuns totals_of(StudyInputs& inputs, const Eigen::MatrixXd& thetas) {
   return out;
 }
 
-/// What is evaluated, and that it answers where runs failed too.
-std::string surrogate_sentence(const KnownRuns& runs) {
-  const Eigen::Index all = runs.means.cols();
-  Eigen::Index failed = 0;
-  for (Eigen::Index i = 0; i < all; ++i) failed += !runs.means.col(i).allFinite();
-  std::string s = "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model";
-  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate answers there all the same", failed, all);
-  return s;
-}
-
-/// What the shares of a total are and how far to believe them.
-std::string total_line(const QuantitySensitivity& q, const std::vector<Parameter>& parameters) {
-  std::string line = fmt::format("sensitivity: {}{}:", q.name, q.condition.empty() ? "" : " of " + q.condition);
-  if (!q.source.empty()) {
-    line += fmt::format(" {:.3g} {} with sd {:.2g};", q.mean, q.unit, q.sd);
-    for (std::size_t k = 0; k < parameters.size(); ++k)
-      line += fmt::format("{} {} {:.3g} alone, {:.3g} with the others", k ? "," : "", parameters[k].name, q.sobol.first_order[k].value,
-                          q.sobol.total_order[k].value);
-    line += fmt::format("; by {}, left-out R2 {:.3f}", q.source, q.left_out_r2);
-  }
-  return line + (q.note.empty() ? "" : (q.source.empty() ? " " : "; ") + q.note);
-}
-
-std::vector<std::string> lines_of(const Sensitivity& s, const std::vector<Parameter>& parameters) {
-  const auto& whole = s.quantities.back();
-  std::vector<std::string> lines;
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const auto &f = whole.sobol.first_order[k], &t = whole.sobol.total_order[k];
-    lines.push_back(fmt::format("sensitivity: {}: {:.3g} of the variance of all records alone ({:.3g} to {:.3g}), {:.3g} with the others ({:.3g} to {:.3g})",
-                                parameters[k].name, f.value, f.low, f.high, t.value, t.low, t.high));
-  }
-  for (const auto& q : s.quantities)
-    if (std::any_of(std::begin(run_totals), std::end(run_totals), [&](const auto& t) { return q.name == t.name; })) lines.push_back(total_line(q, parameters));
-  if (!s.doubt.empty()) lines.push_back("sensitivity: not to be trusted: " + s.doubt);
-  lines.push_back(
-      fmt::format("sensitivity: {} evaluations, {} failed; every gauge and time in sensitivity.nc, a table in sensitivity.csv", s.evaluations, s.failed));
-  return lines;
-}
-
 }  // namespace
 
 ExitStatus sensitivity_stage(StageCall& call) {
@@ -129,16 +91,15 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .totals = std::move(totals),
                              .progress = [&](std::size_t done, std::size_t all) { progress("evaluations", done, all); },
                              .stop = &stop_requested()};
-  Sensitivity s = analyse_sensitivity(in);
+  const Sensitivity s = analyse_sensitivity(in);
+  const SensitivityWords words = sensitivity_words(s, parameters.size(), in.runs ? &*in.runs : nullptr, upstream == ExitStatus::done);
   if (!by_surrogate && inputs.runs().store().lost() > 0)
     inputs.notes().warn({fmt::format("no answer came to {} evaluations: --fresh requests these again", inputs.runs().store().lost())});
-  if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
-  const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);
   write_atomically(inputs.artefact("sensitivity.csv"), sensitivity_csv(s, parameters));
-  write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, source, provenance));
-  inputs.notes().say(lines_of(s, parameters));
-  return s.doubt.empty() ? ExitStatus::done : ExitStatus::not_to_be_trusted;
+  write_json(inputs.artefact("sensitivity.json"), sensitivity_json(s, in, words, provenance));
+  inputs.notes().say(sensitivity_lines(s, words, parameters));
+  return words.doubt.empty() ? ExitStatus::done : ExitStatus::not_to_be_trusted;
 }
 
 }  // namespace calomel

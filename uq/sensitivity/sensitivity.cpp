@@ -159,16 +159,13 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
     at_steps.middleCols(begin, count) = numbers_of(shape, evaluate(steps.middleCols(begin, count)));
   }
   out.rows = std::size_t(rows.n);
+  out.design_rows = std::size_t(rows_wanted);
   if (rows.n == 0)
     throw NumericsError(
         fmt::format("{} of {} evaluations of the model failed, so that no row of the design has all its values: narrow the bounds of the parameters to where "
                     "the model has answers",
                     out.failed, out.evaluations));
-  if (double(out.failed) > most_failed * double(out.evaluations))
-    out.doubt = fmt::format(
-        "{} of {} evaluations of the model failed, more than a fifth: the shares are of {} of {} rows of the design, those where the model has answers; narrow "
-        "the bounds of the parameters to where it has",
-        out.failed, out.evaluations, rows.n, rows_wanted);
+  out.many_failed = double(out.failed) > most_failed * double(out.evaluations);
   const auto effects = morris_effects(steps, at_steps);
 
   // The polynomial is fitted to runs of the model itself where there are any.
@@ -215,7 +212,7 @@ Sensitivity analyse_sensitivity(const SensitivityInputs& in) {
       for (const auto& s : shape.sensors) record(shape.conditions.size() > 1 ? c : "", s);
   record("", "");
   for (auto& one : out.quantities)
-    if (one.note.empty() && !(one.sobol.variance > 0)) one.note = "it does not vary within these bounds, so that no parameter has a share";
+    if (one.finding == ShareFinding::reliable && !(one.sobol.variance > 0)) one.finding = ShareFinding::constant;
   out.first_order = rows.curves.first_order();
   out.total_order = rows.curves.total_order();
   out.sd = (rows.curves.variance() / std::max<double>(1, double(rows.n))).cwiseSqrt();

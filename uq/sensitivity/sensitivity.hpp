@@ -72,6 +72,16 @@ struct SensitivityInputs {
   const std::atomic<bool>* stop = nullptr;
 };
 
+/// Why a quantity has no shares, or why its shares are unreliable.
+enum class ShareFinding {
+  reliable,
+  constant,          ///< the quantity does not vary within the bounds
+  no_run,            ///< a total that no run has
+  same_in_all_runs,  ///< a total that has one value in all runs
+  few_runs,          ///< a total that too few runs have for a polynomial
+  poor_polynomial    ///< a total whose polynomial does not follow the runs
+};
+
 /// The sensitivity of one quantity: a number of a record or of a run, or a whole record ("record") with generalised indices.
 struct QuantitySensitivity {
   std::string name;    ///< "peak", "time_of_peak", "rms", "record"; "value" for a model with one value; or the name of a TotalsOfRuns::Which
@@ -83,9 +93,11 @@ struct QuantitySensitivity {
   SobolIndices sobol;
   std::vector<MorrisEffect> morris;                               ///< empty for a record
   std::optional<LegendreChaos> chaos;                             ///< set for a number with the uniform measure
-  std::string source;                                             ///< for a total, what was evaluated in place of the model; empty where it was the model
+  std::optional<int> polynomial_order;                            ///< for a total, of the polynomial that was evaluated in place of the model
   double left_out_r2 = std::numeric_limits<double>::quiet_NaN();  ///< for a total, that of its polynomial, whatever the measure
-  std::string note;                                               ///< why there are no shares or why they are unreliable; empty where they are reliable
+  std::size_t runs = 0;                                           ///< for a total, that have it
+  std::size_t needed_runs = 0;                                    ///< for a total, that a polynomial takes
+  ShareFinding finding = ShareFinding::reliable;
 };
 
 /// The result of an analysis.
@@ -95,17 +107,25 @@ struct Sensitivity {
   Eigen::MatrixXd total_order;                  ///< (values, n_parameters)
   Eigen::VectorXd sd;                           ///< (values)
   std::size_t evaluations = 0;
-  std::size_t failed = 0;  ///< evaluations that failed
-  std::size_t rows = 0;    ///< complete rows of the design; a row with a failed evaluation is left out
-  std::string doubt;       ///< why the shares are not to be trusted, as a sentence; empty where they are
+  std::size_t failed = 0;       ///< evaluations that failed
+  std::size_t rows = 0;         ///< complete rows of the design; a row with a failed evaluation is left out
+  std::size_t design_rows = 0;  ///< rows of the design
+  bool many_failed = false;     ///< more than a fifth of the evaluations failed: the shares are not to be trusted
 };
 
-/// Analyses the model. A failed evaluation leaves out its row and its steps; with more than a fifth of them failed, `doubt` is set. Errors: NumericsError when
-/// no row of the design is complete; Interrupted.
+/// Analyses the model. A failed evaluation leaves out its row and its steps. Errors: NumericsError when no row of the design is complete; Interrupted.
 [[nodiscard]] Sensitivity analyse_sensitivity(const SensitivityInputs& in);
 
-/// The contents of sensitivity.json. source: a sentence that says what was evaluated.
-[[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance);
+/// The sentences of sensitivity.json for people.
+struct SensitivityWords {
+  std::string source;                ///< what was evaluated
+  std::string doubt;                 ///< why the shares are not to be trusted; empty where they are
+  std::vector<std::string> sources;  ///< of Sensitivity::quantities: what was evaluated in place of the model; empty where it was the model
+  std::vector<std::string> notes;    ///< of Sensitivity::quantities: ShareFinding
+};
+
+/// The contents of sensitivity.json. Errors: a contract failure where `words` are not about `s`.
+[[nodiscard]] Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const SensitivityWords& words, const Provenance& provenance);
 /// The contents of sensitivity.csv, one line for each quantity and parameter: quantity, condition, sensor, unit, mean, sd, parameter, its bounds, both indices
 /// with their intervals, elementary effects, the polynomial's indices and left-out R2. A field is empty where a quantity has no such number.
 [[nodiscard]] std::string sensitivity_csv(const Sensitivity& s, const std::vector<Parameter>& parameters);

@@ -66,10 +66,12 @@ void write_totals(NetcdfWriter& file, const TotalsOfRuns& totals, const ModelSha
 
 }  // namespace
 
-Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const std::string& source, const Provenance& provenance) {
+Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const SensitivityWords& words, const Provenance& provenance) {
+  expect(words.sources.size() == s.quantities.size() && words.notes.size() == s.quantities.size(), "every quantity has its words");
   const auto& parameters = in.model.shape().parameters;
   Json quantities = Json::array();
-  for (const auto& q : s.quantities) {
+  for (std::size_t i = 0; i < s.quantities.size(); ++i) {
+    const auto& q = s.quantities[i];
     Json one{{"name", q.name},
              {"sensor", q.sensor},
              {"condition", q.condition},
@@ -80,19 +82,19 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
              {"total_order", indices_json(q.sobol.total_order, parameters)}};
     one["morris"] = morris_json(q.morris, parameters);
     if (q.chaos) one["polynomial"] = chaos_json(*q.chaos, parameters);
-    if (!q.source.empty()) {
-      one["source"] = q.source;
+    if (!words.sources[i].empty()) {
+      one["source"] = words.sources[i];
       one["left_out_r2"] = number(q.left_out_r2);
     }
-    if (!q.note.empty()) one["note"] = q.note;
+    if (!words.notes[i].empty()) one["note"] = words.notes[i];
     quantities.push_back(std::move(one));
   }
   const auto& whole = s.quantities.back();
   Json all_morris = Json::array();
   for (const auto& q : s.quantities)
     if (!q.morris.empty()) all_morris.push_back({{"name", q.name}, {"sensor", q.sensor}, {"effects", morris_json(q.morris, parameters)}});
-  Json json{{"status", s.doubt.empty() ? "done" : "not_to_be_trusted"},
-            {"source", source},
+  Json json{{"status", words.doubt.empty() ? "done" : "not_to_be_trusted"},
+            {"source", words.source},
             {"measure", in.options.measure},
             {"samples", in.options.samples},
             {"rows", s.rows},
@@ -103,7 +105,7 @@ Json sensitivity_json(const Sensitivity& s, const SensitivityInputs& in, const s
             {"morris", std::move(all_morris)},
             {"quantities", std::move(quantities)},
             {"provenance", provenance.json()}};
-  if (!s.doubt.empty()) json["message"] = s.doubt;
+  if (!words.doubt.empty()) json["message"] = words.doubt;
   return json;
 }
 
@@ -144,7 +146,9 @@ void write_sensitivity(const std::filesystem::path& path, const Sensitivity& s, 
     file.variable("condition", {"condition"}, shape.conditions);
     dims.insert(dims.begin(), "condition");
   }
-  file.dimension("sensor", shape.sensors.size()), file.dimension("time", shape.times.size()), file.dimension("parameter", names.size());
+  file.dimension("sensor", shape.sensors.size());
+  file.dimension("time", shape.times.size());
+  file.dimension("parameter", names.size());
   file.variable("sensor", {"sensor"}, shape.sensors);
   file.variable("time", {"time"}, shape.times, {{"units", "s"}});
   file.variable("parameter", {"parameter"}, names);

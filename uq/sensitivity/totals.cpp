@@ -1,7 +1,5 @@
 #include "uq/sensitivity/totals.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/not_finite.hpp"
@@ -60,19 +58,20 @@ void analyse(QuantitySensitivity& one, const Eigen::MatrixXd& x, const Eigen::Ve
   one.sd = std::sqrt((at_a.array() - one.mean).square().mean());
   one.sobol = sobol_indices(rows_of(at_design, d), in.seed);
   one.morris = morris_effects(steps, at_points(steps, f).transpose()).front();
+  one.runs = std::size_t(n);
+  one.needed_runs = std::size_t(3 * (d + 1));
   if (n == 0) {
-    one.note = "no run has it";
+    one.finding = ShareFinding::no_run;
   } else if (!varies) {
     one.mean = values[0];
     one.sd = 0;
-    one.note = fmt::format("it is {:.6g} {} in all {} runs: it does not vary within these bounds, so that no parameter has a share", values[0], one.unit, n);
+    one.finding = ShareFinding::same_in_all_runs;
   } else if (!fitted) {
-    one.note = fmt::format("{} runs with it are too few for a polynomial of {} parameters, which takes {}", n, d, 3 * (d + 1));
+    one.finding = ShareFinding::few_runs;
   } else {
-    one.source = fmt::format("a polynomial of order {} fitted to {} runs at pulse energy 1", chaos.order, n);
+    one.polynomial_order = chaos.order;
     one.left_out_r2 = chaos.left_out_r2;
-    if (!(chaos.left_out_r2 >= followed))
-      one.note = fmt::format("the polynomial does not follow the runs (left-out R2 {:.2f}), so that its shares say little", chaos.left_out_r2);
+    if (!(chaos.left_out_r2 >= followed)) one.finding = ShareFinding::poor_polynomial;
     if (in.options.measure == "uniform") one.chaos = std::move(chaos);
   }
 }

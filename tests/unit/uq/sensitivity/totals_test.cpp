@@ -51,7 +51,13 @@ Analysed analysed(TotalsOfRuns totals, bool by_squares = false) {
           [&](const Eigen::MatrixXd& u) { return Eigen::MatrixXd(-1 + 4 * (by_squares ? Eigen::ArrayXXd(u.array().square()) : Eigen::ArrayXXd(u.array()))); },
       .totals = std::move(totals)};
   Analysed out{.all = analyse_sensitivity(in), .total = {}, .json = {}, .csv = {}};
-  out.json = sensitivity_json(out.all, in, "", {.stage = "sensitivity"}), out.csv = sensitivity_csv(out.all, model.shape().parameters);
+  SensitivityWords words{.source = "the model", .doubt = "", .sources = {}, .notes = {}};
+  for (const auto& q : out.all.quantities) {
+    words.sources.emplace_back(q.polynomial_order ? "a polynomial" : "");
+    words.notes.emplace_back(q.finding == ShareFinding::reliable ? "" : "unreliable");
+  }
+  out.json = sensitivity_json(out.all, in, words, {.stage = "sensitivity"});
+  out.csv = sensitivity_csv(out.all, model.shape().parameters);
   for (std::size_t q = 0; q < out.all.quantities.size(); ++q)
     if (out.all.quantities[q].name == "dissipated_energy") out.total = out.all.quantities[q], out.json = out.json["quantities"][q];
   return out;
@@ -76,8 +82,11 @@ TEST(SensitivityOfTotals, APolynomialHasTheIndicesOfItsCoefficients) {
   EXPECT_NEAR(a.total.mean, 5, 0.02);
   EXPECT_NEAR(a.total.sd, std::sqrt(v), 0.02);
   EXPECT_NEAR(a.total.left_out_r2, 1, 1e-9);
-  EXPECT_THAT(a.total.source, HasSubstr("198 runs"));
-  EXPECT_TRUE(a.total.note.empty()) << a.total.note;
+  EXPECT_TRUE(a.total.polynomial_order.has_value());
+  EXPECT_EQ(a.total.runs, 198u);
+  EXPECT_EQ(a.total.finding, ShareFinding::reliable);
+  EXPECT_EQ(a.json["source"], "a polynomial");
+  EXPECT_FALSE(a.json.contains("note"));
   EXPECT_EQ(a.all.quantities.back().name, "record") << "all records together stay last";
   EXPECT_GT(a.total.morris[0].mu_star, a.total.morris[2].mu_star);
   EXPECT_THAT(a.csv, HasSubstr("\ndissipated_energy,,,J,"));
@@ -95,16 +104,18 @@ TEST(SensitivityOfTotals, FollowTheMeasure) {
   EXPECT_EQ(a.json["left_out_r2"], a.total.left_out_r2);
 }
 
-/// As the time at the cutoff without one: nought in every run. It is said in words; there are no shares, rather than NaN without a word.
-TEST(SensitivityOfTotals, WhatDoesNotVaryIsSaidNotToVary) {
+/// As the time at the cutoff without one: zero in every run. There are no shares, rather than NaN.
+TEST(SensitivityOfTotals, ATotalThatDoesNotVaryIsFound) {
   for (const double value : {0.0, 0.25}) {
     const auto a = analysed(total_of(30, [&](double, double, double) { return value; }));
     EXPECT_EQ(a.total.mean, value);
     EXPECT_EQ(a.total.sd, 0);
-    EXPECT_THAT(a.total.note, HasSubstr("does not vary"));
+    EXPECT_EQ(a.total.finding, ShareFinding::same_in_all_runs);
+    EXPECT_FALSE(a.total.polynomial_order.has_value());
     EXPECT_FALSE(a.total.chaos);
     EXPECT_EQ(a.total.morris[1].mu_star, 0);
-    EXPECT_EQ(a.json["note"], a.total.note);
+    EXPECT_EQ(a.json["note"], "unreliable");
+    EXPECT_FALSE(a.json.contains("source"));
     EXPECT_TRUE(a.json["total_order"][0]["value"].is_null());
     EXPECT_EQ(a.csv.find("nan"), std::string::npos);
     EXPECT_THAT(a.csv, HasSubstr("dissipated_energy,,,J," + std::string(value == 0 ? "0" : "0.25") + ",0,x1,-1,3,,,,,,,0,0,0,0,,,\n"));
@@ -114,18 +125,20 @@ TEST(SensitivityOfTotals, WhatDoesNotVaryIsSaidNotToVary) {
 TEST(SensitivityOfTotals, APolynomialThatDoesNotFollowTheRunsSaysSo) {
   const auto a = analysed(total_of(60, [](double x, double y, double z) { return std::sin(40 * x) * std::sin(37 * y) > 0.2 * z ? 1.0 : 0.0; }));
   EXPECT_LT(a.total.left_out_r2, 0.5);
-  EXPECT_THAT(a.total.note, HasSubstr("does not follow the runs"));
+  EXPECT_EQ(a.total.finding, ShareFinding::poor_polynomial);
 }
 
 TEST(SensitivityOfTotals, TooFewRunsAreToldAndWithoutAnyThereIsNothing) {
   const auto a = analysed(total_of(11, polynomial));
-  EXPECT_THAT(a.total.note, HasSubstr("11 runs with it are too few"));
+  EXPECT_EQ(a.total.finding, ShareFinding::few_runs);
+  EXPECT_EQ(a.total.runs, 11u);
+  EXPECT_EQ(a.total.needed_runs, 12u);
   EXPECT_TRUE(std::isnan(a.total.mean));
   EXPECT_TRUE(a.json["mean"].is_null());
   EXPECT_TRUE(analysed(total_of(12, polynomial)).total.chaos);
   auto none = total_of(20, polynomial);
   none.values.setConstant(nan);
-  EXPECT_EQ(analysed(none).total.note, "no run has it");
+  EXPECT_EQ(analysed(none).total.finding, ShareFinding::no_run);
 }
 
 /// What was made before there were totals is not due again: the key stands in the identity only where they are asked for.
