@@ -10,6 +10,13 @@
 
 namespace calomel {
 
+namespace {
+
+/// How the limit of runs ended a fit.
+std::string run_limit_text(int limit) { return fmt::format("diagnosis.max_runs = {} ended its fit before it was done", limit); }
+
+}  // namespace
+
 std::string fit_status_text(const Alternative& a) {
   switch (a.status.kind) {
     case FitStatus::Kind::unremarkable:
@@ -26,6 +33,8 @@ std::string fit_status_text(const Alternative& a) {
       return fmt::format("evidence and numbers were stable from {} coarse and {} fine runs on", a.status.coarse, a.status.fine);
     case FitStatus::Kind::emulator:
       return settling_text(a.status.settling);
+    case FitStatus::Kind::run_limit:
+      return run_limit_text(a.status.run_limit);
     case FitStatus::Kind::failed:
       break;
   }
@@ -51,8 +60,9 @@ std::string skipped_text(const SkippedStep& s) {
       return fmt::format("{}: diagnosis.max_runs = {} ended a search for its fit; the best fit that was found is reported", s.name, s.limit);
     case SkippedStep::Kind::missing_terms:
       return fmt::format("the terms that describe what is missing: they take {} runs, and diagnosis.term_runs is {}", s.runs, s.limit);
-    case SkippedStep::Kind::screening_failed:
     case SkippedStep::Kind::fit_ended:
+      return s.name + ": " + (s.message.empty() ? run_limit_text(s.limit) : s.message);
+    case SkippedStep::Kind::screening_failed:
       break;
   }
   return s.name + ": " + s.message;

@@ -28,11 +28,13 @@ struct FitStatus {
     numbers_moved,          ///< its numbers still moved after all its runs
     stable,                 ///< evidence and numbers were stable before its emulator settled
     emulator,               ///< as `settling` has it
+    run_limit,              ///< `run_limit` ended it
     failed                  ///< with the error `message`
   };
   Kind kind = Kind::unremarkable;
   int coarse = 0, fine = 0;  ///< runs from which on it was stable
   Settling settling;         ///< of the emulator
+  int run_limit = 0;         ///< diagnosis.max_runs
   std::string message;
 };
 

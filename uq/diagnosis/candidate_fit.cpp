@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <map>
 #include <optional>
@@ -81,7 +82,7 @@ Side side_of(const AddedParameter& a, double estimate, double sd) {
 struct BestFit {
   std::optional<CandidateFit> fit;
   double log_bayes_factor = 0;
-  std::string failure;
+  std::exception_ptr failure;
 
   void offer(PosteriorInputs inputs, PosteriorFit made, double of_fit) {
     if (fit && !(of_fit > log_bayes_factor)) return;
@@ -90,7 +91,7 @@ struct BestFit {
     fit.emplace(CandidateFit{.inputs = std::move(inputs), .fit = std::move(made), .stable = stable});
   }
   CandidateFit take() {
-    if (!fit) throw NumericsError(failure);
+    if (!fit) std::rethrow_exception(failure);
     return std::move(*fit);
   }
 };
@@ -112,8 +113,8 @@ CandidateFit fit_from_two(const PosteriorInputs& planned, const PosteriorFit& ba
       PosteriorFit fit = fit_posterior(in, {.round_done = round_done, .go_on = {}});
       const double of_fit = log_bayes_factor(fit, base);
       best.offer(std::move(in), std::move(fit), of_fit);
-    } catch (const NumericsError& e) {
-      best.failure = e.what();
+    } catch (const NumericsError&) {
+      best.failure = std::current_exception();
     }
   }
   return best.take();
@@ -146,8 +147,8 @@ CandidateFit fit_by_least_squares(const PosteriorInputs& planned, const Posterio
       PosteriorFit fit = held_to_the_model(in, fit_posterior(in, {.round_done = round_done, .go_on = go_on}));
       const double of_fit = log_bayes_factor(fit, base);
       best.offer(std::move(in), std::move(fit), of_fit);
-    } catch (const NumericsError& x) {
-      best.failure = x.what();
+    } catch (const NumericsError&) {
+      best.failure = std::current_exception();
     }
   }
   return best.take();

@@ -1,8 +1,7 @@
 #include "uq/diagnosis/explanation_fit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <string>
 
 #include "uq/diagnosis/candidate_fit.hpp"
 #include "uq/diagnosis/fit_measures.hpp"
@@ -93,7 +92,7 @@ std::optional<Alternative> fit_explanation(const FitContext& context, const Para
   plan.inputs.run = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
     const bool beyond = in.base.box.shrinks() && !budget.allows(int(level.size()));  // a search of the model itself may take any number
     ended = ended || beyond;
-    if (beyond) throw NumericsError(fmt::format("diagnosis.max_runs = {} ended its fit before it was done", budget.limit()));
+    if (beyond) throw RunLimitReached();
     return budget.run(thetas, level, added);
   };
   if (context.base.place_changes.size()) plan.inputs.gauge_places = [&](std::span<const double>) { return context.base.place_changes; };
@@ -117,15 +116,20 @@ std::optional<Alternative> fit_explanation(const FitContext& context, const Para
     made.inputs.run = {};  // what they refer to ends here
     context.library.fits.emplace(a.explanation.name, ExplanationFit{added, std::move(made.inputs), std::move(made.fit)});
   } catch (const NumericsError& e) {
+    const bool at_the_limit = dynamic_cast<const RunLimitReached*>(&e) != nullptr;
+    const std::string message = at_the_limit ? "" : e.what();
     if (ended) {
-      budget.skip({.kind = SkippedStep::Kind::fit_ended, .name = a.explanation.name, .message = e.what(), .limit = budget.limit()});
+      budget.skip({.kind = SkippedStep::Kind::fit_ended, .name = a.explanation.name, .message = message, .limit = budget.limit()});
       budget.note_exhausted();
     }
     if (ended && !on_top_of)
       a = first_order_explanation(in, context.base, group, screened);
     else
       forget_fit(context.base.evidence, a);
-    a.status = {.kind = FitStatus::Kind::failed, .message = e.what()};
+    if (at_the_limit)
+      a.status = {.kind = FitStatus::Kind::run_limit, .run_limit = budget.limit()};
+    else
+      a.status = {.kind = FitStatus::Kind::failed, .message = message};
   }
   a.runs = budget.made() - before;
   report_fitted(context, a);

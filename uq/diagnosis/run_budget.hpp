@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "uq/diagnosis/screening.hpp"
 
 namespace calomel {
@@ -17,7 +18,7 @@ struct SkippedStep {
     relinearisation,   ///< `name`: its numbers were not linearised again, which takes `runs` runs
     fit,               ///< `name`: its fit was not begun, which takes `runs` runs
     search_cut_short,  ///< `name`: the limit ended a search for its fit; the best that was found is reported
-    fit_ended,         ///< `name`: the limit ended its fit, with `message`
+    fit_ended,         ///< `name`: the limit ended its fit; `message` of the error that followed, if it was another one
     missing_terms,     ///< the terms that describe what is missing, which take `runs` runs
   };
   Kind kind = Kind::fit;
@@ -27,6 +28,12 @@ struct SkippedStep {
   int limit = 0;  ///< diagnosis.max_runs, of missing terms diagnosis.term_runs
 
   bool operator==(const SkippedStep&) const = default;
+};
+
+/// Ends a fit at the limit of runs.
+class RunLimitReached : public NumericsError {
+ public:
+  RunLimitReached() : NumericsError("the limit of runs is reached") {}
 };
 
 /// Counts the runs of a diagnosis and keeps the steps that its limit left out. Steps check it before they begin; it refuses no run by itself.

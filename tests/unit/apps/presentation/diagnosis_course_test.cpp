@@ -45,6 +45,7 @@ TEST(DiagnosisCourse, AFitEndsInOneOfSeveralWays) {
   EXPECT_EQ(text({.kind = Kind::numbers_moved}), "its numbers still moved after 12 runs");
   EXPECT_EQ(text({.kind = Kind::stable, .coarse = 30, .fine = 20}), "evidence and numbers were stable from 30 coarse and 20 fine runs on");
   EXPECT_EQ(text({.kind = Kind::emulator, .settling = {.settled = true, .coarse = 30, .fine = 20}}), "settled after 30 coarse and 20 fine runs");
+  EXPECT_EQ(text({.kind = Kind::run_limit, .run_limit = 761}), "diagnosis.max_runs = 761 ended its fit before it was done");
   EXPECT_EQ(text({.kind = Kind::failed, .message = "no run came through"}), "no run came through");
 }
 
@@ -57,7 +58,8 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                {.kind = Kind::relinearisation, .name = "previous_pulses", .runs = 66, .made = 1950, .limit = 2000},
                {.kind = Kind::fit, .name = "interface", .runs = 40, .made = 1990, .limit = 2000},
                {.kind = Kind::search_cut_short, .name = "lag", .limit = 761},
-               {.kind = Kind::fit_ended, .name = "tone", .message = "diagnosis.max_runs = 761 ended its fit before it was done", .limit = 761},
+               {.kind = Kind::fit_ended, .name = "tone", .limit = 761},
+               {.kind = Kind::fit_ended, .name = "hum", .message = "no run of the model came through", .limit = 761},
                {.kind = Kind::missing_terms, .runs = 135, .limit = 100}};
   EXPECT_THAT(skipped_texts(d),
               ElementsAre("the screening of mechanisms and all later steps: channels look mixed up", "interface (top): an element collapsed",
@@ -65,7 +67,7 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                           "previous_pulses: its effect was not linearised again, which takes 66 runs; 1950 of diagnosis.max_runs = 2000 are made",
                           "interface: its fit was not begun, which takes 40 runs at first; 1990 of diagnosis.max_runs = 2000 are made",
                           "lag: diagnosis.max_runs = 761 ended a search for its fit; the best fit that was found is reported",
-                          "tone: diagnosis.max_runs = 761 ended its fit before it was done",
+                          "tone: diagnosis.max_runs = 761 ended its fit before it was done", "hum: no run of the model came through",
                           "the terms that describe what is missing: they take 135 runs, and diagnosis.term_runs is 100"));
   d.skipped.clear();
   d.missing = MissingTerms{.screened = 1,
