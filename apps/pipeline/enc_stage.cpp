@@ -19,7 +19,8 @@ EncSummary enc_stage(StageCall& call, const Provenance& provenance, const Calibr
   const MeshCorrection* correction = call.correction.get("enc", options.mesh_correction, progress);
   const SimulatedModel model(inputs.runs());
   auto summary = run_enc(inputs.problem(), GuardedModel(*surrogate, feasibility), model, options, command.seed, command.threads, progress, correction);
-  const auto warnings = correction_warnings(summary);
+  summary.message = calibration_message(summary);
+  const auto warnings = calibration_warnings(summary, inputs.problem().shape);
   summary.warnings.insert(summary.warnings.end(), warnings.begin(), warnings.end());
   const EncWords words = enc_words(summary, inputs.problem().shape);
   write_enc(summary, inputs.problem(), words, provenance, command.out);

@@ -16,8 +16,9 @@ SpeSummary spe_stage(StageCall& call, const Provenance& provenance, const Calibr
   const MeshCorrection* correction = call.correction.get("spe", options.mesh_correction, progress);
   const SimulatedModel model(inputs.runs());
   auto summary = run_spe(inputs.problem(), archive, model, options, command.seed, command.threads, progress, correction);
-  const auto warnings = correction_warnings(summary);
-  summary.warnings.insert(summary.warnings.end(), warnings.begin(), warnings.end());
+  summary.message = calibration_message(summary);
+  for (const auto& warnings : {surrogate_warnings(summary), calibration_warnings(summary, inputs.problem().shape)})
+    summary.warnings.insert(summary.warnings.end(), warnings.begin(), warnings.end());
   const CalibrationWords words = calibration_words(summary, inputs.problem().shape);
   write_spe(summary, inputs.problem(), words, provenance, command.out);
   inputs.notes().say(spe_lines(words));

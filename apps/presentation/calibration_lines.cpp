@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apps/presentation/run_lines.hpp"
 
 namespace calomel {
@@ -76,11 +78,54 @@ EncWords enc_words(const EncSummary& summary, const ModelShape& shape) {
   return {.calibration = calibration_words(summary, shape), .agreement = agreement_sentence(summary.agreement, shape)};
 }
 
-std::vector<std::string> correction_warnings(const Calibration& calibration) {
-  if (calibration.best.inside_emulator) return {};
-  return {
-      "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See where "
-      "`calomel sample` finds the parameters, and whether they are bounded too widely"};
+std::string calibration_message(const Calibration& c) {
+  if (c.status == CalibrationStatus::not_run) return "the calibration was not run";
+  if (c.status == CalibrationStatus::no_candidate)
+    return (c.candidates.empty() ? "the surrogate failed at every point" : "the true model failed at every candidate: " + c.candidates[0].message) +
+           (c.at_nominal.objective_model ? "; the nominal parameters are kept" : "; the result is the surrogate's alone");
+  const std::string value = fmt::format("{} = {:.6g} in the true model at the ", c.objective.name, *c.best.objective_model);
+  return c.nominal_kept() ? fmt::format("{}nominal parameters: none of {} candidates is better", value, c.candidates.size())
+                          : fmt::format("{}best of {} candidates", value, c.candidates.size());
+}
+
+std::vector<std::string> calibration_warnings(const Calibration& c, const ModelShape& shape) {
+  std::vector<std::string> out;
+  if (c.nominal_kept())
+    out.push_back(
+        fmt::format("no candidate is better than the nominal parameters in the true model ({:.4g} against {:.4g}): the nominal ones are kept; the surrogate is "
+                    "too coarse near its optimum",
+                    *c.candidates[0].objective_model, *c.at_nominal.objective_model));
+  const bool none = c.status == CalibrationStatus::no_candidate;
+  if (none) out.push_back(calibration_message(c));
+  if (!c.failed.empty())
+    out.push_back(fmt::format("the true model failed at {} candidates, others took their place: {}", c.failed.size(), c.failed[0].message));
+  if (!none && c.candidates.size() < c.wanted)
+    out.push_back(fmt::format("{} of {} candidates: no more distinct points could be run", c.candidates.size(), c.wanted));
+  if (!c.at_nominal.objective_model) out.push_back("the true model failed at the nominal parameters: " + c.at_nominal.message);
+  for (std::size_t k = 0; k < shape.parameters.size(); ++k) {
+    const Parameter& p = shape.parameters[k];
+    const double share = (c.theta[k] - p.min) / (p.max - p.min);
+    if (share < 1e-3 || share > 1 - 1e-3)
+      out.push_back(fmt::format("{} = {:.6g} sits on its {} bound: the data would have it outside, or do not determine it", p.name, c.theta[k],
+                                share < 0.5 ? "lower" : "upper"));
+  }
+  out.insert(out.end(), c.mesh.reservations.begin(), c.mesh.reservations.end());
+  if (!c.best.inside_emulator)
+    out.push_back(
+        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See where "
+        "`calomel sample` finds the parameters, and whether they are bounded too widely");
+  return out;
+}
+
+std::vector<std::string> surrogate_warnings(const SpeSummary& s) {
+  std::vector<std::string> out;
+  if (!s.too_large.empty()) out.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", s.most_terms, join(s.too_large)));
+  const auto fails = [](const SparsePolynomial& p) { return !p.ok(); };
+  if (const auto n = std::count_if(s.surrogates.begin(), s.surrogates.end(), fails); n > 0)
+    out.push_back(fmt::format("{} of {} surrogates were left out: {}", n, s.surrogates.size(),
+                              std::find_if(s.surrogates.begin(), s.surrogates.end(), fails)->failure));
+  if (s.optima.empty()) out.push_back("runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made");
+  return out;
 }
 
 std::vector<std::string> enc_lines(const EncWords& words) { return of_method("enc", std::vector{words.calibration.mesh, words.agreement}); }

@@ -20,8 +20,13 @@ std::string agreement_sentence(const EncAgreement& agreement, const ModelShape& 
 /// The sentences of enc.json and of spe.json.
 EncWords enc_words(const EncSummary& summary, const ModelShape& shape);
 CalibrationWords calibration_words(const Calibration& calibration, const ModelShape& shape);
-/// A warning where the answer lies outside the box in which the emulator knows the mesh.
-std::vector<std::string> correction_warnings(const Calibration& calibration);
+/// The objective in the true model, at the best candidate or at the nominal point, or why there is none.
+std::string calibration_message(const Calibration& calibration);
+/// What may be wrong with the answer of ENC or SPE: no candidate is better than the nominal point or could be run, runs failed, it lies on a bound, the
+/// correction for the mesh has reservations or does not reach it. In this order.
+std::vector<std::string> calibration_warnings(const Calibration& calibration, const ModelShape& shape);
+/// What may be wrong with the surrogates of SPE: spaces that are too large, fits that failed, optima where runs are likely to fail.
+std::vector<std::string> surrogate_warnings(const SpeSummary& summary);
 
 /// The lines for the terminal that are a method's own, once its artefacts are written.
 std::vector<std::string> enc_lines(const EncWords& words);

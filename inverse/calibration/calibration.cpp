@@ -1,7 +1,5 @@
 #include "inverse/calibration/calibration.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,6 +38,11 @@ std::vector<Proposal> spread_out(const std::vector<Proposal>& pool, std::size_t 
 std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, double separation, const Bounds& bounds) {
   std::stable_sort(pool.begin(), pool.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
   return spread_out(pool, n, separation, bounds);
+}
+
+bool Calibration::nominal_kept() const {
+  if (status != CalibrationStatus::done || !at_nominal.objective_model) return false;
+  return objective.cost(*at_nominal.objective_model) <= objective.cost(*candidates[0].objective_model);
 }
 
 Calibration begin_calibration(const Problem& problem, Objective objective) {
@@ -94,6 +97,7 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
     nominal_is_due = false;
   }
   out.at_nominal.objective_surrogate = std::isfinite(cost_at_nominal) ? out.objective.cost(cost_at_nominal) : nan;
+  out.wanted = wanted;
   out.model_runs = tried.size() + 1;
   out.model_s += clock.seconds();
 
@@ -109,44 +113,14 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
     out.calibrated = histories[order[0]];
   }
   if (out.at_nominal.objective_model && cost(out.at_nominal) <= cost(out.best)) {
-    const bool any = out.status == CalibrationStatus::done;
-    if (any)
-      out.warnings.push_back(
-          fmt::format("no candidate is better than the nominal parameters in the true model ({:.4g} against {:.4g}): the nominal ones are kept; the "
-                      "surrogate is too coarse near its optimum",
-                      *out.best.objective_model, *out.at_nominal.objective_model));
     out.best = out.at_nominal;
     out.calibrated = out.nominal_values;
   }
   if (succeeded == 0) {
     out.status = CalibrationStatus::no_candidate;
-    out.message = ranked.empty() ? "the surrogate failed at every point" : "the true model failed at every candidate: " + tried[0].message;
-    if (!out.at_nominal.objective_model) {
-      out.best = tried.empty() ? out.at_nominal : tried[0];
-      out.message += "; the result is the surrogate's alone";
-    } else {
-      out.message += "; the nominal parameters are kept";
-    }
-    out.warnings.push_back(out.message);
-  } else if (out.best.theta == out.at_nominal.theta) {
-    out.message = fmt::format("{} = {:.6g} in the true model at the nominal parameters: none of {} candidates is better", out.objective.name,
-                              *out.best.objective_model, succeeded);
-  } else {
-    out.message = fmt::format("{} = {:.6g} in the true model at the best of {} candidates", out.objective.name, *out.best.objective_model, succeeded);
+    if (!out.at_nominal.objective_model) out.best = tried.empty() ? out.at_nominal : tried[0];
   }
   out.theta = out.best.theta;
-
-  // 3. What the reader should know.
-  if (!out.failed.empty())
-    out.warnings.push_back(fmt::format("the true model failed at {} candidates, others took their place: {}", out.failed.size(), out.failed[0].message));
-  if (succeeded > 0 && succeeded < wanted) out.warnings.push_back(fmt::format("{} of {} candidates: no more distinct points could be run", succeeded, wanted));
-  if (!out.at_nominal.objective_model) out.warnings.push_back("the true model failed at the nominal parameters: " + out.at_nominal.message);
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const double share = (out.theta[k] - parameters[k].min) / (parameters[k].max - parameters[k].min);
-    if (share < 1e-3 || share > 1 - 1e-3)
-      out.warnings.push_back(fmt::format("{} = {} sits on its {} bound: the data would have it outside, or do not determine it", parameters[k].name,
-                                         fmt::format("{:.6g}", out.theta[k]), share < 0.5 ? "lower" : "upper"));
-  }
 }
 
 }  // namespace calomel

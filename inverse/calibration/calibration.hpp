@@ -38,7 +38,8 @@ struct Candidate {
 
 enum class CalibrationStatus { not_run, done, not_settled, no_candidate };
 
-/// The outcome of a point calibration, before what is a method's own.
+/// The outcome of a point calibration, before what is a method's own. Its message, and the warnings that follow those of the problem, are made by
+/// apps/presentation.
 struct Calibration {
   CalibrationStatus status = CalibrationStatus::not_run;
   std::string message = "the calibration was not run";
@@ -48,6 +49,7 @@ struct Calibration {
   Candidate best, at_nominal;                      ///< as the true model has them
   std::vector<Candidate> candidates;               ///< best by the true model first; failed ones only when no other was left
   std::vector<Candidate> failed;                   ///< candidates replaced by another because the true model failed
+  std::size_t wanted = 0;                          ///< candidates that were to be run
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) true-model means, corrected where mesh.used; empty where failed
   CorrectionReport mesh;                           ///< where used, scores and objectives of all candidates are those with the correction
   std::vector<std::string> warnings;
@@ -55,6 +57,8 @@ struct Calibration {
   std::size_t model_runs = 0;        ///< of the true model
   double search_s = 0, model_s = 0;  ///< wall time of the search and of the true-model runs [s]
   [[nodiscard]] bool trusted() const { return status == CalibrationStatus::done; }
+  /// Whether candidates were run and none is better in the true model than the nominal point, which is the answer then.
+  [[nodiscard]] bool nominal_kept() const;
 };
 
 /// What is done and what there is to do, of "true-model runs" or a stage of the search; called from any thread, one at a time.
@@ -83,7 +87,7 @@ std::vector<Proposal> well_separated(std::vector<Proposal> pool, std::size_t n, 
 Calibration begin_calibration(const Problem& problem, Objective objective);
 
 /// Runs the first `wanted` of `ranked` and the nominal point in the true model on `threads` threads; where the true model fails, the next
-/// in rank takes the place. Fills all of `out` from `status` to `nominal_values`, adds to its warnings, counts runs and time.
+/// in rank takes the place. Fills all of `out` from `status` to `nominal_values`, but for the message; counts runs and time.
 /// `cost_at_nominal`: the surrogate's; not finite where it has none.
 void decide_by_true_model(Calibration& out, const Problem& problem, const ForwardModel& true_model, std::span<const Proposal> ranked, std::size_t wanted,
                           double cost_at_nominal, int threads, const CalibrationProgress& progress = {});
@@ -92,7 +96,7 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
 double relative_difference(const Problem& problem, const Eigen::VectorXd& difference, std::span<const double> history);
 
 /// Fills out.mesh of a calibration that was decided with this correction: its histories and scores without it. Marks the candidates outside the emulator's box
-/// and takes over the correction's reservations as warnings. An empty correction changes nothing. out.mesh.without is the caller's.
+/// and takes over the correction's reservations. An empty correction changes nothing. out.mesh.without is the caller's.
 void report_correction(Calibration& out, const Problem& problem, const MeshCorrection& correction);
 
 /// The sentences of every calibration's artefact for people.

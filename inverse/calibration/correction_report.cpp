@@ -37,7 +37,7 @@ void report_correction(Calibration& out, const Problem& problem, const MeshCorre
   mark(out.at_nominal);
   for (auto* list : {&out.candidates, &out.failed})
     for (auto& c : *list) mark(c);
-  out.warnings.insert(out.warnings.end(), correction.reservations.begin(), correction.reservations.end());
+  m.reservations = correction.reservations;
 }
 
 }  // namespace calomel

@@ -28,6 +28,7 @@ struct CorrectionReport {
   std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory says how each method takes it
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) without the correction; empty where failed
   Score best, at_nominal;                          ///< of these
+  std::vector<std::string> reservations;           ///< of the correction
 };
 
 }  // namespace calomel

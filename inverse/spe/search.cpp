@@ -77,12 +77,9 @@ void fit_round(SpeSummary& out, const ScatteredData& data, const SpeOptions& opt
   });
   out.spaces = std::move(fitted.spaces);
   out.surrogates = std::move(fitted.surrogates);
-  out.fit_warnings = std::move(fitted.warnings);
+  out.too_large = std::move(fitted.too_large);
+  out.most_terms = options.most_terms;
   expect_one_surrogate(out.surrogates, options);
-  const auto fails = [](const auto& s) { return !s.ok(); };
-  if (const auto n = std::count_if(out.surrogates.begin(), out.surrogates.end(), fails); n > 0)
-    out.fit_warnings.push_back(fmt::format("{} of {} surrogates were left out: {}", n, out.surrogates.size(),
-                                           std::find_if(out.surrogates.begin(), out.surrogates.end(), fails)->failure));
   out.fit_s += clock.seconds();
 }
 

@@ -146,9 +146,6 @@ SpeSummary run_spe(const Problem& problem, const Archive& archive, const Forward
     rounds.zoom(round);
   }
   out.runs_added = rounds.known().added();
-  out.warnings.insert(out.warnings.end(), out.fit_warnings.begin(), out.fit_warnings.end());
-  if (out.optima.empty())
-    out.warnings.push_back("runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made");
 
   // 2. Half of the candidates are this round's; the best of the runs that were made before, which cost none, come next, then more of this round.
   const Bounds& box = rounds.box();

@@ -48,8 +48,9 @@ struct SpeSummary : Calibration {
   std::vector<SpeMode> modes;       ///< densest first
   std::size_t optima_left_out = 0;  ///< of the last round, where runs are likely to fail
   std::vector<SpeZoom> zooms;
-  std::vector<std::string> fit_warnings;  ///< of the last fits; they stand among `warnings` too
-  double fit_s = 0;                       ///< wall time of the fits, of search_s [s]
+  std::vector<std::string> too_large;  ///< names of spaces that were left out because they have more than most_terms terms
+  int most_terms = 0;                  ///< SpeOptions::most_terms
+  double fit_s = 0;                    ///< wall time of the fits, of search_s [s]
 };
 
 /// The misfit of every usable run at its point of the unit box, split into training and held-out runs by `seed` as the train stage does.

@@ -101,24 +101,24 @@ SparsePolynomials fit_sparse_polynomials(const ScatteredData& data, const SpeOpt
                                          const std::function<void(std::size_t done, std::size_t total)>& done) {
   const auto d = std::size_t(data.units.rows());
   SparsePolynomials out;
-  std::vector<std::string> too_large;
   const auto list = [&](const char* kind, const std::vector<int>& orders) {
     for (const int order : orders) {
       PolynomialSpace space{kind, order};
       if (space.terms(d, std::size_t(options.most_terms) + 1) > std::size_t(options.most_terms))
-        too_large.push_back(space.name());
+        out.too_large.push_back(space.name());
       else
         out.spaces.push_back({.space = std::move(space)});
     }
   };
-  list("total_degree", options.total_degree), list("tensor_product", options.tensor_product), list("hyperbolic_cross", options.hyperbolic_cross);
+  list("total_degree", options.total_degree);
+  list("tensor_product", options.tensor_product);
+  list("hyperbolic_cross", options.hyperbolic_cross);
   list("sparse_grid", options.sparse_grid);
   for (const int rounds : options.adaptive) out.spaces.push_back({.space = {adaptive_kind, rounds}});
   if (out.spaces.empty())
     throw InputError({.problem = fmt::format("every listed space has more than {} terms in {} parameters", options.most_terms, d),
                       .key = "spe.total_degree",
                       .suggestion = "list lower orders, or spe.hyperbolic_cross or spe.sparse_grid"});
-  if (!too_large.empty()) out.warnings.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", options.most_terms, join(too_large)));
   std::vector<std::vector<SparsePolynomial>> fits(out.spaces.size());
   std::mutex lock;
   std::size_t finished = 0;

@@ -52,7 +52,7 @@ struct SparsePolynomial {
 struct SparsePolynomials {
   std::vector<SpaceChoice> spaces;
   std::vector<SparsePolynomial> surrogates;  ///< spaces by lambdas, in the order of the options
-  std::vector<std::string> warnings;         ///< spaces that were left out
+  std::vector<std::string> too_large;        ///< names of spaces that have more terms than SpeOptions::most_terms and were left out
 };
 
 /// The scale of misfit -> what is approximated, and back.

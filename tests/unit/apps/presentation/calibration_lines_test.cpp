@@ -12,7 +12,7 @@ namespace {
 
 ModelShape two_parameters() {
   ModelShape shape;
-  shape.parameters = {{.name = "density"}, {.name = "offset"}};
+  shape.parameters = {{.name = "density", .min = 12000, .max = 14000}, {.name = "offset", .min = -1, .max = 1}};
   return shape;
 }
 
@@ -35,17 +35,80 @@ TEST(CalibrationLines, ACorrectionHasItsRunsItsSizeAndItsEffect) {
   EXPECT_EQ(correction_sentence(enc, two_parameters()),
             "predictions are corrected for the mesh by 90 runs of the emulator; at the answer that is 11 % of the histories; against the answer without it: "
             "density +1.5 %, offset +0.5");
-  EXPECT_THAT(correction_warnings(enc), IsEmpty());
   enc.mesh.calibrated.clear();
   enc.mesh.without.clear();
   enc.at_nominal.inside_emulator = false;
-  enc.best.inside_emulator = false;
   EXPECT_EQ(correction_sentence(enc, two_parameters()),
             "predictions are corrected for the mesh by 90 runs of the emulator; the nominal point lies outside the emulator's box, so that its scores are surer "
             "on the case's own mesh (working_mesh)");
-  EXPECT_THAT(correction_warnings(enc),
-              ElementsAre("the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest "
+}
+
+TEST(CalibrationLines, AnAnswerHasAMessageAndMayHaveNoWarning) {
+  Calibration c;
+  EXPECT_EQ(calibration_message(c), "the calibration was not run");
+  c.status = CalibrationStatus::done;
+  c.objective.name = "rrmse";
+  c.wanted = 2;
+  c.candidates = {{.theta = {13200, 0.5}, .objective_model = 0.1234567}, {.theta = {13300, 0.4}, .objective_model = 0.2}};
+  c.best = c.candidates[0];
+  c.theta = c.best.theta;
+  c.at_nominal = {.theta = {13000, 0}, .objective_model = 0.9};
+  EXPECT_EQ(calibration_message(c), "rrmse = 0.123457 in the true model at the best of 2 candidates");
+  EXPECT_THAT(calibration_warnings(c, two_parameters()), IsEmpty());
+}
+
+TEST(CalibrationLines, TheNominalParametersAreKeptWhereNoCandidateIsBetter) {
+  Calibration c;
+  c.status = CalibrationStatus::done;
+  c.objective.name = "rrmse";
+  c.wanted = 3;
+  c.candidates = {{.theta = {13200, 0.5}, .objective_model = 0.12345}};
+  c.failed = {{.message = "the step collapsed"}};
+  c.best = c.at_nominal = {.theta = {13000, 0}, .objective_model = 0.1};
+  c.theta = c.best.theta;
+  EXPECT_EQ(calibration_message(c), "rrmse = 0.1 in the true model at the nominal parameters: none of 1 candidates is better");
+  EXPECT_THAT(calibration_warnings(c, two_parameters()),
+              ElementsAre("no candidate is better than the nominal parameters in the true model (0.1235 against 0.1): the nominal ones are kept; the surrogate "
+                          "is too coarse near its optimum",
+                          "the true model failed at 1 candidates, others took their place: the step collapsed",
+                          "1 of 3 candidates: no more distinct points could be run"));
+}
+
+TEST(CalibrationLines, AnAnswerOnABoundOrBeyondTheCorrectionIsAWarning) {
+  Calibration c;
+  c.status = CalibrationStatus::no_candidate;
+  EXPECT_EQ(calibration_message(c), "the surrogate failed at every point; the result is the surrogate's alone");
+  c.wanted = 8;
+  c.candidates = {{.theta = {12000, 0.9999}, .message = "the step collapsed"}};
+  c.best = c.candidates[0];
+  c.best.inside_emulator = false;
+  c.theta = c.best.theta;
+  c.at_nominal.message = "an element collapsed";
+  c.mesh.reservations = {"the viscosity is not corrected"};
+  EXPECT_EQ(calibration_message(c), "the true model failed at every candidate: the step collapsed; the result is the surrogate's alone");
+  EXPECT_THAT(calibration_warnings(c, two_parameters()),
+              ElementsAre(calibration_message(c), "the true model failed at the nominal parameters: an element collapsed",
+                          "density = 12000 sits on its lower bound: the data would have it outside, or do not determine it",
+                          "offset = 0.9999 sits on its upper bound: the data would have it outside, or do not determine it", "the viscosity is not corrected",
+                          "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest "
                           "point. See where `calomel sample` finds the parameters, and whether they are bounded too widely"));
+  c.at_nominal.objective_model = 0.5;
+  EXPECT_EQ(calibration_message(c), "the true model failed at every candidate: the step collapsed; the nominal parameters are kept");
+}
+
+TEST(CalibrationLines, SurrogatesThatAreLeftOutAreAWarning) {
+  SpeSummary s;
+  s.optima.resize(1);
+  EXPECT_THAT(surrogate_warnings(s), IsEmpty());
+  s.optima.clear();
+  s.too_large = {"total_degree 8", "tensor_product 4"};
+  s.most_terms = 60;
+  s.surrogates.resize(3);
+  s.surrogates[1].failure = "every coefficient vanishes";
+  EXPECT_THAT(surrogate_warnings(s),
+              ElementsAre("polynomial spaces of more than 60 terms are left out: total_degree 8, tensor_product 4",
+                          "1 of 3 surrogates were left out: every coefficient vanishes",
+                          "runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made"));
 }
 
 TEST(CalibrationLines, OptimisersAndObjectivesAgreeOrNot) {

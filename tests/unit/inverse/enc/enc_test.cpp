@@ -125,7 +125,8 @@ TEST(Enc, AFailedCandidateIsReplacedByAnother) {
   EXPECT_FALSE(s.failed.empty());
   EXPECT_EQ(s.candidates.size(), 5u);
   for (const auto& k : s.candidates) EXPECT_TRUE(k.objective_model.has_value());
-  EXPECT_THAT(s.warnings, Contains(HasSubstr("step collapsed")));
+  EXPECT_EQ(s.failed[0].message, "the step collapsed");
+  EXPECT_EQ(s.wanted, 5u);
 }
 
 TEST(Enc, WhenEveryRunFailsItSaysSo) {
@@ -141,7 +142,8 @@ TEST(Enc, WhenEveryRunFailsItSaysSo) {
   s = run_enc(c.problem, broken, c.model, small(), 1, 2);  // the surrogate fails everywhere
   EXPECT_EQ(s.status, CalibrationStatus::no_candidate);
   EXPECT_EQ(s.theta, nominal(c.model.shape()));
-  EXPECT_THAT(s.message, HasSubstr("surrogate failed"));
+  EXPECT_TRUE(s.candidates.empty());
+  EXPECT_FALSE(s.nominal_kept());
   write_enc(s, c.problem, {}, {.stage = "enc"}, dir);
 }
 
@@ -152,16 +154,14 @@ TEST(Enc, TheNominalIsKeptWhenNoCandidateIsBetter) {
   const auto problem = make_problem(model.shape(), r, {});
   const auto s = run_enc(problem, misled, model, small(), 1, 2);
   EXPECT_EQ(s.theta, nominal(model.shape()));
-  EXPECT_THAT(s.warnings, Contains(HasSubstr("nominal")));
+  EXPECT_TRUE(s.nominal_kept());
 }
 
-TEST(Enc, AnOptimumOnABoundIsPointedOut) {
+TEST(Enc, AnOptimumBeyondTheBoundsIsFoundOnTheBound) {
   Oscillations model;
   const auto r = recorded(model, {10000, 1500, 2e4}, 6, 3e-6, 9);  // a density below the bounds
   const auto s = run_enc(make_problem(model.shape(), r, {}), model, model, small(), 1, 2);
-  EXPECT_THAT(s.warnings, Contains(HasSubstr("sits on its lower bound")));
-  Case c;
-  EXPECT_THAT(run_enc(c.problem, c.model, c.model, small(), 1, 2).warnings, testing::Not(Contains(HasSubstr("bound"))));
+  EXPECT_NEAR(s.theta[0], model.shape().parameters[0].min, 1e-3 * (model.shape().parameters[0].max - model.shape().parameters[0].min));
 }
 
 TEST(Enc, ArtefactsHoldTheContract) {
@@ -173,13 +173,14 @@ TEST(Enc, ArtefactsHoldTheContract) {
     ++told;
   });
   EXPECT_EQ(told, 8 + 6);
-  write_enc(s, c.problem, {}, {.stage = "enc", .seed = 1}, dir);
+  write_enc(s, c.problem, {.calibration = {.meaning = "tuned", .mesh = ""}, .agreement = "they agree"}, {.stage = "enc", .seed = 1}, dir);
   const Json j = read_json(dir / "enc.json");
   for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae", "rounds",
                           "optimizers", "warnings", "provenance"})
     EXPECT_TRUE(j.contains(key)) << key;
   EXPECT_EQ(j["product"], "tuned");
-  EXPECT_THAT(j["meaning"].get<std::string>(), HasSubstr("not a material property"));
+  EXPECT_EQ(j["meaning"], "tuned");
+  EXPECT_EQ(j["agreement"]["sentence"], "they agree");
   EXPECT_EQ(j["objective"]["name"], "paper_enc");
   EXPECT_EQ(j["objective"]["sense"], "maximise");
   EXPECT_NEAR(j["objective"]["value"].get<double>(), j["accuracy"].get<double>() - j["mae"].get<double>(), 1e-9);
