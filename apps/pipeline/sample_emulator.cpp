@@ -2,6 +2,7 @@
 
 #include "apps/pipeline/sample_artefacts.hpp"
 #include "apps/pipeline/sample_parts.hpp"
+#include "apps/presentation/posterior_lines.hpp"
 #include "base/json.hpp"
 #include "forward/emulator/infill.hpp"
 #include "inverse/posterior/compared_errors.hpp"

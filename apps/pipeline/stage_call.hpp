@@ -12,7 +12,8 @@ namespace calomel {
 /// artefacts to --out and says what came of it. Its status is done or not_to_be_trusted.
 struct StageCall {
   /// `command` outlives the object. Errors: as StudyInputs.
-  explicit StageCall(const CommandLine& command) : inputs(command, problem_warnings), finished(command.out, command.fresh), posterior(inputs), correction(inputs, posterior) {}
+  explicit StageCall(const CommandLine& command)
+      : inputs(command, problem_warnings), finished(command.out, command.fresh), posterior(inputs), correction(inputs, posterior) {}
 
   StudyInputs inputs;
   FinishedStages finished;

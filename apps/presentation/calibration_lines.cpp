@@ -31,8 +31,8 @@ std::string moves_text(const ModelShape& shape, const std::vector<double>& from,
 
 std::string meaning_sentence(const std::string& product) {
   if (product == "physical")
-    return "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
-           "picture of it.";
+    return "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a "
+           "fair picture of it.";
   return "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
          "whatever the model leaves out, and the published objective mixes percent with strain.";
 }
@@ -112,8 +112,8 @@ std::vector<std::string> calibration_warnings(const Calibration& c, const ModelS
   out.insert(out.end(), c.mesh.reservations.begin(), c.mesh.reservations.end());
   if (!c.best.inside_emulator)
     out.push_back(
-        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See where "
-        "`calomel sample` finds the parameters, and whether they are bounded too widely");
+        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See "
+        "where `calomel sample` finds the parameters, and whether they are bounded too widely");
   return out;
 }
 
@@ -122,8 +122,8 @@ std::vector<std::string> surrogate_warnings(const SpeSummary& s) {
   if (!s.too_large.empty()) out.push_back(fmt::format("polynomial spaces of more than {} terms are left out: {}", s.most_terms, join(s.too_large)));
   const auto fails = [](const SparsePolynomial& p) { return !p.ok(); };
   if (const auto n = std::count_if(s.surrogates.begin(), s.surrogates.end(), fails); n > 0)
-    out.push_back(fmt::format("{} of {} surrogates were left out: {}", n, s.surrogates.size(),
-                              std::find_if(s.surrogates.begin(), s.surrogates.end(), fails)->failure));
+    out.push_back(
+        fmt::format("{} of {} surrogates were left out: {}", n, s.surrogates.size(), std::find_if(s.surrogates.begin(), s.surrogates.end(), fails)->failure));
   if (s.optima.empty()) out.push_back("runs are likely to fail at every optimum of the last surrogates: candidates are the best runs that were made");
   return out;
 }

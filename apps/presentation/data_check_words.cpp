@@ -21,12 +21,13 @@ struct NuisanceWords {
   double shown = 1;                    ///< units in one of ErrorOptions'
   const char* unit = "";
 };
-constexpr std::array nuisance_words{NuisanceWords{"gain", "the gain", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
-                           NuisanceWords{"baseline", "the zero", "errors.baseline"},
-                           NuisanceWords{"gauge places", "the place", "errors.gauge_place_sd", &ErrorOptions::gauge_place_sd, 1e3, "mm"},
-                           NuisanceWords{"energy scale", "the energy of all pulses", "errors.energy_scale_sd", &ErrorOptions::energy_scale_sd, 100, "%"},
-                           NuisanceWords{"pulse energy", "the energy of the pulses", "recordings.energy_sd"},
-                           NuisanceWords{"trigger", "the clock of all records", "errors.trigger_sd", &ErrorOptions::trigger_sd, 1e6, "µs"}};
+constexpr std::array nuisance_words{
+    NuisanceWords{"gain", "the gain", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
+    NuisanceWords{"baseline", "the zero", "errors.baseline"},
+    NuisanceWords{"gauge places", "the place", "errors.gauge_place_sd", &ErrorOptions::gauge_place_sd, 1e3, "mm"},
+    NuisanceWords{"energy scale", "the energy of all pulses", "errors.energy_scale_sd", &ErrorOptions::energy_scale_sd, 100, "%"},
+    NuisanceWords{"pulse energy", "the energy of the pulses", "recordings.energy_sd"},
+    NuisanceWords{"trigger", "the clock of all records", "errors.trigger_sd", &ErrorOptions::trigger_sd, 1e6, "µs"}};
 
 const NuisanceWords* words_of(const std::string& term) {
   const auto at = std::find_if(nuisance_words.begin(), nuisance_words.end(), [&](const NuisanceWords& w) { return term == w.term; });

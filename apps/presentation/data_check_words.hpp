@@ -20,8 +20,8 @@ namespace calomel {
 
 /// "the gain of T2", for a marginalised number and its gauge; without a gauge "the energy of all pulses".
 [[nodiscard]] std::string nuisance_name(const std::string& term, const std::string& gauge);
-/// One sentence for each pull beyond far_pull, three at most: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %: ...".
-/// The last one counts the others.
+/// One sentence for each pull beyond far_pull, three at most: "the records pull the gain of T2 by +12.9 of its standard deviations (errors.gain_sd), +13 %:
+/// ...". The last one counts the others.
 [[nodiscard]] std::vector<std::string> far_pull_sentences(const std::vector<Pull>& pulls, const ErrorOptions& errors);
 
 /// One sentence for each finding, the gravest first: dead gauges, mixed-up channels, the clock, numbers far from their priors.

@@ -131,8 +131,8 @@ std::string refinement_end(RefinementEnd end) {
 
 std::string map_message(const MapSummary& summary, const PosteriorFit& fit) {
   if (summary.status == CalibrationStatus::no_candidate) return "the true model failed at the mode, which is the emulator's alone: " + summary.best.message;
-  return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior,
-                     settling_text(fit.settling()), goodness_sentence(summary.fit));
+  return fmt::format("log posterior {:.6g} on the emulator, which {}; {}", summary.log_likelihood + summary.log_prior, settling_text(fit.settling()),
+                     goodness_sentence(summary.fit));
 }
 
 std::vector<std::string> map_warnings(const MapSummary& summary, const PosteriorInputs& in, const PosteriorFit& fit) {

@@ -7,6 +7,7 @@
 
 #include "apps/presentation/convergence_words.hpp"
 #include "apps/presentation/fit_words.hpp"
+#include "inverse/posterior/compared_errors.hpp"
 
 namespace calomel {
 
@@ -70,6 +71,12 @@ std::string widening_sentence(const NoiseWidening& widening, const std::vector<s
       "averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}",
       widening.weights.size(), widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most],
       names[most]);
+}
+
+std::string form_sentence(const std::string& form) {
+  if (form == no_mesh_errors) return "the same errors without those of the mesh and without numerical noise";
+  expect(form == independent_errors, "a form of errors has a name that is known");
+  return "independent normal errors of the band's deviation at every sample, without nuisances: the published form";
 }
 
 std::string estimate_only_reason(const SamplerOptions& sampler) {

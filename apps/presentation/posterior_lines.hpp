@@ -33,6 +33,8 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
 
 /// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
 std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
+/// The errors of a form of `[posterior] compare`. Errors: ContractFailure for an unknown name.
+std::string form_sentence(const std::string& form);
 /// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case has no draws of them.
 std::string estimate_only_reason(const SamplerOptions& sampler);
 /// How often the emulator was refined, and why it ended.

@@ -51,7 +51,7 @@ struct Problem {
   std::size_t outside = 0;                ///< record times outside of the simulation, not compared
   std::vector<Observation> observations;  ///< recorded sensors in the model's order, condition by condition, but for those that are dead
   std::vector<std::string> dead;          ///< labels of gauges that record nothing but noise, which are left out
-  std::vector<std::string> warnings;  ///< of the recordings and of how they fit the model; those about dead gauges and bands are made by apps/presentation
+  std::vector<std::string> warnings;      ///< of the recordings and of their times; apps/presentation adds those about dead gauges and bands
 
   [[nodiscard]] std::string label(const Observation& o) const;
 };

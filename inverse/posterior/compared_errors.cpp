@@ -77,12 +77,6 @@ const std::vector<std::string>& compared_forms() {
   return forms;
 }
 
-std::string form_sentence(const std::string& form) {
-  if (form == no_mesh_errors) return "the same errors without those of the mesh and without numerical noise";
-  expect(form == independent_errors, "a form of errors has a name that is known");
-  return "independent normal errors of the band's deviation at every sample, without nuisances: the published form";
-}
-
 LogPosterior compared_posterior(const std::string& form, const PosteriorInputs& in, const PosteriorFit& fit, std::size_t own) {
   expect(own <= in.parameters.size(), "a case's own parameters come first");
   if (form == no_mesh_errors) return without_mesh_errors(fit);

@@ -11,8 +11,6 @@ namespace calomel {
 inline constexpr const char* no_mesh_errors = "no_mesh_errors";
 inline constexpr const char* independent_errors = "independent";
 const std::vector<std::string>& compared_forms();
-/// What a form is, in a sentence. Errors: ContractFailure for an unknown name.
-std::string form_sentence(const std::string& form);
 
 /// The posterior of `fit` under a form of errors; its box, emulator and priors stay.
 ///

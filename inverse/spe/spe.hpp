@@ -68,6 +68,7 @@ ScatteredData discrepancies(const Problem& problem, const Archive& archive, cons
 /// The contents of spe.json.
 Json spe_json(const SpeSummary& summary, const Problem& problem, const CalibrationWords& words, const Provenance& provenance);
 /// Writes spe.nc (as enc.nc), then spe.json, into `out_dir`.
-void write_spe(const SpeSummary& summary, const Problem& problem, const CalibrationWords& words, const Provenance& provenance, const std::filesystem::path& out_dir);
+void write_spe(const SpeSummary& summary, const Problem& problem, const CalibrationWords& words, const Provenance& provenance,
+               const std::filesystem::path& out_dir);
 
 }  // namespace calomel

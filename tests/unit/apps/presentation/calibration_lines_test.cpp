@@ -22,9 +22,10 @@ TEST(CalibrationLines, AProductHasItsMeaning) {
   EXPECT_EQ(meaning_sentence("tuned"),
             "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up whatever "
             "the model leaves out, and the published objective mixes percent with strain.");
-  EXPECT_EQ(meaning_sentence("physical"),
-            "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
-            "picture of it.");
+  EXPECT_EQ(
+      meaning_sentence("physical"),
+      "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
+      "picture of it.");
 }
 
 TEST(CalibrationLines, ACorrectionHasItsRunsItsSizeAndItsEffect) {
@@ -38,9 +39,10 @@ TEST(CalibrationLines, ACorrectionHasItsRunsItsSizeAndItsEffect) {
   enc.mesh.calibrated.clear();
   enc.mesh.without.clear();
   enc.at_nominal.inside_emulator = false;
-  EXPECT_EQ(correction_sentence(enc, two_parameters()),
-            "predictions are corrected for the mesh by 90 runs of the emulator; the nominal point lies outside the emulator's box, so that its scores are surer "
-            "on the case's own mesh (working_mesh)");
+  EXPECT_EQ(
+      correction_sentence(enc, two_parameters()),
+      "predictions are corrected for the mesh by 90 runs of the emulator; the nominal point lies outside the emulator's box, so that its scores are surer "
+      "on the case's own mesh (working_mesh)");
 }
 
 TEST(CalibrationLines, AnAnswerHasAMessageAndMayHaveNoWarning) {
@@ -86,12 +88,13 @@ TEST(CalibrationLines, AnAnswerOnABoundOrBeyondTheCorrectionIsAWarning) {
   c.at_nominal.message = "an element collapsed";
   c.mesh.reservations = {"the viscosity is not corrected"};
   EXPECT_EQ(calibration_message(c), "the true model failed at every candidate: the step collapsed; the result is the surrogate's alone");
-  EXPECT_THAT(calibration_warnings(c, two_parameters()),
-              ElementsAre(calibration_message(c), "the true model failed at the nominal parameters: an element collapsed",
-                          "density = 12000 sits on its lower bound: the data would have it outside, or do not determine it",
-                          "offset = 0.9999 sits on its upper bound: the data would have it outside, or do not determine it", "the viscosity is not corrected",
-                          "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest "
-                          "point. See where `calomel sample` finds the parameters, and whether they are bounded too widely"));
+  EXPECT_THAT(
+      calibration_warnings(c, two_parameters()),
+      ElementsAre(calibration_message(c), "the true model failed at the nominal parameters: an element collapsed",
+                  "density = 12000 sits on its lower bound: the data would have it outside, or do not determine it",
+                  "offset = 0.9999 sits on its upper bound: the data would have it outside, or do not determine it", "the viscosity is not corrected",
+                  "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest "
+                  "point. See where `calomel sample` finds the parameters, and whether they are bounded too widely"));
   c.at_nominal.objective_model = 0.5;
   EXPECT_EQ(calibration_message(c), "the true model failed at every candidate: the step collapsed; the nominal parameters are kept");
 }
@@ -116,9 +119,8 @@ TEST(CalibrationLines, OptimisersAndObjectivesAgreeOrNot) {
   EncAgreement a;
   EXPECT_EQ(agreement_sentence(a, shape), "");
   a.optimizers = {{.name = "de", .rounds = 4, .agrees = true}, {.name = "es", .rounds = 4, .distance = 0.123, .shortfall = 4.56}, {.name = "gwo", .rounds = 0}};
-  a.objectives = {{.objective = "paper_enc", .theta = {13000, 0}, .agrees = true},
-                  {.objective = "rrmse", .theta = {13200, 0.5}},
-                  {.objective = "paper_spe", .theta = {}}};
+  a.objectives = {
+      {.objective = "paper_enc", .theta = {13000, 0}, .agrees = true}, {.objective = "rrmse", .theta = {13200, 0.5}}, {.objective = "paper_spe", .theta = {}}};
   EXPECT_EQ(agreement_sentence(a, shape),
             "The optimisers disagree: es ends 0.12 of the bounds away, 4.56 worse. The objectives disagree: rrmse moves density +1.5 %, offset +0.5; paper_spe "
             "has no value anywhere. The answer depends on the formulation of the misfit.");

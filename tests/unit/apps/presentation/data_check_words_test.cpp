@@ -85,9 +85,9 @@ TEST(DataCheckWords, EveryFindingHasASentence) {
                           .mislabelled = {{.gauge = "T2", .other = "", .own = -0.98, .like = 0.98}},
                           .clock = ClockOffset{.delay = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6},
                           .nuisances = {{.term = "gain", .gauge = "S1", .pull = 5, .sd = 0.5}}};
-  EXPECT_THAT(data_check_sentences(checks, options),
-              ElementsAre(dead_gauges_sentence(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
-                          clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.", far_pull_sentences(checks.nuisances, options)[0]));
+  EXPECT_THAT(data_check_sentences(checks, options), ElementsAre(dead_gauges_sentence(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
+                                                                 clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.",
+                                                                 far_pull_sentences(checks.nuisances, options)[0]));
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ TEST(FitWords, AnEmulatorHasSettledOrNot) {
 TEST(FitWords, TheDataPinSomeProductsAndLeaveOthersFree) {
   Identification id;
   EXPECT_EQ(identification_sentence(id), "no parameter is positive, so that products of powers have no meaning here");
-  id.directions = {{.data_sd = 0.0123, .pinned = true, .product = "density^0.71 sound_speed^0.70"}, {.data_sd = 0.5, .product = "density^0.70 sound_speed^-0.71"}};
+  id.directions = {{.data_sd = 0.0123, .pinned = true, .product = "density^0.71 sound_speed^0.70"},
+                   {.data_sd = 0.5, .product = "density^0.70 sound_speed^-0.71"}};
   EXPECT_EQ(identification_sentence(id),
             "the data pin density^0.71 sound_speed^0.70 (sd 1.2 %) and leave free density^0.70 sound_speed^-0.71 (sd a factor of 1.6)");
   id.directions[1].pinned = true;
@@ -92,9 +93,10 @@ TEST(FitWords, TheResidualPointsSomewhereOrNot) {
                       {.name = "interface", .directions = 2, .f = 21.34, .f_of_runs = 1.26, .keys = {{.name = "gap", .value = 0.0123, .sd = 0.0015}}},
                       {.name = "gauge_gains", .directions = 3, .f = 0.9}};
   tests.p_value = 0.31;
-  EXPECT_EQ(score_test_sentence(tests),
-            "whatever the covariance's scale, the residual does not point where one of these would show: interface, gauge_gains (least p 0.31); what else may be "
-            "missing was not looked for");
+  EXPECT_EQ(
+      score_test_sentence(tests),
+      "whatever the covariance's scale, the residual does not point where one of these would show: interface, gauge_gains (least p 0.31); what else may be "
+      "missing was not looked for");
   tests.p_value = 2e-5;
   tests.stands_out = true;
   EXPECT_EQ(score_test_sentence(tests),
@@ -103,9 +105,10 @@ TEST(FitWords, TheResidualPointsSomewhereOrNot) {
   tests.mechanisms.erase(tests.mechanisms.begin() + 1);
   tests.mechanisms[1].f_of_runs = 0.97;
   tests.with_runs = true;
-  EXPECT_EQ(score_test_sentence(tests),
-            "whatever the covariance's scale, amplitudes of single gauges do not fit together (F 0.9 for 3 directions, 0.97 at runs where nothing is missing, p "
-            "2e-05 of 1 sets): the load, gauges, or the answer itself may be off by more than its standard deviations");
+  EXPECT_EQ(
+      score_test_sentence(tests),
+      "whatever the covariance's scale, amplitudes of single gauges do not fit together (F 0.9 for 3 directions, 0.97 at runs where nothing is missing, p "
+      "2e-05 of 1 sets): the load, gauges, or the answer itself may be off by more than its standard deviations");
 }
 
 TEST(FitWords, ACheckHoldsOrNotOrWasNotMade) {

@@ -67,6 +67,12 @@ TEST(PosteriorLines, RefinementsAreCountedWithTheirRunsAndWhyTheyEnded) {
   EXPECT_EQ(refinement_sentence(fit), "the emulator was refined 2 times by 27 further runs: " + why);
 }
 
+TEST(PosteriorLines, EveryFormOfErrorsHasASentence) {
+  EXPECT_EQ(form_sentence("no_mesh_errors"), "the same errors without those of the mesh and without numerical noise");
+  EXPECT_EQ(form_sentence("independent"), "independent normal errors of the band's deviation at every sample, without nuisances: the published form");
+  EXPECT_THROW((void)form_sentence("unheard of"), ContractFailure);
+}
+
 TEST(PosteriorLines, HyperparametersAreHeldAtTheirEstimateForAReason) {
   EXPECT_EQ(estimate_only_reason(default_sampler_options("dram")), "their estimate alone (posterior.hyperparameter_draws)");
   EXPECT_EQ(estimate_only_reason(default_sampler_options("delayed_acceptance")), "delayed acceptance walks on the posterior with their estimate");

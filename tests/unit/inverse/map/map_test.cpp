@@ -15,7 +15,6 @@
 namespace calomel {
 namespace {
 
-
 constexpr double step = 1e-6;
 constexpr std::size_t times = 120;
 
@@ -214,13 +213,15 @@ TEST(Map, ItsArtefactHoldsWhatTheContractAsks) {
   const auto model = ringing();
   Fitted f(model, pulses_of(model, {21e3, 1.4e4}, {.pulses = 8, .noise = 4, .noise_time = 6e-6}, 3));
   const auto summary = f.map({20.5e3, 1.3e4}, {0.06, 0.3});
-  const Json j = map_json(summary, f.in, f.fit, {.calibration = {.meaning = "tuned values", .mesh = ""},
-                                                  .adequacy = "adequate",
-                                                  .check = "checked",
-                                                  .nested = "",
-                                                  .identified = "the product is pinned",
-                                                  .score_tests = "",
-                                                  .emulator = "settled"}, {});
+  const Json j = map_json(summary, f.in, f.fit,
+                          {.calibration = {.meaning = "tuned values", .mesh = ""},
+                           .adequacy = "adequate",
+                           .check = "checked",
+                           .nested = "",
+                           .identified = "the product is pinned",
+                           .score_tests = "",
+                           .emulator = "settled"},
+                          {});
   for (const char* key : {"theta", "nominal", "objective", "product", "candidates", "sensors", "accuracy", "mae", "nominal_accuracy", "nominal_mae",
                           "parameters", "covariance", "log_likelihood", "log_prior", "log_evidence_laplace", "chi2", "effective_data"})
     EXPECT_TRUE(j.contains(key)) << key;
