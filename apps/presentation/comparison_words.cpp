@@ -50,7 +50,7 @@ std::string aligned(const std::vector<std::vector<std::string>>& lines) {
   return s;
 }
 
-std::string text(const std::optional<double>& x, const std::string& format) { return x ? fmt::format(fmt::runtime(format), *x) : "-"; }
+std::string cell_text(const std::optional<double>& x, const std::string& format) { return x ? fmt::format(fmt::runtime(format), *x) : "-"; }
 
 std::string table_text(const Comparison& c, const std::string& title, const std::vector<ComparedRow>& rows, const std::string& format, bool with_sd) {
   std::vector<std::vector<std::string>> lines{{title, "nominal"}};
@@ -58,9 +58,9 @@ std::string table_text(const Comparison& c, const std::string& title, const std:
   const bool sds = with_sd && std::any_of(rows.begin(), rows.end(), [](const auto& r) { return r.map_sd.has_value(); });
   if (sds) lines[0].push_back("sd by MAP");
   for (const auto& r : rows) {
-    lines.push_back({r.name, text(r.nominal, format)});
-    for (const auto& v : r.values) lines.back().push_back(text(v, format));
-    if (sds) lines.back().push_back(text(r.map_sd, "{:.3g}"));
+    lines.push_back({r.name, cell_text(r.nominal, format)});
+    for (const auto& v : r.values) lines.back().push_back(cell_text(v, format));
+    if (sds) lines.back().push_back(cell_text(r.map_sd, "{:.3g}"));
   }
   return aligned(lines);
 }
@@ -93,14 +93,14 @@ std::string comparison_text(const Comparison& c) {
   for (std::size_t r = 0; r < c.parameters.size(); ++r) {
     lines.push_back({c.parameters[r].name});
     for (const auto& p : c.pairs)
-      lines.back().push_back(text(p.differences[r].percent, "{:+.2f} %") +
+      lines.back().push_back(cell_text(p.differences[r].percent, "{:+.2f} %") +
                              (p.differences[r].in_map_sd ? fmt::format(" = {:+.2f} sd", *p.differences[r].in_map_sd) : ""));
   }
   s += '\n' + aligned(lines);
   if (!c.in_posterior.empty()) {
     lines = {{"in the posterior", "deviations from its mode", "share nearer [%]"}};
     for (const auto& p : c.in_posterior)
-      lines.push_back({method_label(p.method), text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
+      lines.push_back({method_label(p.method), cell_text(p.distance, "{:.2f}"), p.share_nearer ? fmt::format("{:.1f}", 100 * *p.share_nearer) : "-"});
     s += '\n' + aligned(lines);
   }
   return s + "  " + comparison_sentence(c);
