@@ -108,7 +108,7 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
                        {"chi2", number(goodness.chi2)},
                        {"values", goodness.values},
                        {"covariance_shares", shares_json(errors)},
-                       {"pulls", pulls_json(left)}}},
+                       {"pulls", prior_deviations_json(left)}}},
                      {"adequate", goodness.adequate},
                      {"adequacy", goodness_sentence(goodness)}},
              .warnings = data_check_sentences(check_data(problem, errors, prediction, left), options)};

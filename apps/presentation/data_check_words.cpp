@@ -38,7 +38,7 @@ std::vector<std::string> data_check_sentences(const DataChecks& checks, const Er
   if (!checks.dead.empty()) all.push_back(plain_dead(checks.dead));
   for (const auto& m : checks.mislabelled) all.push_back(mislabelled_sentence(m));
   if (checks.clock) all.push_back(clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.");
-  for (auto& nuisance : far_pulls(checks.nuisances, options)) all.push_back(std::move(nuisance));
+  for (auto& nuisance : far_deviations(checks.nuisances, options)) all.push_back(std::move(nuisance));
   return all;
 }
 

@@ -100,7 +100,7 @@ std::vector<Table> all_tables(const Study& study, const ReportInput& input) {
           place_table(study),
           effort_table(study),
           nuisance_table(study),
-          pull_table(study),
+          prior_deviation_table(study),
           emulator_table(study),
           share_table(study),
           hypothesis_table(study),

@@ -59,7 +59,7 @@ struct Nuisance {
   std::string name;
   double value = 0, sd = 0;
   double prior_value = 0, prior_sd = 0;  ///< of a lognormal prior its median, and the sd of the logarithm times it
-  double pull = 0;                       ///< distance from the prior's middle in its standard deviations
+  double deviation = 0;                  ///< from the centre of the prior, in standard deviations of the prior
 };
 
 /// Candidates are the modes, best first by the emulator: a run verifies an answer and does not choose it, for the best of several runs is the luckiest.

@@ -228,7 +228,7 @@ void Fit::fit() {
   EmulatorRuns runs{.u = Eigen::MatrixXd(d, n), .level = {}, .levels = in_.levels};
   int fine = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const TaughtRun& r = out_.runs[out_.used[std::size_t(i)]];
+    const TrainingRun& r = out_.runs[out_.used[std::size_t(i)]];
     runs.u.col(i) = box_.u(r.theta);
     runs.level.push_back(r.level);
     fine += r.level == 0;

@@ -65,8 +65,8 @@ struct EmulatorOptions {
   [[nodiscard]] int coarser_to_begin(Eigen::Index parameters) const;
 };
 
-/// A run that the emulator may learn from.
-struct TaughtRun {
+/// A run on which the emulator may be trained.
+struct TrainingRun {
   std::vector<double> theta;
   int level = 0;
   RunRecord record;
@@ -131,7 +131,7 @@ struct PosteriorInputs {
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
-  std::vector<TaughtRun> known;            ///< runs that are there already
+  std::vector<TrainingRun> known;            ///< runs that are there already
   std::size_t known_dimension = 0;         ///< they differ in the first so many parameters
   std::vector<std::string> identified;     ///< InferenceHints::identified
   std::vector<PowerProduct> combinations;  ///< InferenceHints::combinations
@@ -173,7 +173,7 @@ struct PosteriorFit {
   std::vector<LocalMode> modes;            ///< best first
   std::optional<LogPosterior> nested;      ///< with PosteriorInputs::held, on the same emulator and under the same errors
   std::vector<LocalMode> nested_modes;
-  std::vector<TaughtRun> runs;  ///< all; those of `used` lie in the box
+  std::vector<TrainingRun> runs;  ///< all; those of `used` lie in the box
   std::vector<std::size_t> used;
   Eigen::MatrixXd coefficients;  ///< of the emulator on the grid of `errors`, (size, coefficients)
   Eigen::VectorXd run_at_mode;   ///< (values of the model), of a fit that is held_to_the_model(); else empty

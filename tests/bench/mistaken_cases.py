@@ -80,15 +80,15 @@ def run(args):
 
 
 def short(sentence):
-    """What is said, without what it means."""
-    sentence = re.sub(r"the records pull (.*) by (\S+) of its standard deviations.*", r"\1 \2 sd", sentence)
+    """The finding of a sentence, without its explanation."""
+    sentence = re.sub(r"the records shift (.*) by (\S+) of its prior standard deviations.*", r"\1 \2 sd", sentence)
     sentence = re.sub(r"(\S+) sits (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
     return re.sub(r" \((log Bayes factor|correlation).*", "", sentence).split(":")[0]
 
 
 def table(args):
     names = ("tensile_cutoff", "density", "sound_speed")
-    print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | what is said |\n|---|" + "---|" * (len(names) + 2))
+    print("| wrong | " + " | ".join(n.replace("_", " ") for n in names) + " | chi-squared | warnings |\n|---|" + "---|" * (len(names) + 2))
     cases = sorted({name[: -len(way) - 1] for name in os.listdir(args.work) for way in WAYS if name.endswith("_" + way)})
     for case in cases:
         truth = truth_of(args.suite, case)

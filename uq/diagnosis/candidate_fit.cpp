@@ -194,7 +194,7 @@ CandidatePlan plan_candidate(const PosteriorInputs& inputs, const PosteriorFit& 
   in.emulator.round_coarse = std::max<int>(in.emulator.round_coarse, 3 * int(d));
   in.known.clear();
   for (const auto& r : fit.runs) {
-    TaughtRun known = r;
+    TrainingRun known = r;
     for (const auto& a : plan.added) known.theta.push_back(*a.parameter.nominal);
     in.known.push_back(std::move(known));
   }

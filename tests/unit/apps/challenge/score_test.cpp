@@ -189,7 +189,7 @@ TEST(Coverage, CountsIntervalsWhereTheVerdictIsRight) {
   EXPECT_EQ(s.base_covered.count, 1u);
   EXPECT_EQ(s.base_covered.of, 2u);
   EXPECT_EQ(s.base_covered_all.of, 4u);
-  EXPECT_NEAR(s.base_pull, std::sqrt((1.9 * 1.9 + 4) / 2), 1e-9);
+  EXPECT_NEAR(s.base_deviation, std::sqrt((1.9 * 1.9 + 4) / 2), 1e-9);
   in.after["density"] = {nan_, 50};
   EXPECT_EQ(score_of({judged(nothing(), in)}).base_covered.of, 0u) << "what is not told is not counted";
 }

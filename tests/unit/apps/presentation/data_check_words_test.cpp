@@ -36,7 +36,7 @@ TEST(DataCheckWords, EveryFindingHasASentence) {
   const DataChecks checks{.dead = {"S09"},
                           .mislabelled = {{.gauge = "T2", .other = "", .own = -0.98, .like = 0.98}},
                           .clock = ClockOffset{.delay = 3.07e-6, .sd = 0.12e-6, .log_bayes_factor = 75.6},
-                          .nuisances = {{.term = "gain", .gauge = "S1", .pull = 5, .sd = 0.5}}};
+                          .nuisances = {{.term = "gain", .gauge = "S1", .deviation = 5, .sd = 0.5}}};
   EXPECT_THAT(data_check_sentences(checks, options),
               ElementsAre(plain_dead(checks.dead), mislabelled_sentence(checks.mislabelled[0]),
                           clock_sentence(*checks.clock) + " Omitted physics may look the same: run calomel diagnose.", HasSubstr("the gain of S1")));

@@ -132,15 +132,15 @@ TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
   f.fit.settled = false;
   f.fit.message = "has not settled after 0 rounds";
   s.check.holds = false;
-  s.nuisances = {{.name = "viscosity", .value = 12.345, .pull = -0.9}, {.name = "beyond", .value = 1.5, .pull = -2.5}};
+  s.nuisances = {{.name = "viscosity", .value = 12.345, .deviation = -0.9}, {.name = "beyond", .value = 1.5, .deviation = -2.5}};
   f.problem.shape.parameters[0].max = s.theta[0] = 3.25;
   f.problem.shape.parameters[1].min = s.theta[1] - 1;
   f.problem.shape.parameters[1].max = s.theta[1] + 1.5 * std::sqrt(s.covariance(1, 1));
   EXPECT_THAT(
       map_warnings(s, f.in, f.fit),
       ElementsAre("the emulator has not settled after 0 rounds", check_sentence(s.check), goodness_sentence(s.fit),
-                  "the records pull the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from what was known "
-                  "of it: something is missing that it takes up",
+                  "the records shift the multiple of the last mesh difference beyond the finest mesh to 1.5, 2.5 standard deviations from its prior mean: "
+                  "it may compensate for an effect that the model omits",
                   "a = 3.25 sits on a bound: the data would have it outside, or do not determine it",
                   "a bound of b lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond"));
 }

@@ -1,4 +1,4 @@
-#include "inverse/posterior/pulls.hpp"
+#include "inverse/posterior/prior_deviations.hpp"
 
 #include <fmt/format.h>
 
@@ -12,13 +12,13 @@ namespace calomel {
 
 namespace {
 
-constexpr double far = 3;                  ///< of some twenty numbers that are as they were said to be, one in twenty fits has one beyond
-constexpr std::size_t most_sentences = 3;  ///< the farthest: where much is wrong, much is pulled
+constexpr double far = 3;                  ///< with some twenty parameters whose priors are right, one fit in twenty has a larger deviation
+constexpr std::size_t most_sentences = 3;  ///< one large error shifts many parameters
 
 struct Words {
   const char *term, *number, *key;
-  double ErrorOptions::*sd = nullptr;  ///< where it has a unit of its own
-  double shown = 1;                    ///< units in one of ErrorOptions'
+  double ErrorOptions::*sd = nullptr;  ///< null if the deviation has no unit of its own
+  double shown = 1;                    ///< shown units in one unit of ErrorOptions
   const char* unit = "";
 };
 constexpr std::array words{Words{"gain", "the gain", "errors.gain_sd", &ErrorOptions::gain_sd, 100, "%"},
@@ -35,40 +35,40 @@ const Words* words_of(const std::string& term) {
 
 }  // namespace
 
-std::vector<Pull> pulls(const FitResidual& left) {
+std::vector<PriorDeviation> prior_deviations(const FitResidual& left) {
   const Cholesky covariance(left.covariance);
   const Eigen::VectorXd residual = covariance.solve_lower(left.residual);
-  std::vector<Pull> all;
+  std::vector<PriorDeviation> all;
   for (const auto& d : left.directions) {
     const Eigen::VectorXd change = covariance.solve_lower(d.change);
-    all.push_back({.term = d.term, .gauge = d.gauge, .pull = change.dot(residual), .sd = std::sqrt(std::max(0.0, 1 - change.squaredNorm()))});
+    all.push_back({.term = d.term, .gauge = d.gauge, .deviation = change.dot(residual), .sd = std::sqrt(std::max(0.0, 1 - change.squaredNorm()))});
   }
-  std::stable_sort(all.begin(), all.end(), [](const Pull& a, const Pull& b) { return std::abs(a.pull) > std::abs(b.pull); });
+  std::stable_sort(all.begin(), all.end(), [](const PriorDeviation& a, const PriorDeviation& b) { return std::abs(a.deviation) > std::abs(b.deviation); });
   return all;
 }
 
-std::string pulled_number(const std::string& term, const std::string& gauge) {
+std::string nuisance_words(const std::string& term, const std::string& gauge) {
   const Words* w = words_of(term);
   return (w ? w->number : term) + (gauge.empty() ? "" : " of " + gauge);
 }
 
-std::vector<std::string> far_pulls(const std::vector<Pull>& pulls, const ErrorOptions& errors) {
+std::vector<std::string> far_deviations(const std::vector<PriorDeviation>& deviations, const ErrorOptions& errors) {
   std::vector<std::string> sentences;
   std::size_t more = 0;
-  for (const auto& p : pulls) {
-    if (std::abs(p.pull) <= far) continue;
+  for (const auto& p : deviations) {
+    if (std::abs(p.deviation) <= far) continue;
     if (sentences.size() == most_sentences) {
       ++more;
       continue;
     }
     const Words* w = words_of(p.term);
     const std::string key = w ? fmt::format(" ({})", w->key) : "",
-                      value = w && w->sd ? fmt::format(", {:+.2g} {}", p.pull * errors.*(w->sd) * w->shown, w->unit) : "";
+                      value = w && w->sd ? fmt::format(", {:+.2g} {}", p.deviation * errors.*(w->sd) * w->shown, w->unit) : "";
     sentences.push_back(fmt::format(
-        "the records pull {} by {:+.1f} of its standard deviations{}{}: it is not what was said of it, or takes up something that the model leaves out",
-        pulled_number(p.term, p.gauge), p.pull, key, value));
+        "the records shift {} by {:+.1f} of its prior standard deviations{}{}: its prior is wrong, or it compensates for an effect that the model omits",
+        nuisance_words(p.term, p.gauge), p.deviation, key, value));
   }
-  if (more > 0) sentences.back() += fmt::format("; so with {} further numbers (mode.pulls)", more);
+  if (more > 0) sentences.back() += fmt::format("; {} further nuisance parameters also deviate by more than three (mode.pulls)", more);
   return sentences;
 }
 
