@@ -1,6 +1,6 @@
 #pragma once
 /// The seam of the house: a ForwardModel turns parameters into sensor histories. The built-in solver, a surrogate and
-/// a model outside the process are all ForwardModels, so inverse/ and uq/ never know which they hold.
+/// an external model are all ForwardModels, so inverse/ and uq/ never know which they hold.
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>

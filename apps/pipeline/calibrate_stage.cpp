@@ -52,7 +52,7 @@ ExitStatus make_upstream(StageCall& call, const std::string& method) {
   (void)inputs.problem();
   if (method == "map" && !std::filesystem::exists(inputs.artefact("map.json"))) (void)compared_fit(inputs);
   if (method != "map" && emulator) expect_own_mesh_among_emulators(inputs.study(), method);
-  const auto status = method == "map" ? ExitStatus::done : method == "spe" ? campaign_stage(call, Asked::upstream) : train_stage(call, Asked::upstream);
+  const auto status = method == "map" ? ExitStatus::done : method == "spe" ? campaign_stage(call, Requested::upstream) : train_stage(call, Requested::upstream);
   if (emulator) need_basin(call);
   return status;
 }
@@ -70,7 +70,7 @@ ExitStatus calibrate(StageCall& call, const std::string& method) {
   auto& inputs = call.inputs;
   const auto upstream = make_upstream(call, method);
   const auto provenance = calibration_provenance(inputs, method);
-  if (!call.finished.due(provenance, {method + ".json", method + ".nc"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {method + ".json", method + ".nc"}, Requested::by_user)) {
     inputs.notes().say(reused_line(method));
     const auto before = read_json(inputs.artefact(method + ".json"));
     return worse(upstream, before.value("status", "") == "done" ? ExitStatus::done : ExitStatus::not_to_be_trusted);

@@ -81,7 +81,7 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
   const auto& study = inputs.study();
   if (study.capabilities().log_density) return std::nullopt;
   if (study.physical())
-    throw study.file.located(InputError({.problem = "a model outside that is sampled by itself has no discrepancy to be marginalised",
+    throw study.file.located(InputError({.problem = "an external model that is sampled by itself has no discrepancy to be marginalised",
                                          .key = "map.product",
                                          .value = "\"physical\"",
                                          .suggestion = "add a [surrogate] table, by which it is sampled on an emulator, or set product = \"tuned\""}));

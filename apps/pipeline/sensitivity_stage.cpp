@@ -100,9 +100,9 @@ ExitStatus sensitivity_stage(StageCall& call) {
   const auto& study = inputs.study();
   const auto& command = inputs.command();
   const bool by_surrogate = !study.runs_the_model_itself();
-  const ExitStatus upstream = by_surrogate ? train_stage(call, Asked::upstream) : ExitStatus::done;
+  const ExitStatus upstream = by_surrogate ? train_stage(call, Requested::upstream) : ExitStatus::done;
   const auto provenance = sensitivity_provenance(inputs, by_surrogate);
-  if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Asked::by_user)) {
+  if (!call.finished.due(provenance, {"sensitivity.json", "sensitivity.nc", "sensitivity.csv"}, Requested::by_user)) {
     inputs.notes().say(reused_line("sensitivity"));
     return read_json(inputs.artefact("sensitivity.json")).value("status", "done") == "done" ? upstream : ExitStatus::not_to_be_trusted;
   }

@@ -75,18 +75,18 @@ ServedModel served(StudyInputs& inputs) {
 std::vector<double> jacobian_action(const Surrogate& surrogate, const std::vector<double>& theta, const std::vector<double>& v) {
   const HistoryBasis basis = surrogate.basis();
   const Eigen::Map<const Eigen::VectorXd> direction(v.data(), Eigen::Index(v.size()));
-  const auto slope = [&](const Eigen::VectorXd& weights) {
+  const auto gradient = [&](const Eigen::VectorXd& weights) {
     return surrogate.vector_jacobian_product(theta, {weights.data(), std::size_t(weights.size())}).dot(direction);
   };
   const auto values = Eigen::Index(surrogate.shape().values());
   Eigen::VectorXd out(values);
   if (basis.empty()) {
-    for (Eigen::Index i = 0; i < values; ++i) out[i] = slope(Eigen::VectorXd::Unit(values, i));
-  } else {  // the weights D (D'D)^-1 e_j give the slope of the j-th coefficient
+    for (Eigen::Index i = 0; i < values; ++i) out[i] = gradient(Eigen::VectorXd::Unit(values, i));
+  } else {  // the weights D (D'D)^-1 e_j give the gradient of the j-th coefficient
     const Eigen::MatrixXd d = basis.directions.cast<double>();
     const Eigen::MatrixXd weights = d * inverse_symmetric(d.transpose() * d);
     Eigen::VectorXd coefficients(d.cols());
-    for (Eigen::Index j = 0; j < d.cols(); ++j) coefficients[j] = slope(weights.col(j));
+    for (Eigen::Index j = 0; j < d.cols(); ++j) coefficients[j] = gradient(weights.col(j));
     out = d * coefficients;
   }
   return {out.begin(), out.end()};

@@ -24,8 +24,8 @@ struct StageCall {
 inline ExitStatus worse(ExitStatus a, ExitStatus b) { return a == ExitStatus::done ? b : a; }
 
 /// Refuses an option that has nothing to do here. Errors: InputError where it is asked for.
-inline void refuse(bool asked, const char* option, const char* why) {
-  if (asked) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
+inline void refuse(bool requested, const char* option, const char* why) {
+  if (requested) throw InputError({.problem = why, .key = option, .suggestion = "leave it out"});
 }
 
 }  // namespace calomel

@@ -37,7 +37,7 @@ const char* no_effect_text = "none of its numbers changes the records by itself"
 std::string skipped_text(const SkippedStep& s) {
   switch (s.kind) {
     case SkippedStep::Kind::mechanisms:
-      return "the screening of mechanisms and all later steps: channels look mixed up";
+      return "the screening of mechanisms and all later steps: channels appear to be mixed up";
     case SkippedStep::Kind::no_effect:
       return s.name + ": " + no_effect_text;
     case SkippedStep::Kind::relinearisation:

@@ -124,7 +124,7 @@ PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup>
                           "physics that was tried.",
                           misfit),
               finer};
-    case Gate::numerical_rival:
+    case Gate::numerical_competitor:
       return {fmt::format("The simulation and the records differ (misfit {}). An effect, {}, would explain the difference, but the simulation's own "
                           "discretisation explains it nearly as well.",
                           misfit, name),
@@ -236,7 +236,7 @@ void add_unsettled(const Diagnosis& d, std::span<const ParameterGroup> groups, P
 void add_data_checks(const Diagnosis& d, PlainSummary& summary) {
   if (!d.base.mislabelled.empty())
     summary.finding =
-        fmt::format("The simulation and the records differ (misfit {}), but channels look mixed up, so no mechanism was tried.", percent(d.misfits.before));
+        fmt::format("The simulation and the records differ (misfit {}), but channels appear to be mixed up, so no mechanism was tried.", percent(d.misfits.before));
   std::string checks;
   for (const auto& channel : d.base.mislabelled) checks += mislabelled_sentence(channel) + ' ';
   if (d.clock) checks += clock_sentence(*d.clock) + ' ';

@@ -64,11 +64,11 @@ std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceM
   return fmt::format("the density has {} modes: {}. Chains begin in all of them", modes.size(), places);
 }
 
-std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names) {
-  const auto most = std::size_t(std::max_element(widening.sd_ratio.begin(), widening.sd_ratio.end()) - widening.sd_ratio.begin());
+std::string inflation_sentence(const NoiseInflation& inflation, const std::vector<std::string>& names) {
+  const auto most = std::size_t(std::max_element(inflation.sd_ratio.begin(), inflation.sd_ratio.end()) - inflation.sd_ratio.begin());
   return fmt::format(
       "averaged over {} draws of the emulator's noise, worth {:.1f}: deviations are {:.2f} to {:.2f} times those with its estimate alone, most of {}",
-      widening.weights.size(), widening.effective_draws, *std::min_element(widening.sd_ratio.begin(), widening.sd_ratio.end()), widening.sd_ratio[most],
+      inflation.weights.size(), inflation.effective_draws, *std::min_element(inflation.sd_ratio.begin(), inflation.sd_ratio.end()), inflation.sd_ratio[most],
       names[most]);
 }
 

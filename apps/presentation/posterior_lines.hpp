@@ -32,7 +32,7 @@ std::string absorption_sentence(const std::string& parameter, double prior_sds);
 std::string modes_sentence(const LogDensity& density, const std::vector<LaplaceMode>& modes);
 
 /// How many draws of the noise's hyperparameters counted, and by how much they widen which quantity most.
-std::string widening_sentence(const NoiseWidening& widening, const std::vector<std::string>& names);
+std::string inflation_sentence(const NoiseInflation& inflation, const std::vector<std::string>& names);
 /// Why the emulator's hyperparameters were held at their estimate: the sampler corrects the emulator by the true model, or the case has no draws of them.
 std::string estimate_only_reason(const SamplerOptions& sampler);
 /// How often the emulator was refined, and why it ended.

@@ -56,7 +56,7 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
     for (const auto& row : comparison.at("parameters"))
       same = same &&
              row.at(name) == (row.at("name") == "impedance" ? summary.at("impedance").at("value") : summary.at("theta").at(row.at("name").get<std::string>()));
-    const Json::json_pointer own("/mesh/working_mesh");  // compared on the case's mesh unless all three tell the finer one's
+    const Json::json_pointer own("/mesh/working_mesh");  // compared on the case's mesh unless all three report that of the finer mesh
     const Json& scores = comparison.at("scores_on") != summary.at("scores_on") && summary.contains(own) ? summary.at(own) : summary;
     for (const char* table : {"accuracy", "mae"}) same = same && comparison.at(table).back().at(name) == scores.at(table);
     holds(same, fmt::format("comparison.json: the parameters and scores of {} are those of {}.json", name, name));

@@ -20,7 +20,7 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
   std::vector<Eigen::Index> chosen;
   const int runs = coarse + fine;
   for (int i = 0; i < runs; ++i) {
-    const int level = emulator.levels() > 1 && i >= fine ? 1 : 0;  // the dear ones first, where most is unknown
+    const int level = emulator.levels() > 1 && i >= fine ? 1 : 0;  // expensive runs first, where the variance is largest
     Eigen::Index best = -1;
     Eigen::MatrixXd& of_level = taken[std::size_t(level)];
     double most = -1;

@@ -41,7 +41,7 @@ std::vector<double> EmulatorBox::theta(const Eigen::VectorXd& u) const {
   return theta;
 }
 
-Eigen::VectorXd EmulatorBox::slope(const Eigen::VectorXd& u) const {
+Eigen::VectorXd EmulatorBox::derivative(const Eigen::VectorXd& u) const {
   Eigen::VectorXd s = half_width_;
   const auto t = theta(u);
   for (Eigen::Index k = 0; k < size(); ++k)

@@ -21,7 +21,7 @@ class EmulatorBox {
   [[nodiscard]] Eigen::VectorXd u(std::span<const double> theta) const;
   [[nodiscard]] std::vector<double> theta(const Eigen::VectorXd& u) const;
   /// d theta / d u, (n).
-  [[nodiscard]] Eigen::VectorXd slope(const Eigen::VectorXd& u) const;
+  [[nodiscard]] Eigen::VectorXd derivative(const Eigen::VectorXd& u) const;
   /// Whether theta lies within, to a part in 10^9.
   [[nodiscard]] bool contains(std::span<const double> theta) const { return u(theta).cwiseAbs().maxCoeff() <= 1 + 1e-9; }
   /// The nearest point within.

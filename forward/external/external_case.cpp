@@ -64,7 +64,7 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
     m.parameters.push_back(std::move(one.parameter)), m.off.push_back(one.off);
   }
   if (m.parameters.empty())
-    throw file.located(InputError({.problem = "a mechanism of a model outside is a group of its inputs, and this one has none",
+    throw file.located(InputError({.problem = "a mechanism of an external model is a group of its inputs, and this one has none",
                                    .key = path,
                                    .suggestion = fmt::format("add [{}.parameter.NAME] with off, min and max", path)}));
   return m;
@@ -144,7 +144,7 @@ ExternalCase ExternalCase::read(CaseFile& file) {
   for (const auto& p : c.parameters)
     if (file.has("parameter." + p.name + ".key"))
       throw file.located(InputError(
-          {.problem = "the inputs of a model outside have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
+          {.problem = "the inputs of an external model have no key, only their order", .key = "parameter." + p.name + ".key", .suggestion = "take it out"}));
   bind_parameters(file, c.parameters, [](const Parameter& p) -> double {
     if (p.nominal) return *p.nominal;
     if (p.prior == "normal" || p.prior == "truncated_normal") return p.mean ? *p.mean : 0.5 * (p.min + p.max);

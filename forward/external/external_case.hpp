@@ -1,5 +1,5 @@
 #pragma once
-/// The case file of a model outside of the program, `[model] kind = "umbridge"`.
+/// The case file of an external model, `[model] kind = "umbridge"`.
 #include <string>
 #include <vector>
 
@@ -26,7 +26,7 @@ struct ServerOptions {
   }
 };
 
-/// `[output] time` of a model outside.
+/// `[output] time` of an external model.
 struct OutputTime {
   double start = 0, step = 0;
   int count = 0;
@@ -49,7 +49,7 @@ struct OutputOptions {
   }
 };
 
-/// `[mechanism.NAME]` of a model outside: inputs that are at their `off` values in the base model.
+/// `[mechanism.NAME]` of an external model: inputs that are at their `off` values in the base model.
 struct ExternalMechanism {
   std::string name;
   bool enabled = false;

@@ -1,5 +1,5 @@
 #pragma once
-/// A model outside of the program as a ForwardModel.
+/// An external model as a ForwardModel.
 #include "forward/external/external_case.hpp"
 #include "forward/model.hpp"
 

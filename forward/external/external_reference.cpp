@@ -6,7 +6,7 @@ namespace calomel {
 
 std::string external_reference() {
   std::string s =
-      "\n# Cases of a model outside\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). "
+      "\n# Cases of an external model\n\nWith `[model] kind = \"umbridge\"` the model is behind HTTP, see [how-to/outside_model.md](how-to/outside_model.md). "
       "The case has `[case]`, `[model]`, "
       "`[output]`, `[recordings]`, `[parameter.NAME]` in the order of\nthe model's inputs (without `key`), and `[mechanism.NAME.parameter.P]`: the keys of a "
       "parameter and `off`, the value at which the mechanism does nothing. `[mechanism.NAME]` "

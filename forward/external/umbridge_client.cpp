@@ -227,7 +227,7 @@ UmbridgeClient::UmbridgeClient(UmbridgeOptions options) : options_(std::move(opt
 
 UmbridgeClient::~UmbridgeClient() = default;
 
-Answered<Json> UmbridgeClient::ask(const std::string& path, const std::optional<Json>& body) const {
+Answered<Json> UmbridgeClient::request(const std::string& path, const std::optional<Json>& body) const {
   Reply reply;
   double pause = options_.pause;
   for (int attempt = 0;; ++attempt, pause *= 2) {
@@ -271,7 +271,7 @@ void UmbridgeClient::wait(double seconds) const {
 Json UmbridgeClient::about(const std::string& path) const {
   Json body{{"name", options_.name}};
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = path == "/Info" ? ask(path, std::nullopt) : ask(path, body);
+  auto answer = path == "/Info" ? request(path, std::nullopt) : request(path, body);
   if (!answer.value) throw NumericsError(fmt::format("the model \"{}\" at {} {}", options_.name, options_.url, answer.message));
   return std::move(*answer.value);
 }
@@ -318,7 +318,7 @@ std::vector<std::size_t> UmbridgeClient::output_sizes() const { return sizes("/O
 Answered<Blocks> UmbridgeClient::evaluate(const Blocks& input, std::span<const std::size_t> sizes) const {
   Json body{{"name", options_.name}, {"input", input}};
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = ask("/Evaluate", body);
+  auto answer = request("/Evaluate", body);
   if (!answer.value) return {std::nullopt, answer.message, answer.lost};
   const auto output = answer.value->find("output");
   if (output == answer.value->end() || !output->is_array()) return {std::nullopt, "answers /Evaluate without output"};
@@ -336,7 +336,7 @@ Answered<std::vector<double>> UmbridgeClient::action(const std::string& path, Js
                                                      std::size_t size) const {
   body.update({{"name", options_.name}, {"input", input}, {"outWrt", out_wrt}, {"inWrt", in_wrt}});
   if (!options_.config.empty()) body["config"] = options_.config;
-  auto answer = ask(path, body);
+  auto answer = request(path, body);
   if (!answer.value) return {std::nullopt, answer.message};
   const auto output = answer.value->find("output");
   return output == answer.value->end() ? Answered<std::vector<double>>{std::nullopt, "answers " + path + " without output"} : numbers_of(*output, size);

@@ -69,7 +69,7 @@ class UmbridgeClient {
   class Connections;
   struct Reply;
   /// One request, repeated while it is not answered. Errors: Unreachable, Interrupted.
-  [[nodiscard]] Answered<Json> ask(const std::string& path, const std::optional<Json>& body) const;
+  [[nodiscard]] Answered<Json> request(const std::string& path, const std::optional<Json>& body) const;
   void wait(double seconds) const;
   [[nodiscard]] Json about(const std::string& path) const;
   [[nodiscard]] std::vector<std::size_t> sizes(const std::string& path, const char* key) const;

@@ -29,7 +29,7 @@ struct MechanismKey {
   double low, high;  ///< default prior range
   bool log_uniform = false;
   bool decides = true;  ///< the mechanism is off when every deciding key has its off value
-  bool asked = true;    ///< a diagnosis fits it; false: another of the mechanism's keys does in the records what this one does
+  bool screened = true;  ///< whether a diagnosis fits it; false: another key of the mechanism has the same effect on the records
   std::optional<int> off_centre =
       std::nullopt;     ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of
   bool shapes = false;  ///< does not decide, but changes what the mechanism looks like so much that a diagnosis fits it, too

@@ -31,7 +31,7 @@ struct SurrogateSummary {
   FitMetrics test, train;
   std::vector<SensorMetrics> sensors;  ///< on held-out runs, conditions pooled
   std::vector<double> run_error;       ///< of each held-out run: rmse / root mean square of its record
-  double variance_ratio = 0;           ///< held-out sum of error^2 / sum of the kind's own variance; 1 = honest, 0 = has none;
+  double variance_ratio = 0;           ///< held-out sum of error^2 / sum of the kind's own variance; 1: calibrated, 0: no variance;
                                        ///< above 1 the surrogate's error_variance is raised by it
   double train_seconds = 0;
   TrainingRecord record;

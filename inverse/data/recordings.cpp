@@ -320,7 +320,7 @@ std::vector<std::string> match_sensors(const Recordings& recordings, std::span<c
            .value = "sensor \"" + recordings.sensors[s] + '"',
            .range = join(declared),
            .suggestion = fmt::format(
-               "declare it ([[sensor]] of a target, output.sensors of a model outside), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"",
+               "declare it ([[sensor]] of a target, output.sensors of an external model), or leave it out with recordings.exclude = [\"{}\"]; {} is \"{}\"",
                recordings.sensors[s], without.empty() ? "the nearest declared one" : "declared without a record",
                nearest_name(recordings.sensors[s], without.empty() ? declared : without)),
            .file = recordings_file.string(),

@@ -40,7 +40,7 @@ struct RecordingOptions {
     v("file", file,
       {.doc = "recordings.nc, a CSV of the form sensor,pulse,time,strain (condition optional), or time and one column a sensor", .required = true});
     v("unit", unit,
-      {.doc = "strain or microstrain, which is converted. Records of a line or of a model outside are in the model's own unit, case.sensor_unit"});
+      {.doc = "strain or microstrain, which is converted. Records of a line or of an external model are in the model's own unit, case.sensor_unit"});
     v("trigger_offset", trigger_offset, {.unit = "s", .range = any(), .doc = "time on the record's clock at which the simulation starts (subtracted)"});
     v("begin", begin, {.unit = "s", .range = any(), .doc = "earlier samples are left out; on the simulation's clock"});
     v("end", end, {.unit = "s", .range = any(), .doc = "later samples are left out; on the simulation's clock"});

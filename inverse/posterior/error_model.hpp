@@ -46,7 +46,7 @@ struct ErrorOptions {
       {.range = between(10, 4000), .doc = "at most so many values of all gauges; records and simulations are decimated to them by one filter"});
     v("band", band, {.unit = "Hz", .range = above(0), .doc = "frequency up to which records are compared"});
     v("energy_scale_sd", energy_scale_sd, {.range = between(0, 0.5), .doc = "relative sd of the absolute pulse energy, common to all gauges; marginalised"});
-    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of a model outside 0"});
+    v("gain_sd", gain_sd, {.range = between(0, 0.5), .doc = "relative sd of each gauge's gain; marginalised. Of a line and of an external model 0"});
     v("baseline", baseline, {.range = at_least(0), .doc = "sd of each gauge's baseline in units of its noise; marginalised"});
     v("coherent_noise", coherent_noise, {.range = between(0, 1), .doc = "sd of the part of the noise that all pulses share, over that of one pulse"});
     v("young_sd", young_sd,

@@ -135,7 +135,7 @@ double median(std::vector<double> x) {
 }
 
 /// What twelve gauges, read at every output interval, cost, and what eight runs in the lanes save a run: medians of the ratios of neighbouring repetitions
-/// that take turns, by processor time. The first ratio is of two equal runs without gauges: it shows what such a measurement can tell.
+/// that take turns, by processor time. The first ratio is of two equal runs without gauges: it shows the resolution of such a measurement.
 void measure_ratios() {
   const ForwardCase c = slice_of(0.775e-3, 12);
   const BuiltInModel model(c, {}, 1);

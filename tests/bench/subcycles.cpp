@@ -1,5 +1,5 @@
 // What sub-cycling gains and what it changes: processor time, strain and energy balance for 1, 2, 3, 4 and 6 sub-cycles at most, runs
-// taken in turn in the same minutes (three of each unless told; --lanes: of eight runs in the lanes alone).
+// taken in turn in the same minutes (three of each by default; --lanes: of eight runs in the lanes alone).
 //
 //   bench_subcycles [--lanes] [--repeats N] [--buffer LAYERS] [--reference STRAINS.csv] CASE.toml [key=value ...]
 //

@@ -291,7 +291,7 @@ TEST(ReferenceGenerator, AnEmptyBubbleClosesInRayleighsTime) {
   EXPECT_NEAR(steps * 2e-8, expected, 0.02 * expected);
 }
 
-TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {
+TEST(ReferenceGenerator, ZenerSolidHasItsLossRatio) {
   const Solid steel = Solid::from_young(7960, 193e9, 0.29);
   const double frequency = std::sqrt(steel.p_modulus() / steel.density) / 0.2;
   Slice slice(strip(1e-3, 0, 0.1, Cell::rigid, Cell::rigid), steel, {.density = density, .sound_speed = speed});
@@ -299,7 +299,7 @@ TEST(ReferenceGenerator, ZenerSolidLosesWhatItsLossRatioSays) {
   EXPECT_NEAR(std::log(lowest_mode(slice, 0.1, true, frequency, 10).left), -0.01 * 2 * std::numbers::pi * 9.5, 0.05);  // within the last period
 }
 
-TEST(ReferenceGenerator, RelaxingLiquidLosesWhatItsViscositySays) {
+TEST(ReferenceGenerator, RelaxingLiquidHasTheLossOfItsViscosity) {
   const double frequency = speed / 0.2, omega = 2 * std::numbers::pi * frequency, time = 5e-6, zeta = 3e4;
   Slice slice(strip(1e-3, 0.1, 0.1, Cell::rigid, Cell::rigid), {}, {.density = density, .sound_speed = speed, .cutoff = 1e15, .viscosity = 0, .collapse = 0});
   slice.relaxing = {.viscosity = zeta, .time = time};

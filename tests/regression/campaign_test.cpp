@@ -47,7 +47,7 @@ TEST(CampaignVerb, MeasuresTheFloorAtItsEndAndStoresIt) {
   EXPECT_FALSE(NetcdfReader(dir / "c" / "campaign.nc").has("floor_sd"));
 }
 
-TEST(CampaignVerb, KilledInTheFloorItGoesOnToTheSameBytes) {
+TEST(CampaignVerb, InterruptedInTheFloorItResumesToTheSameBytes) {
   const auto dir = folder("campaign_killed");
   ASSERT_EQ(run(dir, "campaign case.toml --out whole").status, 0);
   const fs::path killed = dir / "killed", journal = killed / "runs.journal";
@@ -67,7 +67,7 @@ TEST(CampaignVerb, KilledInTheFloorItGoesOnToTheSameBytes) {
 }
 
 // What changes no strain is no other campaign; what does is, by name.
-TEST(CampaignVerb, IsTheSameWhetherEnergiesAreBookedOrNot) {
+TEST(CampaignVerb, IsTheSameWithAndWithoutAnEnergyBalance) {
   const auto dir = folder("campaign_energy_balance");
   const std::string words = "campaign case.toml --set campaign.floor=false";
   ASSERT_EQ(run(dir, words).status, 0);

@@ -72,7 +72,7 @@ fs::path folder(const std::string& name) {
 
 }  // namespace
 
-TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
+TEST(DiagnoseVerb, GivesItsVerdictInTwoSentencesWithWhichTheReportBegins) {
   const auto dir = folder("diagnose");
   const auto out = run(dir, "diagnose case.toml --out a");
   ASSERT_EQ(out.status, 0) << out.said;
@@ -122,7 +122,7 @@ TEST(DiagnoseVerb, SaysItsVerdictInTwoSentencesAndTheReportBeginsWithThem) {
 }
 
 // Before measuring: no recordings are needed, a stronger beam and another gauge are tried, and a kill costs nothing that was run.
-TEST(DiagnoseVerb, TellsWhatAPlannedExperimentCouldName) {
+TEST(DiagnoseVerb, ReportsTheMechanismsThatAPlannedExperimentCouldName) {
   const auto dir = folder_with("diagnose_power", {{"case.toml", with(with(slice_case, "end = 2e-5", "end = 1.5e-4"), "riemer", "linear") + tables +
                                                                     "[power]\npulses = 10\nnoise = 2e-6\ngauges = 1\nenergies = [2]\n"}});
   const auto out = run(dir, "diagnose case.toml --power --out a");

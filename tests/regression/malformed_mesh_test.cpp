@@ -190,7 +190,7 @@ TEST(WellFormedMesh, ChangedMeshDoesNotMatchTheCampaignMadeBefore) {
   EXPECT_THAT(out.said, testing::HasSubstr("geometry.file"));
 }
 
-TEST_P(MalformedMesh, ExitsTwoWithAMessageAStrangerCanActOn) {
+TEST_P(MalformedMesh, ExitsTwoWithAMessageThatNamesTheMistakeAndTheRemedy) {
   const Edit& e = GetParam();
   const auto out = run(folder_of(e), "check case.toml");
   EXPECT_EQ(out.status, 2) << out.said;

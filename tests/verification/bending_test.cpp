@@ -127,7 +127,7 @@ TEST(Bending, FreePlateSwingsAtTheReferenceFrequencyWithTheRightSurfaceStrain) {
   }
 }
 
-TEST(Bending, AWrongModulusIsSeen) {
+TEST(Bending, AWrongModulusIsDetected) {
   const auto v = vibrate(2, 40, LinearElastic::from_young(1.03 * young, poisson));
   EXPECT_GT(v.frequency, 1.01 * reference_frequency);
 }

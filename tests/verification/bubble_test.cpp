@@ -55,7 +55,7 @@ TEST(Bubble, AnEmptyCavityCollapsesInRayleighsTime) {
 
 // Collapse time, least radius and rebound are compared with an independent computation, for the law's own sub-steps and for finer ones, with
 // ten thousand samples.
-TEST(Bubble, CollapsesAndReboundsAsKellerAndMiksisSay) {
+TEST(Bubble, CollapsesAndReboundsAccordingToKellerAndMiksis) {
   struct Case {
     std::string name;
     KellerMiksis bubble;
@@ -136,7 +136,7 @@ TEST(BubblyLiquid, DispersionIsCommanderAndProsperettis) {
 
 // One kappa and one thermal viscosity represent heat conduction, which gives 451.9 and 348.7 m/s. Chosen at resonance, they are closer to that at
 // 10 kHz than either limit is. Slow sound is isothermal, which they miss.
-TEST(BubblyLiquid, TheDefaultsStandForConductionOfHeatNearResonanceOnly) {
+TEST(BubblyLiquid, TheDefaultsRepresentConductionOfHeatNearResonanceOnly) {
   const double alpha0 = 1e-4, at_1_khz = 451.9, at_10_khz = 348.7;
   const BubblyLiquid law(mercury, helium(1.16, 0.47, 0.5 + 1.3e-3), alpha0), isothermal(mercury, helium(1), alpha0),
       adiabatic(mercury, helium(5.0 / 3), alpha0);

@@ -44,7 +44,7 @@ double lost() {
 
 }  // namespace
 
-TEST(Collapse, IsInelasticAsTheFrontSays) {
+TEST(Collapse, IsInelasticAccordingToTheFront) {
   const Front front;
   const double coarse = closing(25, 0.5).dissipated, fine = closing(100, 0.5).dissipated;
   verify({.item = "Closing cavity",

@@ -112,7 +112,7 @@ void write_shuffled(const MeshFile& mesh, const std::filesystem::path& path, con
 
 }  // namespace
 
-TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
+TEST(OutsideMesh, TargetsThroughAFileGiveTheSameBits) {
   for (const char* kind : {"box", "jet_flow"}) {
     const ForwardCase c = target(kind, 2e-5);
     const auto own = strain(c);
@@ -126,7 +126,7 @@ TEST(OutsideMesh, TargetsThroughAFileAnswerWithTheSameBits) {
   }
 }
 
-TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheAnswerByRoundingAlone) {
+TEST(OutsideMesh, OrderTurnsAndPlaceChangeTheResultByRoundingAlone) {
   const ForwardCase c = target("box", 2e-5);
   const auto own = strain(c);
   write_mesh(make_mesh(c.geometry), scratch_file("own.inp"));

@@ -137,7 +137,7 @@ double exact_reflection(double speed) {
 }  // namespace
 
 // R = (Z_s - Z_m)/(Z_s + Z_m) = 0.3925 at c = 1450 m/s, 0.3907 at 1456; T = 1 + R (physics.md section 4).
-TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAsTheImpedancesSay) {
+TEST(Interface, ReflectsAndTransmitsAtNormalIncidenceAccordingToTheImpedances) {
   EXPECT_NEAR(exact_reflection(1450), 0.3925, 5e-5);
   EXPECT_NEAR(exact_reflection(1456), 0.3907, 5e-5);
   for (const double speed : {1450., 1456.}) {

@@ -132,13 +132,13 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
 /// without a line of its own has its defaults.
 SamplerOptions options_of(const std::string& kind, const std::string& posterior) {
   SamplerOptions o = default_sampler_options(kind);
-  const bool dear = posterior == "mixture", wide = posterior == "eight_schools";
-  if (kind == "dram") o.warmup = dear ? 3000 : 10000, o.draws = 5000, o.thin = dear ? 1 : wide ? 20 : 8;
+  const bool expensive = posterior == "mixture", wide = posterior == "eight_schools";
+  if (kind == "dram") o.warmup = expensive ? 3000 : 10000, o.draws = 5000, o.thin = expensive ? 1 : wide ? 20 : 8;
   if (kind == "nuts") o.warmup = 1000, o.draws = 2500, o.thin = 1;
   if (kind == "ensemble")
     o.warmup = 1000, o.draws = posterior == "kid_scores" ? 400 : 1000, o.thin = 10, o.dispersion = reference_posterior(posterior).dispersion;
-  if (kind == "smc") o.draws = dear ? 500 : 1000;
-  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = dear ? 1000 : 3000, o.table<DelayedAcceptanceOptions>().first_stage = dear ? 10 : 20;
+  if (kind == "smc") o.draws = expensive ? 500 : 1000;
+  if (kind == "delayed_acceptance") o.warmup = 500, o.draws = expensive ? 1000 : 3000, o.table<DelayedAcceptanceOptions>().first_stage = expensive ? 10 : 20;
   return o;
 }
 
@@ -173,7 +173,7 @@ double worst_of_wrong(const ReferencePosterior& p, const LogDensity& wrong, cons
 
 class Control : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Control, AFlatterDensityIsTold) {
+TEST_P(Control, AFlatterDensityIsDetected) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
   if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));
@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(Published, Control, ValuesIn(posterior_names()), [](con
 /// draws cannot resolve.
 class FewData : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(FewData, TellADroppedJacobian) {
+TEST_P(FewData, DetectADroppedJacobian) {
   const auto& p = reference_posterior(GetParam());
   const Json file = reference_file(p);
   if (file.is_null()) GTEST_SKIP() << absent_from_shared(reference_path(p));

@@ -42,7 +42,7 @@ std::pair<double, double> first_and_last_energy(const Mesh& mesh, const RunSetup
 
 }  // namespace
 
-TEST(RearFace, UniformlyHeatedMercuryBeforeItStaysAtRest) {
+TEST(RearFace, UniformlyHeatedMercuryBeforeItRemainsAtRest) {
   const Mesh mesh = channel(50, 3, 0.012);
   RunSetup s = linear_setup(2e-4, 1e-6);
   const double p0 = 20e6;

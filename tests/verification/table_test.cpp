@@ -58,7 +58,7 @@ TEST(Table, AValueMayMoveByATenthOfItsToleranceOnly) {
   EXPECT_THAT(compare(moved, committed.page), ElementsAre(HasSubstr("moved: Taylor plate | one")));
 }
 
-TEST(Table, RowsTooManyAndTooFewAreNoticed) {
+TEST(Table, AdditionalAndMissingRowsAreReported) {
   const Committed committed(two);
   Record other = two;
   other.rows[1].quantity = "three";

@@ -10,8 +10,8 @@ namespace calomel {
 /// Fits what costs no runs: the gauge with the greatest evidence and the groups of many small numbers, each linearised about none.
 void fit_without_runs(const FitContext& context, const std::vector<ScreenedCandidate>& screened);
 
-/// Fits the candidates that could still lead, or be a rival of the leader, by their first-order evidence; where the base model does not explain the records,
-/// the best candidate in any case. A candidate that the budget leaves out keeps its first-order evidence, so that nothing is named as if it had no rival.
+/// Fits the candidates that could still lead, or compete with the leader, by their first-order evidence; where the base model does not explain the records,
+/// the best candidate in any case. A candidate that the budget leaves out keeps its first-order evidence, so that nothing is named as if it had no competitor.
 void fit_leaders(const FitContext& context, const std::vector<ScreenedCandidate>& screened);
 
 /// Follows the estimates of the groups of many small numbers, in place of their fits about none. That takes the most runs, so that what could lead them is

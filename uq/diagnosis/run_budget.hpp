@@ -11,7 +11,7 @@ namespace calomel {
 /// A step that a diagnosis did not make, or not to its end.
 struct SkippedStep {
   enum class Kind {
-    mechanisms,        ///< nothing was screened, because channels look mixed up
+    mechanisms,        ///< nothing was screened, because channels appear to be mixed up
     screening_failed,  ///< `name`: a run of its screening failed with `message`
     no_effect,         ///< `name`: no number of it changes the records by itself
     relinearisation,   ///< `name`: its numbers were not linearised again, which takes `runs` runs

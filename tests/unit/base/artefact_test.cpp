@@ -41,7 +41,7 @@ TEST(Artefact, ReuseNamesTheChangedKey) {
 }
 
 // Older archives have solver.booking in every identity. They are still read; where the option decides what is written, it still counts.
-TEST(Artefact, BookingOfAnOlderArtefactIsNoOtherSetting) {
+TEST(Artefact, TheOldNameOfTheEnergyBalanceIsNoOtherSetting) {
   const auto dir = scratch("older");
   for (const char* stage : {"campaign", "simulate"}) {
     Provenance before{.stage = stage, .options = {{"solver", {{"precision", "double"}, {"booking", true}}}}, .seed = 3, .inputs = {{"sensors", "x"}}};

@@ -90,7 +90,7 @@ TEST(FrameFile, ADamagedFrameAndWhatFollowsAreGivenUp) {
   }
 }
 
-TEST(FrameFile, ItsIdentityIsToldWithoutOpeningIt) {
+TEST(FrameFile, ItsIdentityIsReadWithoutOpeningIt) {
   const auto path = scratch_file("identity");
   EXPECT_EQ(FrameFile::identity(path, "calomel test 1"), "");
   const FrameFile held(path, "calomel test 1", own, [](std::string_view, FrameFile::Place) {});

@@ -191,7 +191,7 @@ TEST(Coverage, CountsIntervalsWhereTheVerdictIsRight) {
   EXPECT_EQ(s.base_covered_all.of, 4u);
   EXPECT_NEAR(s.base_deviation, std::sqrt((1.9 * 1.9 + 4) / 2), 1e-9);
   in.after["density"] = {nan_, 50};
-  EXPECT_EQ(score_of({judged(nothing(), in)}).base_covered.of, 0u) << "what is not told is not counted";
+  EXPECT_EQ(score_of({judged(nothing(), in)}).base_covered.of, 0u) << "only reported intervals are counted";
 }
 
 TEST(Coverage, OfAMechanismsNumbersInItsOwnUnits) {
@@ -377,7 +377,7 @@ TEST(Truth, IsReadAsTheGeneratorWritesIt) {
   EXPECT_THAT(t.numbers, testing::ElementsAre(testing::Pair("beam_profile.offset_z", 0.002), testing::Pair("sensor_response.gain", 1.1)));
 }
 
-TEST(Truth, WhatIsWrongIsToldWithItsPlace) {
+TEST(Truth, AMistakeIsReportedWithItsPlace) {
   const auto with = [](std::string text, const std::string& old, const std::string& now) { return text.replace(text.find(old), old.size(), now); };
   EXPECT_THAT(refused(text_file("t1.toml", with(truth_text, "\"pair\"", "\"both\"")), true),
               testing::AllOf(HasSubstr("t1.toml:3"), HasSubstr("none, single, pair, outside, sensor")));

@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, CaseFile>> many_specs() {
   return all;
 }
 
-TEST(Suite, NamesAreKnownAndOthersAreAnsweredWithTheNearest) {
+TEST(Suite, UnknownNamesAreRefusedWithTheNearest) {
   EXPECT_NO_THROW(suites().get("small").validate());
   EXPECT_NO_THROW(suites().get("quick").validate());
   try {
@@ -77,7 +77,7 @@ TEST(Suite, QuickHasEachKindOnceOrTwice) {
                                           testing::Pair("gauge_fault", 1), testing::Pair("rear_layer", 1)));
 }
 
-TEST(Suite, OrderTellsNothingAndDependsOnTheSeed) {
+TEST(Suite, OrderIsRandomAndDependsOnTheSeed) {
   const auto& small = suites().get("small");
   const auto one = cases_of(small, 1);
   EXPECT_EQ(one, cases_of(small, 1));
@@ -164,7 +164,7 @@ TEST(Draw, NumbersLieInTheirRanges) {
   }
 }
 
-TEST(Draw, EffectsStayOnTheirWallsAndOffTheGauges) {
+TEST(Draw, EffectsAreOnTheirWallsAndAwayFromTheGauges) {
   std::set<std::string> faults;
   for (const auto& [effects, spec] : many_specs())
     for (std::size_t k = 0; k < spec.count("effect"); ++k) {

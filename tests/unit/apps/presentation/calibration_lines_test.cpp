@@ -10,7 +10,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-TEST(CalibrationLines, OnlyWhatHasSomethingToSayIsTold) {
+TEST(CalibrationLines, OnlyFindingsAreReported) {
   EncSummary enc;
   EXPECT_THAT(enc_lines(enc), IsEmpty());
   enc.agreement.sentence = "the optimisers agree";
@@ -22,7 +22,7 @@ TEST(CalibrationLines, OnlyWhatHasSomethingToSayIsTold) {
   EXPECT_THAT(spe_lines(spe), ElementsAre("spe: the mesh takes 9 %"));
 }
 
-TEST(CalibrationLines, MapTellsWhatIsIdentifiedOnlyWhereThereIsAnAnswer) {
+TEST(CalibrationLines, MapReportsWhatIsIdentifiedOnlyIfThereIsAResult) {
   MapSummary map;
   map.identification.sentence = "the data pin the impedance";
   const std::string check = "map: " + check_sentence(map.check);
@@ -32,7 +32,7 @@ TEST(CalibrationLines, MapTellsWhatIsIdentifiedOnlyWhereThereIsAnAnswer) {
   EXPECT_THAT(map_lines(map), ElementsAre(check));
 }
 
-TEST(CalibrationLines, ACorrectionThatIsMissingOrPartialSaysWhy) {
+TEST(CalibrationLines, AMissingOrPartialCorrectionHasAReason) {
   EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::one_size),
               testing::AllOf(HasSubstr("spe: predictions are not corrected for the mesh"), HasSubstr("emulator.element_sizes")));
   EXPECT_THAT(not_corrected_line("spe", EmulatorMeshes::from_file), testing::AllOf(HasSubstr("comes from a file"), Not(HasSubstr("emulator.element_sizes"))));

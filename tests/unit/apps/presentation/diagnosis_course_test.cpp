@@ -60,7 +60,7 @@ TEST(DiagnosisCourse, WhatWasNotDoneIsListed) {
                {.kind = Kind::fit_ended, .name = "tone", .message = "diagnosis.max_runs = 761 ended its fit before it was done", .limit = 761},
                {.kind = Kind::missing_terms, .runs = 135, .limit = 100}};
   EXPECT_THAT(skipped_texts(d),
-              ElementsAre("the screening of mechanisms and all later steps: channels look mixed up", "interface (top): an element collapsed",
+              ElementsAre("the screening of mechanisms and all later steps: channels appear to be mixed up", "interface (top): an element collapsed",
                           "interface (rear): none of its numbers changes the records by itself",
                           "previous_pulses: its effect was not linearised again, which takes 66 runs; 1950 of diagnosis.max_runs = 2000 are made",
                           "interface: its fit was not begun, which takes 40 runs at first; 1990 of diagnosis.max_runs = 2000 are made",

@@ -25,7 +25,7 @@ TEST(VerdictReason, OfNoNameIsTheBaseModelOrTooLittleEvidence) {
       "log Bayes factor of 6.5, below 7");
   Diagnosis mislabelled = judged({});
   mislabelled.base.mislabelled = {{.gauge = "T2"}};
-  EXPECT_EQ(verdict_reason_text(mislabelled), "channels look mixed up, and no mechanism was screened");
+  EXPECT_EQ(verdict_reason_text(mislabelled), "channels appear to be mixed up, and no mechanism was screened");
 }
 
 TEST(VerdictReason, OfUnknownIsTheGateThatTheNearestExplanationFails) {
@@ -99,7 +99,7 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   failed.status = {.kind = FitStatus::Kind::failed, .message = "no run came through"};
   unsupported.explanation.fitted = false;
   const Diagnosis d =
-      judged({beam(), wall(Gates{}.log_bayes_factor / 1.44), called("none_of_it", wall(0)), unfitted, failed, unsupported, called("rival", wall(60))});
+      judged({beam(), wall(Gates{}.log_bayes_factor / 1.44), called("none_of_it", wall(0)), unfitted, failed, unsupported, called("other", wall(60))});
   ASSERT_EQ(d.verdict.kind, VerdictKind::named);
   for (const auto& r : d.verdict.ranking) {
     const Why w = why_of(d, r.name);
@@ -107,7 +107,7 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
     EXPECT_FALSE(w.would_change.empty()) << r.name;
   }
   EXPECT_EQ(why_of(d, "beam_profile").why,
-            "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. The evidence of the next explanation, rival, is 49 lower.");
+            "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. The evidence of the next explanation, other, is 49 lower.");
   EXPECT_EQ(why_of(d, "beam_profile").would_change, "Another explanation whose evidence comes within 5 of it, or a record that it does not explain.");
   EXPECT_EQ(why_of(d, "wall_thinning").why, "The records support it too weakly: its log Bayes factor is 4.86, and a name needs 7.");
   EXPECT_EQ(why_of(d, "wall_thinning").would_change, "An effect about 1.2 times as large, or errors smaller by that factor.");  // the root of 1.44
@@ -119,8 +119,8 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   EXPECT_EQ(why_of(d, "failed").why, "Its fit failed: no run came through.");
   EXPECT_EQ(why_of(d, "failed").would_change, "A fit that succeeds.");
   EXPECT_EQ(why_of(d, "unsupported").why, "Nothing in these records supports it.");
-  EXPECT_EQ(why_of(d, "rival").why, "The proton beam's profile explains the records better (evidence 108 against 59).");
-  EXPECT_EQ(why_of(d, "rival").would_change, "Records that support it and not the proton beam's profile.");
+  EXPECT_EQ(why_of(d, "other").why, "The proton beam's profile explains the records better (evidence 108 against 59).");
+  EXPECT_EQ(why_of(d, "other").would_change, "Records that support it and not the proton beam's profile.");
   EXPECT_EQ(why_of(judged({beam()}), "beam_profile").why,
             "Named: it accounts for 99 % of the mismatch with a log Bayes factor of 106. Nothing else was tried.");
 }
@@ -157,7 +157,7 @@ TEST(Why, TheDiscretisationIsNoPhysics) {
   EXPECT_EQ(why_of(d, "beam_profile").why, "A number of the simulation's discretisation explains the records nearly as well.");
 }
 
-TEST(Why, AnExplanationMayLeaveTooMuch) {
+TEST(Why, AnExplanationMayLeaveTooLargeARemainder) {
   Alternative a = beam();
   a.explanation.chi2 = 300;
   EXPECT_EQ(why_not(a).why, "It accounts for only 30 % of the mismatch. A name that leaves more than chance does has to account for 94 %.");

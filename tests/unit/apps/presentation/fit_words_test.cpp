@@ -145,7 +145,7 @@ TEST(FitWords, EveryDoubtAboutAModeIsAWarningInOrder) {
                   "a bound of b lies within two standard deviations: its interval and the evidence are those of a density that reaches beyond"));
 }
 
-TEST(FitWords, AModeThatNoRunVerifiesSaysWhy) {
+TEST(FitWords, AModeThatNoRunVerifiesHasAReason) {
   const auto model = line();
   Fitted f(model, pulses_of(model, {0.7, -1.2}, {.pulses = 1, .noise = 0.05}, 4), noise_of(0.05));
   (void)f.map({0, 0}, {2, 4});

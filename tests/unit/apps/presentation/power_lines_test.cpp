@@ -1,4 +1,4 @@
-// What people are told of the power of a planned experiment.
+// The sentences about the power of a planned experiment.
 #include "apps/presentation/power_lines.hpp"
 
 #include <gmock/gmock.h>

@@ -7,7 +7,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(RunLines, TheFloorIsToldByGaugeWithWhatStandsBesideIt) {
+TEST(RunLines, TheFloorIsReportedByGaugeWithTheOtherErrors) {
   RepeatabilityFloor floor{
       .members = std::vector<FloorMember>(8), .conditions = {"default"}, .sensors = {"A", "B"}, .relative = {0.0123, 0.04}, .worst = 0.04, .mean = 0.026};
   floor.comparisons = {{.name = "precision", .what = "single against double precision", .relative = {0.0004, 0.0006}, .mean = 0.0005, .worst = 0.0006},
@@ -24,14 +24,14 @@ TEST(RunLines, TheFloorIsToldByGaugeWithWhatStandsBesideIt) {
   EXPECT_EQ(lines[3], "  high A: 3.00 %");
 }
 
-TEST(RunLines, ACampaignSaysWhatOfItWasReused) {
+TEST(RunLines, ACampaignReportsItsReusedRuns) {
   EXPECT_EQ(campaign_line({.message = "40 runs"}), "campaign: 40 runs");
   EXPECT_EQ(campaign_line({.message = "40 runs", .reused = 12}), "campaign: 40 runs (12 reused)");
   EXPECT_EQ(failed_note(0), "");
   EXPECT_EQ(failed_note(2), "2 failed");
 }
 
-TEST(RunLines, FailuresAreToldWithTheirReasonsAndNoneWhereThereAreNone) {
+TEST(RunLines, FailuresAreReportedWithTheirReasons) {
   Archive archive;
   archive.shape.parameters = {{.name = "density", .key = "material.mercury.density", .min = 0, .max = 1}};
   archive.theta = Eigen::RowVectorXd::LinSpaced(10, 0, 1);

@@ -250,7 +250,7 @@ TEST(Campaign, TheStopFlagEndsItAfterTheRunsInProgressAndASecondCallResumes) {
   EXPECT_EQ(arrays(dir), arrays(whole));
 }
 
-TEST(Campaign, OneOfAnotherDesignTakesTheRunsThatStand) {
+TEST(Campaign, OneOfAnotherDesignReusesTheExistingRuns) {
   const auto dir = scratch("campaign_larger"), whole = scratch("campaign_larger_whole");
   auto o = small(16);
   o.design = "sobol";  // whose first points are those of a longer one

@@ -68,7 +68,7 @@ TEST(Design, EveryCatalogueEntryFillsTheUnitCubeAndFollowsItsSeed) {
   }
 }
 
-TEST(Design, AnUnknownNameIsAnsweredWithTheKnownOnes) {
+TEST(Design, AnUnknownNameIsRefusedWithTheKnownOnes) {
   const std::vector<Parameter> one{{.name = "a", .min = 0, .max = 1}};
   try {
     (void)design_points("sobl", one, 10, 1);

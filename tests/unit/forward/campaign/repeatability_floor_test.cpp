@@ -74,7 +74,7 @@ TEST(RepeatabilityFloor, ComesBackFromItsJsonToTheLastBit) {
   EXPECT_THROW((void)read_floor({{"mean", 1}}), InputError);
 }
 
-TEST(RepeatabilityFloor, IsAskedWhenTheRunsAreFinishedAndKeptInBothFiles) {
+TEST(RepeatabilityFloor, IsMeasuredWhenTheRunsAreFinishedAndKeptInBothFiles) {
   const auto dir = scratch("floor_kept");
   int asked = 0;
   const auto summary = run(dir, [&]() -> std::optional<RepeatabilityFloor> {
@@ -115,7 +115,7 @@ TEST(RepeatabilityFloor, OfAFinishedCampaignGoesToTheSummaryAlone) {
   EXPECT_EQ(read_text(dir / "campaign.nc"), bytes);
 }
 
-TEST(RepeatabilityFloor, ThatCannotBeMeasuredIsToldAndCostsNoRun) {
+TEST(RepeatabilityFloor, ThatCannotBeMeasuredIsReportedAndCostsNoRun) {
   const auto dir = scratch("floor_failed");
   const auto summary = run(dir, []() -> std::optional<RepeatabilityFloor> { throw NumericsError("the floor needs three finished runs"); });
   EXPECT_THAT(summary.message, HasSubstr("needs three finished runs"));

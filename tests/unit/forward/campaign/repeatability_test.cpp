@@ -80,7 +80,7 @@ TEST(Floor, NeedsThreeMembers) {
   EXPECT_THROW((void)floor_of(small_case(), few, 7, 1), ContractFailure);
 }
 
-TEST(Floor, TellsBesideItWhatElseMovesTheAnswer) {
+TEST(Floor, ReportsTheOtherNumericalErrors) {
   const auto floor = floor_of(small_case(), beside(), 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 3u);
   for (const auto& c : floor.comparisons) {
@@ -118,7 +118,7 @@ TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
   EXPECT_GT(with("material.steel.young", "min = 1e6\nmax = 1e12\n").worst, 1e-4);
 }
 
-TEST(Floor, SaysWhyAComparisonIsLeftOut) {
+TEST(Floor, ReportsWhyAComparisonIsLeftOut) {
   FloorOptions o = beside();
   o.single_runs = 0, o.precisions = false, o.finer_elements = 600;  // fewer than there are now
   const auto floor = floor_of(small_case(), o, 7, 2);

@@ -20,8 +20,8 @@ Eigen::Vector4d history(const Eigen::VectorXd& u, int level) {
   return y;
 }
 
-struct Taught {
-  Taught() {
+struct Trained {
+  Trained() {
     const Eigen::MatrixXd u = first_design(3, 30, 5);
     EmulatorRuns runs{Eigen::MatrixXd(3, 40), {}, 2};
     histories.resize(4, 40);
@@ -69,7 +69,7 @@ class Line final : public ForwardModel {
 };
 
 TEST(MeshCorrection, IsFinestLessWorkingWithTheNumbersOfEitherMesh) {
-  const Taught t;
+  const Trained t;
   const std::vector<double> theta{180, 4.5}, fine{180, 4.5, 20}, working{180, 4.5, 35};
   for (const int level : {0, 1}) {
     const MeshCorrection c(box, t.regression, t.histories, level, {20}, {35});
@@ -86,7 +86,7 @@ TEST(MeshCorrection, IsFinestLessWorkingWithTheNumbersOfEitherMesh) {
 }
 
 TEST(MeshCorrection, OutsideTheBoxIsThatOfItsNearestPoint) {
-  const Taught t;
+  const Trained t;
   const MeshCorrection c(box, t.regression, t.histories, 1, {20}, {35});
   const std::vector<double> far{800, 4}, edge{400, 4};
   EXPECT_FALSE(c.inside(far));
@@ -99,7 +99,7 @@ TEST(MeshCorrection, OutsideTheBoxIsThatOfItsNearestPoint) {
 }
 
 TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
-  const Taught t;
+  const Trained t;
   const Line line;
   const MeshCorrection c(box, t.regression, t.histories, 1, {20}, {35}), none;
   const CorrectedModel corrected(line, c), plain(line, none);

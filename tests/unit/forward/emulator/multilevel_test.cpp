@@ -48,7 +48,7 @@ TEST(EmulatorBox, CoordinatesGoThereAndBack) {
   const auto theta = box.theta(Eigen::Vector2d(0.3, -0.8));
   EXPECT_NEAR(box.u(theta)[0], 0.3, 1e-12);
   EXPECT_NEAR(box.u(theta)[1], -0.8, 1e-12);
-  const Eigen::VectorXd slope = box.slope(Eigen::Vector2d(0.3, -0.8));
+  const Eigen::VectorXd slope = box.derivative(Eigen::Vector2d(0.3, -0.8));
   EXPECT_NEAR(slope[0], (box.theta(Eigen::Vector2d(0.3 + 1e-6, -0.8))[0] - theta[0]) / 1e-6, 1e-3);
   EXPECT_NEAR(slope[1], 2, 1e-12);
   EXPECT_TRUE(box.contains(std::vector<double>{400, 2}));
@@ -67,7 +67,7 @@ TEST(MultilevelRegression, HoldsWhatItCanHoldExactlyOnEveryMeshAndBeyond) {
   EXPECT_LT((d.outputs * e.weights(e.features(u, 0)) - fine).norm(), 1e-6);
 }
 
-TEST(MultilevelRegression, SlopesAreThoseOfTheFeatures) {
+TEST(MultilevelRegression, DerivativesAreThoseOfTheFeatures) {
   const Design d = design(20, 6, 0.1);
   const MultilevelRegression e(d.runs, d.outputs, equal);
   const Eigen::Vector2d u(0.2, 0.5);

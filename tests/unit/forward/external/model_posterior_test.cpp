@@ -35,7 +35,7 @@ class Normal : public ForwardModel {
   ModelShape shape_;
 };
 
-TEST(ModelPosterior, CoordinatesGoThereAndBackAndStayWithinTheBounds) {
+TEST(ModelPosterior, CoordinatesTransformBothWaysWithinTheBounds) {
   const Normal model;
   const ModelPosterior posterior(model, std::nullopt);
   const auto back = posterior.theta(posterior.q(std::vector{3.0, -20.0}));
@@ -49,7 +49,7 @@ TEST(ModelPosterior, CoordinatesGoThereAndBackAndStayWithinTheBounds) {
   }
 }
 
-TEST(ModelPosterior, GradientIsTheSlopeOfTheDensity) {
+TEST(ModelPosterior, GradientIsTheDerivativeOfTheDensity) {
   const Normal model;
   const ModelPosterior posterior(model, std::nullopt);
   const Eigen::Vector2d q(-0.3, 0.2);

@@ -109,7 +109,7 @@ TEST_F(UmbridgeServerTest, InfoAndSizesHaveNoOtherKeys) {
             (Json{{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}}));
 }
 
-TEST_F(UmbridgeServerTest, EvaluateAnswersWhateverTheContentType) {
+TEST_F(UmbridgeServerTest, EvaluateIgnoresTheContentType) {
   for (const char* type : {"application/json", "text/plain", "application/x-www-form-urlencoded"}) {
     const auto a = post(served, "/Evaluate", R"({"name": "line", "input": [[1, 0.1]]})", type);
     EXPECT_EQ(a.status, 200) << type;
@@ -208,7 +208,7 @@ TEST(UmbridgeServer, ALongBodyIsReadWhateverTheContentType) {
   EXPECT_NE(nameless.read(5).find("200 OK"), std::string::npos) << "without any Content-Type";
 }
 
-/// However it comes: in pieces of which no sum is told, or compressed.
+/// In every form: in pieces without a total length, or compressed.
 TEST_F(UmbridgeServerTest, GreatBodiesAreRefusedHoweverTheyCome) {
   const Connection pieces("127.0.0.1", served.port());
   pieces.send("POST /Evaluate HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n");
@@ -332,7 +332,7 @@ TEST(UmbridgeServer, ASlowModelDoesNotKeepAServerThatEnds) {
   EXPECT_EQ(refused, 4);
 }
 
-TEST(UmbridgeServer, ATakenPortIsSaid) {
+TEST(UmbridgeServer, AnOccupiedPortIsReported) {
   const Served served({straight_line()});
   EXPECT_THROW(UmbridgeServer({straight_line()}, {.port = served.port()}), InputError);
 }

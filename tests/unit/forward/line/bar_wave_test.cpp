@@ -32,7 +32,7 @@ TEST(BarWave, WithoutDispersionIsDelayedExactly) {
   }
 }
 
-TEST(BarWave, IsAttenuatedAsTheWavenumberSays) {
+TEST(BarWave, IsAttenuatedAccordingToTheWavenumber) {
   // k'' = -b omega^2 makes a Gaussian exp(-t^2/s^2) one of s'^2 = s^2 + 4 b d, its area kept.
   const BarWave wave(drive(), 200e-6);
   auto k = undispersed(wave);

@@ -13,7 +13,7 @@ namespace {
 /// Water in 40 m of pipe, no friction, a valve that closes at once; rho a V = 625 kPa above 200 kPa.
 PipeSetup pipe() { return {.length = 40, .diameter = 0.02, .wave_speed = 1250, .density = 1000, .velocity = 0.5, .reservoir_pressure = 200e3, .cells = 32}; }
 
-TEST(PipeFlow, StaysSteadyWhileTheValveIsOpen) {
+TEST(PipeFlow, IsSteadyWhileTheValveIsOpen) {
   PipeSetup s = pipe();
   s.viscosity = 1e-3, s.friction_factor = 0.03, s.rise = 2, s.closure_begin = 1;
   PipeFlow flow(s, 0.5);

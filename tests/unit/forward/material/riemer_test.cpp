@@ -98,7 +98,7 @@ TEST(LiquidLaws, MakeTheLawFromItsOptions) {
   EXPECT_LT(linear.pressure(0, 1e-2, 0), -1e8);
 }
 
-TEST(LiquidLaws, AnswerAnUnknownNameWithTheKnownOnes) {
+TEST(LiquidLaws, RefuseAnUnknownNameWithTheKnownOnes) {
   try {
     (void)liquid_laws().get("reimer", "material.mercury.law");
     FAIL();

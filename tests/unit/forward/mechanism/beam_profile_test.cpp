@@ -109,7 +109,7 @@ TEST(BeamProfile, AHalfModelRefusesABeamBesideItsPlane) {
 }
 
 // A diagnosis of a model with a symmetry plane screens no change that the model would refuse: a half model, and any mesh with a mirror plane.
-TEST(BeamProfile, IsNotAskedForAnOffsetAcrossAMirrorPlane) {
+TEST(BeamProfile, IsNotScreenedForAnOffsetAcrossAMirrorPlane) {
   const auto numbers = [](const Mesh& mesh) {
     std::vector<std::string> names;
     for (const auto& g : offered_groups(box(false, ""), mesh))

@@ -7,7 +7,7 @@ using namespace calomel;
 using namespace calomel::testing;
 using ::testing::HasSubstr;
 
-TEST(BubblyLiquid, StaysAtRest) {
+TEST(BubblyLiquid, RemainsAtRest) {
   const BubblyLiquid law(mercury, helium(1.16), 1e-3);
   OnePoint point(law, 1e-7);
   for (int n = 0; n < 1000; ++n) ASSERT_EQ(point.step(0), 0);

@@ -57,7 +57,7 @@ TEST(HeatConduction, IsIsothermalWhenSlowAndAdiabaticWhenFast) {
   EXPECT_NEAR(conduction(1e11, 1e-4, 1e5).polytropic, ratio_of_heats, 0.002);
 }
 
-TEST(HeatConduction, IsWhatTheTableOfTheTheorySays) {
+TEST(HeatConduction, AgreesWithTheTableOfTheTheoryPage) {
   struct Row {
     double radius, ambient, kilohertz, polytropic, viscosity;
   };

@@ -100,7 +100,7 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
 }
 
 // In a case the step follows the stiffness, two laws of the liquid are refused, and at the default exponent no function of the mechanism is called.
-TEST(NonlinearEos, ACaseTellsItsGreatestPressure) {
+TEST(NonlinearEos, ACaseReportsItsGreatestPressure) {
   const auto c = small_case("[mechanism.nonlinear_eos]\nenabled = true\nexponent = 10.8\n");
   const BuiltInModel model(c, {.pulses = 1});
   const RunSetup s = model.setup(model.forward_case(), model.mesh(), 0, {0.9, 1.1});

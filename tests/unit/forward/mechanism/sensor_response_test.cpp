@@ -30,7 +30,7 @@ std::vector<double> sine(double f, std::size_t n) {
 }  // namespace
 
 // 1 / (1 + i sqrt(2) f/f0 - (f/f0)^2), a Butterworth filter of second order.
-TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
+TEST(SensorResponse, TheLowPassFollowsItsFormulaForASine) {
   const double cutoff = 50e3;
   for (const double f : {10e3, 50e3, 150e3}) {
     const auto y = respond({{"low_pass", cutoff}}, sine(f, 6000));
@@ -47,7 +47,7 @@ TEST(SensorResponse, TheLowPassAnswersASineAsItsFormulaSays) {
   }
 }
 
-TEST(SensorResponse, TheLowPassAnswersAStepAsItsFormulaSays) {
+TEST(SensorResponse, TheLowPassFollowsItsFormulaForAStep) {
   const double cutoff = 50e3, a = 2 * M_PI * cutoff / std::numbers::sqrt2;
   const auto y = respond({{"low_pass", cutoff}}, std::vector<double>(600, 1.0));
   for (std::size_t k = 0; k < y.size(); ++k) {

@@ -103,7 +103,7 @@ TEST(StructuralDamping, ABoxLosesEnergyThatIsCounted) {
 }
 
 // The case keeps its own mass and stiffness damping. About a high frequency `loss` has the effect of a stiffness term without its cost in steps.
-TEST(StructuralDamping, ADiagnosisAsksForTheLossAboutAFrequency) {
+TEST(StructuralDamping, ADiagnosisScreensTheLossAboutAFrequency) {
   for (const auto& g : offered_groups(small_case(), make_mesh(small_case().geometry)))
     if (g.name == "structural_damping") {
       ASSERT_EQ(g.added.size(), 1u);

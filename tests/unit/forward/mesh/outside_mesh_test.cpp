@@ -283,7 +283,7 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
   EXPECT_THAT(said, HasSubstr("thin.inp:"));
 }
 
-TEST(OutsideMesh, TheFormatIsToldByTheEnding) {
+TEST(OutsideMesh, TheFormatFollowsFromTheEnding) {
   EXPECT_THAT(message_of(from(scratch_file("target.msh"))), HasSubstr(".inp"));
   EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("no such file"));
   EXPECT_THROW(write_mesh(make_mesh(box(0.01)), scratch_file("target.vtk")), InputError);

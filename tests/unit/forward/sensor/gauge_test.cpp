@@ -91,7 +91,7 @@ TEST(Gauge, ElementCentreStrainIsExactInALinearDisplacement) {
 }
 
 // For u_x = sin(kx) the strain over a length l is the finite difference over l, to second order in the element size.
-TEST(Gauge, ConvergesToTheSecantOverItsLength) {
+TEST(Gauge, ConvergesToTheMeanStrainOverItsLength) {
   const double k = 60, x = 0.0407, l = 0.006;
   std::vector<double> error, point_error;
   for (const double h : {0.004, 0.002, 0.001}) {
@@ -151,7 +151,7 @@ TEST(Gauge, OnAPlaneStrainSliceIgnoresY) {
   }
 }
 
-TEST(Gauge, IsMovedToTheSurfaceAndSaysHowFar) {
+TEST(Gauge, IsMovedToTheSurfaceAndReportsTheDistance) {
   const Mesh m = make_mesh(box(0.004));
   const auto g = locate_gauge(m, sensor({0.03, 0.01, 0.052}, {1, 0, 0.1}));
   EXPECT_NEAR(g.distance, 0.002, 1e-12);

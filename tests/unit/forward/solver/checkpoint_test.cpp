@@ -90,7 +90,7 @@ TEST(Checkpoint, AStoppedRunGoesOnByteForByte) {
       }
 }
 
-TEST(Checkpoint, KeptOfAFinishedRunTellsItAgainWithoutAStep) {
+TEST(Checkpoint, OfAFinishedRunGivesItsResultWithoutAStep) {
   Stopped s("kept");
   SolveOptions o = s.options("double", true);
   o.checkpoint.every_seconds = 1e9, o.checkpoint.keep = true;

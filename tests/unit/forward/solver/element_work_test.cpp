@@ -10,7 +10,7 @@ namespace calomel {
 namespace {
 
 /// Operations counted by hand from the formulas of kernel_elements.hpp.
-TEST(ElementWork, IsWhatTheFormulasAskFor) {
+TEST(ElementWork, IsTheCountOfTheFormulas) {
   // Butterflies of eight values take 8 + 8 + 7 operations forwards and 6 + 8 + 8 back, and then 24 sums at the nodes.
   // A product with n terms takes n multiplications and n - 1 additions.
   const int to_modes = 3 * 23, to_corners = 3 * 22 + 24;

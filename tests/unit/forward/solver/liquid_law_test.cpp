@@ -158,8 +158,8 @@ namespace {
 /// p = p0 - f K e_v - eta de_v/dt, f times as stiff as the run's own K. The law reports its stiffness or, as a control, does not.
 class Stiffer : public LiquidLaw {
  public:
-  Stiffer(const Riemer& law, double factor, bool told) : law_(law), factor_(factor), told_(told) {}
-  [[nodiscard]] double greatest_stiffness() const override { return told_ ? factor_ * law_.bulk_modulus : 0; }
+  Stiffer(const Riemer& law, double factor, bool reported) : law_(law), factor_(factor), reported_(reported) {}
+  [[nodiscard]] double greatest_stiffness() const override { return reported_ ? factor_ * law_.bulk_modulus : 0; }
   void advance(const LiquidPoints& p) const override {
     for (std::size_t i = 0; i < p.count; ++i)
       p.pressure[i] = p.heating[i] - factor_ * law_.bulk_modulus * p.strain[i] - law_.viscosity * (p.strain[i] - p.strain_before[i]) / p.dt;
@@ -168,7 +168,7 @@ class Stiffer : public LiquidLaw {
  private:
   Riemer law_;
   double factor_;
-  bool told_;
+  bool reported_;
 };
 
 /// Tait's form without heat, p = (K/m) ((1 - e)^m - 1), which stiffens under compression. Its stiffness has no bound of its own; the law is defined down to
@@ -194,7 +194,7 @@ class Tait : public LiquidLaw {
 }  // namespace
 
 // A law that is stiffer than the run's bulk modulus, and reports it, runs like the same liquid with that bulk modulus, at the same step.
-TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
+TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawReports) {
   Mesh mesh = block({12, 2, 2}, {0, 0, 0}, {0.012, 0.002, 0.002}, Region::mercury);
   fix(mesh, 1, plane(0, 0)), fix(mesh, 2, plane(1, 0)), fix(mesh, 4, plane(2, 0));
   const ExplicitSolver solver(mesh, steel());
@@ -210,21 +210,21 @@ TEST(LiquidLaw, TheStepFollowsFromTheStiffnessThatALawTells) {
       same.liquid.bulk_modulus *= 4, same.hourglass /= 4;
       const auto reference = solver.solve(same, rows, o), base = solver.solve(s, rows, o);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, true);
-      const auto told = solver.solve(s, rows, o);
-      EXPECT_LE(told.time_step, reference.time_step * (1 + 1e-12));  // the bound of the damping is on the safe side
-      EXPECT_GT(told.time_step, 0.7 * reference.time_step);
+      const auto stiff = solver.solve(s, rows, o);
+      EXPECT_LE(stiff.time_step, reference.time_step * (1 + 1e-12));  // the bound of the damping is on the safe side
+      EXPECT_GT(stiff.time_step, 0.7 * reference.time_step);
       SolveOptions alike = o;
       alike.time_step_safety = 0.3;
       EXPECT_LT(greatest_difference(solver.solve(same, rows, alike), solver.solve(s, rows, alike)), 0.02);
       // Controls: the base liquid takes a longer step, and the same law is unstable at that step when it does not report its stiffness.
-      EXPECT_GT(base.time_step, 1.5 * told.time_step);
+      EXPECT_GT(base.time_step, 1.5 * stiff.time_step);
       s.liquid_law = std::make_shared<Stiffer>(s.liquid, 4, false);
       EXPECT_THROW((void)solver.solve(s, rows, o), NumericsError);
     }
 }
 
 // A mass hits a column of one element: (rho V / 2) x'' = A p(x / h). At the greatest compression the stored energy is the energy of the mass.
-TEST(LiquidLaw, AStiffeningLiquidGivesWayAsFarAsItsEnergySays) {
+TEST(LiquidLaw, AStiffeningLiquidDeformsAccordingToItsEnergy) {
   const double h = 0.001, m = 10.8, speed = 100;
   Mesh mesh = block({1, 1, 1}, {0, 0, 0}, {h, h, h}, Region::mercury);
   fix(mesh, 2 | 4, everywhere()), fix(mesh, 1, plane(0, 0));

@@ -73,7 +73,7 @@ TEST(HeatingShape, HeatsTheMercuryOnlyAndIntegratesTheProfile) {
 // Gamma = beta c^2 / c_p, 2.73 at the nominal values (physics.md section 2).
 TEST(Gruneisen, IsThePublishedValueAtNominal) { EXPECT_NEAR(gruneisen({}, 1450), 2.73, 0.01); }
 
-TEST(LoadOptions, AskForOneStrengthOfThePulse) {
+TEST(LoadOptions, RequireOneStrengthOfThePulse) {
   LoadOptions o;
   EXPECT_THROW(o.validate(), InputError);
   o.peak_pressure = 25e6;

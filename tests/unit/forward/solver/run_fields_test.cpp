@@ -151,7 +151,7 @@ TEST(ThermalStrain, DampingTakesWhatItTakesFromTheSameMotion) {
 }
 
 // A stress before the run acts at once, and a free bar deforms until it is gone: epsilon = -C^-1 sigma.
-TEST(InitialStress, AFreeBarGivesWayToItAndAHeldOneStays) {
+TEST(InitialStress, AFreeBarRelievesItAndAHeldOneKeepsIt) {
   const std::array<double, 6> sigma{30e6, -10e6, 20e6, 0, 0, 0};
   const double trace = sigma[0] + sigma[1] + sigma[2];
   Vec3 stretch{};

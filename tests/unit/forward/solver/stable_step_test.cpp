@@ -350,7 +350,7 @@ TEST(ExplicitSolver, TheStepDividesTheOutputInterval) {
   EXPECT_GT(out.time_step, 0.3 * solver.stable_step(s));
 }
 
-TEST(ExplicitSolver, StopsWhenAsked) {
+TEST(ExplicitSolver, StopsOnRequest) {
   const Mesh mesh = column(10);
   const std::atomic<bool> stop{true};
   SolveOptions o;

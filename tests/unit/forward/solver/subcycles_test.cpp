@@ -98,7 +98,7 @@ TEST(Subcycles, SlowBlocksAndTheirNodesComeLast) {
   EXPECT_EQ(rows, layout.outbox_size);
 }
 
-TEST(Subcycles, TheCheapestDivisionThatTheLiquidBears) {
+TEST(Subcycles, TheCheapestDivisionThatIsStable) {
   Layout layout;
   layout.blocks.resize(2);
   layout.blocks[0].elements.resize(100), layout.blocks[1].elements.resize(300);

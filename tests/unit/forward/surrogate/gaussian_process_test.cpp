@@ -122,7 +122,7 @@ TEST(GaussianProcess, InterpolatesAndItsGradientAgreesWithDifferences) {
 
 // At 400 new points of noise sd 0.2 the standardised squares have mean 1 with standard error sqrt(2 / 400) = 0.07, beside the
 // error of the fitted noise from 80 points (about 0.16). The bounds are 3 standard errors. Control: without the nugget the ratio is far off.
-TEST(GaussianProcess, PredictiveVarianceIsHonestOnNewNoisyPoints) {
+TEST(GaussianProcess, PredictiveVarianceIsCalibratedOnNewNoisyPoints) {
   const Data d = wavy(480, 0.2);
   const Eigen::MatrixXd x = d.x.leftCols(80);
   const Eigen::VectorXd z = d.z.head(80);

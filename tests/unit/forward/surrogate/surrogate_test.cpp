@@ -56,7 +56,7 @@ TEST(Modes, AreOrthonormalAndRebuildTheHistories) {
   }
 }
 
-TEST(InputScaling, FeaturesSpanTheBoxAndPullBackAgreesWithDifferences) {
+TEST(InputScaling, FeaturesSpanTheBoxAndDerivativesAgreeWithDifferences) {
   const std::vector<Parameter> parameters{bounded("tensile_cutoff", 0, 2), bounded("sound_speed", 100, 900)};
   const InputScaling both(parameters, Coordinates::both, -1, 1);
   ASSERT_EQ(both.features(), 3);
@@ -110,7 +110,7 @@ TEST_P(EveryKind, IsTheSameOnOneAndTwoThreads) {
   EXPECT_EQ(s1.test.rmse, s2.test.rmse);
 }
 
-TEST_P(EveryKind, PullBackAgreesWithDifferencesOfTheMeans) {
+TEST_P(EveryKind, VectorJacobianProductAgreesWithDifferencesOfTheMeans) {
   const Archive archive = damped_oscillations(60, 3, 50, 3);
   SurrogateSummary summary;
   auto options = quick(GetParam());

@@ -49,7 +49,7 @@ TEST(BuiltInModel, TheMercurysNumericsHaveOneDefault) {
   EXPECT_EQ(other.setup(other.forward_case(), other.mesh(), 0, {1.0}).collapse_viscosity, 0.7);
 }
 
-TEST(BuiltInModel, TellsTheElementStepsOfARun) {
+TEST(BuiltInModel, ReportsTheElementStepsOfARun) {
   const auto d = BuiltInModel(small_case(), {.pulses = 1}).describe();
   EXPECT_EQ(d.element_steps, double(d.elements) * double(d.steps));
   ForwardCase c = small_case();
@@ -61,7 +61,7 @@ TEST(BuiltInModel, TellsTheElementStepsOfARun) {
 }
 
 // The eight energies of the reference solutions (README of ../shared/data/reference_solutions).
-TEST(PulseEnergies, AreTheQuantilesOfThePulseToPulseSpread) {
+TEST(PulseEnergies, AreTheQuantilesOfThePulseToPulseScatter) {
   const std::array<double, 8> published{0.97699, 0.98669, 0.99267, 0.99764, 1.00236, 1.00733, 1.01331, 1.02301};
   const auto a = pulse_energies({.pulses = 8, .energy_sd = 0.015});
   ASSERT_EQ(a.size(), 8u);
@@ -100,7 +100,7 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
 }
 
 // Zeros there would say that energy changes nothing, and errors of the energy would count for nothing.
-TEST(BuiltInModel, PulsesOfOneEnergyTellNoSlopeAndTwoNoScatter) {
+TEST(BuiltInModel, PulsesOfOneEnergyGiveNoSlopeAndTwoNoScatter) {
   const auto sizes = [](const EnsembleOptions& o) {
     const Prediction p = BuiltInModel(small_case(), o).evaluate({});
     return std::pair(p.energy_slope.size(), p.scatter.size());
@@ -231,7 +231,7 @@ TEST(BuiltInModel, SimulateIsTheRunAtEnergyOne) {
   EXPECT_EQ(s.summary.times.size(), 41u);
 }
 
-TEST(BuiltInModel, SaysWhenTheMeshDecidesTheViscosity) {
+TEST(BuiltInModel, WarnsWhenTheMeshDeterminesTheViscosity) {
   ForwardCase c = small_case();
   EXPECT_FALSE(BuiltInModel(c).describe().mesh_decides_viscosity);
   c.mercury.least_mesh_viscosity = 0.1;
@@ -241,7 +241,7 @@ TEST(BuiltInModel, SaysWhenTheMeshDecidesTheViscosity) {
   EXPECT_THAT(d.warnings, ::testing::Contains(HasSubstr("the mesh decides the regularising viscosity")));
 }
 
-TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
+TEST(BuiltInModel, WarnsWhenItsElementsCannotHoldAFilmOfThatThickness) {
   ForwardCase c = small_case();  // elements of 3 mm hold 0.9 mm
   c.mercury.wall_film = 0.8e-3;
   EXPECT_THAT(BuiltInModel(c).describe().warnings, ::testing::Not(::testing::Contains(HasSubstr("a film of"))));
@@ -250,7 +250,7 @@ TEST(BuiltInModel, SaysWhenItsElementsHoldNoFilmOfThatThickness) {
 }
 
 // What a mechanism adds is no numerics: corrections for the mesh take the mesh's viscosity off.
-TEST(BuiltInModel, TellsTheMeshesViscosityWithoutThatOfAMechanism) {
+TEST(BuiltInModel, ReportsTheMeshesViscosityWithoutThatOfAMechanism) {
   const auto base = BuiltInModel(small_case()).describe(),
              with = BuiltInModel(small_case("[mechanism.liquid_viscosity]\nenabled = true\nzeta = 3000.0\n")).describe();
   EXPECT_GT(base.viscosity, 0);
@@ -305,7 +305,7 @@ TEST(BuiltInModel, WhatEarlierPulsesLeftHoldsNoBubbles) {
   EXPECT_THAT(p.message, HasSubstr("enable previous_pulses or bubbly_liquid, not both"));
 }
 
-TEST(BuiltInModel, ARearFaceThatIsNotThereReflectsNothingAndSaysSo) {
+TEST(BuiltInModel, AMissingRearFaceReflectsNothingAndGivesAWarning) {
   const std::string mechanism = "[mechanism.rear_reflection]\nenabled = true\ncoefficient = 0.5\n";
   EXPECT_TRUE(BuiltInModel(small_case(mechanism), {.pulses = 1}).evaluate({}).ok);
   EXPECT_THAT(refusal([&] { (void)BuiltInModel(ringing_box(0.004, mechanism), {.pulses = 1}).describe(); }), HasSubstr("no rear face that swallows waves"));

@@ -82,7 +82,7 @@ TEST(ForwardCase, AMechanismThatIsNotEnabledIsSuggested) {
               HasSubstr("set mechanism.bubbly_liquid.enabled = true"));
 }
 
-TEST(ForwardCase, TellsWhereRunsOfTheGruneisenPolicyFail) {
+TEST(ForwardCase, ReportsWhereRunsOfTheGruneisenPolicyFail) {
   const auto of = [](double low, double high) {
     return small_case(fmt::format("[parameter.sound_speed]\nmin = {}\nmax = {}\n", low, high), "peak_pressure = 25e6\npolicy = \"gruneisen\"").notes;
   };

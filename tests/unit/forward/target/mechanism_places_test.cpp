@@ -62,7 +62,7 @@ class OfStiffness : public LiquidLaw {
   double stiffness_;
 };
 
-/// A liquid whose stiffness is told from the greatest heating pressure of the run.
+/// A liquid whose stiffness is computed from the greatest heating pressure of the run.
 const MechanismEntry& stiff_by_heat() {
   static const MechanismEntry entry{.law = "K (1 + factor max p0 / K)",
                                     .keys = {{.name = "factor", .off = 0, .low = 0, .high = 1e4}},

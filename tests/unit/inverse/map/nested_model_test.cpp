@@ -83,7 +83,7 @@ TEST(NestedModel, WhatIsThereIsFavouredAndWhatIsNotThereNever) {
   EXPECT_EQ(j["theta"]["c"], 0.0);
 }
 
-TEST(NestedModel, ItsCentreStaysInTheBoxWhereverTheAnswerLies) {
+TEST(NestedModel, ItsCentreIsInTheBoxForEveryMode) {
   Case c(3, 5);
   c.fitted.in.held = {{2, 0.0}}, c.fitted.in.nested_centre = {1.5, 2, 0};
   const NestedModel of{.name = "small.out", .added = {"c"}};

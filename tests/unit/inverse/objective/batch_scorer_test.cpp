@@ -66,7 +66,7 @@ Recordings gauges(const ModelShape& shape, double step) {
 
 }  // namespace
 
-TEST(BatchScorer, SaysWhatScoresOfTheHistoriesSayByEveryInstructionSet) {
+TEST(BatchScorer, AgreesWithScoresOfTheHistoriesOnEveryInstructionSet) {
   for (const std::size_t times : {64u, 333u})
     for (const double step : {1.0, 0.7}) {  // on the simulation's times, and between them
       const Directed model(times, times == 64 ? 1 : 23);
@@ -132,14 +132,14 @@ TEST(BatchCost, IsThatOfTheHistoriesOfCorrectedModels) {
   thetas.row(1) = thetas.row(1).cwiseMin(1900);
   const auto values = Eigen::Index(model.shape().values());
   RandomStream random(4, 4);
-  Eigen::MatrixXd taught(values, 30);
-  for (auto& x : taught.reshaped()) x = 1e-5 * random.normal();
+  Eigen::MatrixXd trained(values, 30);
+  for (auto& x : trained.reshaped()) x = 1e-5 * random.normal();
   EmulatorRuns two_meshes{first_design(3, 30, 5), std::vector<int>(30, 1), 2};
   std::fill(two_meshes.level.begin() + 20, two_meshes.level.end(), 0);
   std::vector<double> low, high;
   for (const auto& q : parameters) low.push_back(q.min), high.push_back(q.max);
   const EmulatorBox box(parameters, low, high);
-  const MeshCorrection mesh(box, MultilevelRegression(two_meshes, 1e5 * taught, Eigen::VectorXd::Ones(values)), taught, 1, {}, {}), no_mesh;
+  const MeshCorrection mesh(box, MultilevelRegression(two_meshes, 1e5 * trained, Eigen::VectorXd::Ones(values)), trained, 1, {}, {}), no_mesh;
   std::vector<bool> failures(33, false);
   failures[20] = failures[21] = true;
   const Feasibility feasibility(parameters, thetas, failures);

@@ -99,7 +99,7 @@ TEST(Dgs, TrialsDependOnTheirSeedAndIndexAlone) {
   EXPECT_EQ(minimise_dgs(batched(rippled), starts, fixed, 20, 7)[0].x, minimise_dgs(batched(rippled), starts, fixed, 20, 8)[0].x);
 }
 
-TEST(Dgs, AsksForStepsThatDescend) {
+TEST(Dgs, RequiresDescendingSteps) {
   CaseFile file = CaseFile::from_text("[dgs]\nlongest_step = 0.01\nshortest_step = 0.1\n");
   DgsOptions o;
   EXPECT_THROW(file.read("dgs", o), InputError);

@@ -118,7 +118,7 @@ TEST_P(EveryOptimizer, StaysInTheBoxAndItsTraceFallsToTheResult) {
   }
 }
 
-TEST_P(EveryOptimizer, BearsFailedEvaluations) {
+TEST_P(EveryOptimizer, ToleratesFailedEvaluations) {
   const BatchFunction holes = [](const Eigen::MatrixXd& points, std::span<double> values) {
     for (Eigen::Index i = 0; i < points.cols(); ++i)
       values[std::size_t(i)] = points(0, i) < 0 ? std::numeric_limits<double>::infinity() : (points.col(i) - optimum).squaredNorm();

@@ -69,7 +69,7 @@ TEST(BootstrapWeights, AreThoseOfADirichletAndComeFromSeedAndDrawAlone) {
 }
 
 // 36 runs and 21 coefficients leave 15 squares. The scatter of a drawn variance is compared with that of the estimate over many sets of runs.
-TEST(BootstrapWeights, SpreadAVarianceAsItsEstimateIsSpreadAlsoWhereCoefficientsAreMany) {
+TEST(BootstrapWeights, HaveTheVarianceOfTheEstimateAlsoWithManyCoefficients) {
   constexpr Eigen::Index runs = 36;
   const Eigen::MatrixXd u = first_design(5, int(runs), 2);
   const EmulatorRuns design{.u = u, .level = std::vector<int>(std::size_t(runs), 0), .levels = 1};

@@ -234,7 +234,7 @@ TEST(ErrorModel, MarginalNuisancesAreTheIntegralOverThem) {
   EXPECT_NEAR(log_density(marginal, r), log_density(plain, r) + std::log(integral), 1e-8);
 }
 
-TEST(ErrorModel, EveryTermStandsWhereItShould) {
+TEST(ErrorModel, EveryTermIsInItsPlace) {
   const Small s;
   const ErrorOptions options{.values = 12, .band = 1e9, .energy_scale_sd = 0.02, .gain_sd = 0.05, .baseline = 2, .coherent_noise = 0.3, .beyond_rest = 0.5};
   ErrorDirections d;

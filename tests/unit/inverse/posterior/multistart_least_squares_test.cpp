@@ -57,7 +57,7 @@ struct RecordedWave {
 };
 
 // A parameter that the records do not constrain has its prior as posterior. A box of fewer deviations cuts it, and so do deviations from chains in such a box.
-TEST(MultistartFit, WhatTheRecordsDoNotTellHasABoxOfThreePriorDeviationsAboutItsMiddleAtLeast) {
+TEST(MultistartFit, ParametersThatTheRecordsDoNotDetermineHaveABoxOfAtLeastThreePriorDeviations) {
   Parameter idle = uniform_parameter("z", 0.01, 100, 1);
   idle.prior = "lognormal", idle.mu = std::log(2), idle.sigma = 0.7;
   const RecordedWave wave({idle});

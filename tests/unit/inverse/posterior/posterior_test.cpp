@@ -246,7 +246,7 @@ TEST(FitPosterior, FindsTheTruthBeyondTheFinestMeshWithinItsDeviations) {
   EXPECT_LT((emulated - e).norm() / e.norm(), 0.05);
 }
 
-TEST(FitPosterior, TheFinestMeshAloneIsBiasedAndTheControlSaysSo) {
+TEST(FitPosterior, TheFinestMeshAloneIsBiased) {
   Meshes meshes;
   auto in = meshes.inputs();
   in.errors.beyond = 0, in.errors.beyond_sd = 0, in.errors.beyond_rest = 0;
@@ -321,7 +321,7 @@ TEST(HeldToTheModel, AnExactModelIsItsRunAtTheMode) {
   });
 }
 
-TEST(FitPosterior, TellsWhyWhenTooFewRunsComeThrough) {
+TEST(FitPosterior, ReportsThatTooFewRunsSucceeded) {
   Meshes meshes;
   auto in = meshes.inputs();
   in.run = [](const Eigen::MatrixXd&, const std::vector<int>& level) { return std::vector<RunRecord>(level.size(), {.message = "the step collapsed"}); };

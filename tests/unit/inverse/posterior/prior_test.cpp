@@ -45,7 +45,7 @@ TEST(Prior, ProbabilityBelowAQuantileIsTheQuantiles) {
   }
 }
 
-TEST(Prior, SlopeIsTheDerivative) {
+TEST(Prior, GradientIsTheDerivative) {
   for (const auto& p : every_kind()) {
     const Prior prior(p);
     for (const double x : {0.7, 1.9, 3.3}) {

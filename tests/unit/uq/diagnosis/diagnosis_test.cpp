@@ -165,7 +165,7 @@ TEST(Diagnosis, AFaultyGaugeIsItselfNamed) {
 }
 
 // Such a gauge leads the fit astray: the diagnosis ends after the runs that a box begins with, and screens no mechanism.
-TEST(Diagnosis, EndsWhereGaugesLookMixedUp) {
+TEST(Diagnosis, EndsIfChannelsAreMixedUp) {
   const auto folder = scratch("diagnosis_mixed_up");
   for (const double gain : {-1.0, 0.1}) {
     const Diagnosis d = Experiment(0.25, 0, 0, gain, 21).diagnosed(folder);
@@ -226,7 +226,7 @@ TEST(Diagnosis, AFaultyGaugeBesideAnEffectIsNamedWithIt) {
 }
 
 // The numbers have nearly the effect of a parameter. Estimated beside the parameters' mode, they take away as much of chi-squared as is reported.
-TEST(Diagnosis, ManySmallNumbersFitTheRecordsAsWellAsTheirChiSquaredSays) {
+TEST(Diagnosis, ManySmallParametersFitTheRecordsAsWellAsTheirChiSquared) {
   const double value = 0.08, of_amplitude = 1;
   const Experiment experiment(value, 0, 0, 1, 1);
   const RunAdded runs = [&](const Eigen::MatrixXd& thetas, const std::vector<int>& level, std::span<const AddedParameter> which) {

@@ -57,7 +57,7 @@ TEST(Ensemble, EachMoveAloneSamplesSeveralDimensions) {
   }
 }
 
-TEST(Ensemble, WalkersAreToldAsChainsThatMoveTogether) {
+TEST(Ensemble, WalkersAreDeclaredAsChainsThatMoveTogether) {
   const auto density = banana();
   const auto r = run_sampler(density, at(2, 1), ensemble(1000, 500, 20), {.seed = 3, .threads = 2});
   EXPECT_EQ(r.quantities.chains, 4 * 8u);

@@ -145,9 +145,9 @@ TEST(DensityModes, ChainsThatCannotJumpAreNotConverged) {
   SamplerStart apart{.mean = {}, .covariance = Eigen::Matrix2d::Identity(), .points = Eigen::MatrixXd(2, 4)};
   for (Eigen::Index c = 0; c < 4; ++c) apart.points.col(c) = modes[std::size_t(c % 2)].x;
   const auto r = run_sampler(density, apart, shortened("dram"), {.seed = 2, .journal = {}, .provenance = {}, .progress = {}});
-  const auto told = assess(r.quantities, sampling_facts(r, 1));
-  EXPECT_FALSE(told.converged);
-  EXPECT_EQ(told.finding.state, ChainState::separate_modes);
+  const auto convergence = assess(r.quantities, sampling_facts(r, 1));
+  EXPECT_FALSE(convergence.converged);
+  EXPECT_EQ(convergence.finding.state, ChainState::separate_modes);
 }
 
 }  // namespace

@@ -95,10 +95,10 @@ TEST(ReportPosterior, AFitThatTheRecordsContradictIsReportedAndItsNumbersAreNotF
   json["adequacy"] = "the fit is not adequate: chi-squared 369 for 80 values";
   json["warnings"] = {json["adequacy"]};
   write_json(dir / "posterior.json", json);
-  const std::string told = markup(report_of(dir, input()));
-  EXPECT_THAT(told, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
-  EXPECT_THAT(told, HasSubstr("<li>sampling: the fit is not adequate"));
-  EXPECT_THAT(told, HasSubstr("<strong>Not final</strong>: the warnings say why."));
+  const std::string page = markup(report_of(dir, input()));
+  EXPECT_THAT(page, HasSubstr("<strong>By chi-squared, the fit is not adequate: chi-squared 369 for 80 values.</strong>"));
+  EXPECT_THAT(page, HasSubstr("<li>sampling: the fit is not adequate"));
+  EXPECT_THAT(page, HasSubstr("<strong>Not final</strong>: the warnings say why."));
   json["final"] = true;
   json["adequate"] = true;
   json["adequacy"] = "the records do not contradict the fit: chi-squared 33 for 80 values";
