@@ -54,7 +54,7 @@ std::vector<double> DrawnNoiseDensity::weights(const Eigen::VectorXd& q) const {
 }
 
 NoiseInflation noise_inflation(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
-                             std::size_t most) {
+                               std::size_t most) {
   const std::size_t all = coordinates.chains * coordinates.draws;
   const std::size_t d = coordinates.names.size();
   const std::size_t n = quantities.names.size();

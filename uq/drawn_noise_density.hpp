@@ -43,6 +43,6 @@ struct NoiseInflation {
 /// error; likewise those of each draw of the hyperparameters. coordinates, quantities: the sampler's draws, of which at most `most` evenly spaced ones are
 /// taken.
 [[nodiscard]] NoiseInflation noise_inflation(const DrawnNoiseDensity& density, const LogPosterior& estimate, const Draws& coordinates, const Draws& quantities,
-                                           std::size_t most = 8000);
+                                             std::size_t most = 8000);
 
 }  // namespace calomel

@@ -235,8 +235,8 @@ void add_unsettled(const Diagnosis& d, std::span<const ParameterGroup> groups, P
 /// Changes the sentences where the data are not in order, because nothing else can be done before.
 void add_data_checks(const Diagnosis& d, PlainSummary& summary) {
   if (!d.base.mislabelled.empty())
-    summary.finding =
-        fmt::format("The simulation and the records differ (misfit {}), but channels appear to be mixed up, so no mechanism was tried.", percent(d.misfits.before));
+    summary.finding = fmt::format("The simulation and the records differ (misfit {}), but channels appear to be mixed up, so no mechanism was tried.",
+                                  percent(d.misfits.before));
   std::string checks;
   for (const auto& channel : d.base.mislabelled) checks += mislabelled_sentence(channel) + ' ';
   if (d.clock) checks += clock_sentence(*d.clock) + ' ';

@@ -88,8 +88,9 @@ std::vector<std::string> map_warnings(const MapSummary& summary, const Posterior
   if (!summary.fit.adequate) out.push_back(goodness_sentence(summary.fit));
   for (const auto& x : summary.nuisances)
     if (std::abs(x.deviation) > 1)
-      out.push_back(fmt::format("the records shift {} to {:.3g}, {:.2g} standard deviations from its prior mean: it may compensate for an effect that the model omits",
-                                x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.deviation)));
+      out.push_back(
+          fmt::format("the records shift {} to {:.3g}, {:.2g} standard deviations from its prior mean: it may compensate for an effect that the model omits",
+                      x.name == "beyond" ? "the multiple of the last mesh difference beyond the finest mesh" : x.name, x.value, std::abs(x.deviation)));
   for (std::size_t k = 0; k < in.problem.shape.parameters.size(); ++k) {
     const Parameter& p = in.problem.shape.parameters[k];
     const double sd = std::sqrt(summary.covariance(Eigen::Index(k), Eigen::Index(k)));

@@ -28,7 +28,7 @@ struct MechanismKey {
   double off;        ///< infinite where the law says "none"; the default of a key that does not decide
   double low, high;  ///< default prior range
   bool log_uniform = false;
-  bool decides = true;  ///< the mechanism is off when every deciding key has its off value
+  bool decides = true;   ///< the mechanism is off when every deciding key has its off value
   bool screened = true;  ///< whether a diagnosis fits it; false: another key of the mechanism has the same effect on the records
   std::optional<int> off_centre =
       std::nullopt;     ///< axis along which it breaks the symmetry: an error where the mesh is mirrored along it, which a diagnosis does not ask it of

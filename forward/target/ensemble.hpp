@@ -17,8 +17,8 @@ struct EnsembleOptions {
 };
 std::vector<double> pulse_energies(const EnsembleOptions& options);
 
-/// Mean, secant by energy and scatter about it of single pulses, (pulse, condition, sensor, time), at out.energies, into `out`. Pulses of one energy determine no
-/// slope, and two pulses no scatter: these are left empty, because zeros would mean that energy has no effect.
+/// Mean, secant by energy and scatter about it of single pulses, (pulse, condition, sensor, time), at out.energies, into `out`. Pulses of one energy determine
+/// no slope, and two pulses no scatter: these are left empty, because zeros would mean that energy has no effect.
 void mean_over_energies(std::span<const double> pulses, Prediction& out);
 
 }  // namespace calomel

@@ -21,7 +21,8 @@ struct FitResidual {
 /// The residual at the highest mode of a fit, under its likeliest errors. The variance of the emulator includes the noise of one run of the finest mesh.
 [[nodiscard]] FitResidual residual_of(const PosteriorFit& fit);
 
-/// The residual of a model without an emulator, from its prediction (size) on the grid of the errors. Errors: NumericsError where the covariance is not positive definite.
+/// The residual of a model without an emulator, from its prediction (size) on the grid of the errors. Errors: NumericsError where the covariance is not
+/// positive definite.
 [[nodiscard]] FitResidual residual_of(const ErrorModel& errors, const Eigen::VectorXd& prediction, std::size_t parameters);
 
 }  // namespace calomel

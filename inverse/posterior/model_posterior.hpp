@@ -1,5 +1,6 @@
 #pragma once
-/// The posterior density of the parameters of a model with cheap runs, by the model itself, without an emulator; or that of a model which is a log density already.
+/// The posterior density of the parameters of a model with cheap runs, by the model itself, without an emulator; or that of a model which is a log density
+/// already.
 #include <Eigen/Core>
 #include <atomic>
 #include <optional>

@@ -131,7 +131,7 @@ struct PosteriorInputs {
   /// A nested hypothesis, by these parameters (index, value) held, and where it is taken to stand, (n_parameters); both empty where there is none.
   std::vector<std::pair<Eigen::Index, double>> held;
   std::vector<double> nested_centre;
-  std::vector<TrainingRun> known;            ///< runs that are there already
+  std::vector<TrainingRun> known;          ///< runs that are there already
   std::size_t known_dimension = 0;         ///< they differ in the first so many parameters
   std::vector<std::string> identified;     ///< InferenceHints::identified
   std::vector<PowerProduct> combinations;  ///< InferenceHints::combinations

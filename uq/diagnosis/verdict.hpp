@@ -91,16 +91,30 @@ struct Ranked {
 };
 
 /// The gates of the rule, in their order; the first one that an explanation fails.
-enum class Gate { passed, fitted, evidence, numerical, competitor, numerical_competitor, explained, remainder, misfit, held_out, plausible, handbook, probability };
+enum class Gate {
+  passed,
+  fitted,
+  evidence,
+  numerical,
+  competitor,
+  numerical_competitor,
+  explained,
+  remainder,
+  misfit,
+  held_out,
+  plausible,
+  handbook,
+  probability
+};
 
 /// The facts that decided a verdict.
 struct VerdictReason {
-  bool base_adequate = false;   ///< the base model explains the records within their errors
-  std::string leading;          ///< explanation with the greatest evidence; empty: nothing was offered
-  Gate gate = Gate::passed;     ///< that the leading explanation fails
-  double explained = 0;         ///< share of the excess that the leading explanation takes away
-  double lead = 0;              ///< of its evidence over that of the next class
-  double probability = 0;       ///< of its class, where the gate is `probability`
+  bool base_adequate = false;        ///< the base model explains the records within their errors
+  std::string leading;               ///< explanation with the greatest evidence; empty: nothing was offered
+  Gate gate = Gate::passed;          ///< that the leading explanation fails
+  double explained = 0;              ///< share of the excess that the leading explanation takes away
+  double lead = 0;                   ///< of its evidence over that of the next class
+  double probability = 0;            ///< of its class, where the gate is `probability`
   std::string numerical_competitor;  ///< where the gate is `numerical_competitor`
 };
 

@@ -52,7 +52,11 @@ Html sentence_html(std::string text, bool bad = false) {
 
 Table nuisance_table(const Study& study) {
   Table t{.id = "nuisances", .caption = "Nuisance coordinates of the posterior (not parameters of the case), with their priors."};
-  t.columns = {{"name", "Coordinate", 4, true},       {"value", "Value", 4}, {"sd", "Sd", 2}, {"prior_value", "Prior", 4}, {"prior_sd", "Sd of the prior", 2},
+  t.columns = {{"name", "Coordinate", 4, true},
+               {"value", "Value", 4},
+               {"sd", "Sd", 2},
+               {"prior_value", "Prior", 4},
+               {"prior_sd", "Sd of the prior", 2},
                {"pull", "Deviation [sd of the prior]", -2}};
   for (const auto& n : list_at(map_json_of(study), "nuisances")) {
     const auto deviation = number_at(n, "pull");

@@ -29,7 +29,8 @@ TEST(PriorDeviations, NameTheGaugeWhoseGainIsWrong) {
   EXPECT_EQ(nuisance_words(all[0].term, all[0].gauge), "the gain of " + all[0].gauge);
   EXPECT_NEAR(all[0].deviation, 8 * (1 - all[0].sd * all[0].sd), 1);  // nuisance parameters that the records do not determine remain at their prior
   EXPECT_LT(all[0].sd, 0.6);
-  EXPECT_THAT(far_deviations(all, {}), ElementsAre(AllOf(HasSubstr("the gain of " + all[0].gauge + " by +"), HasSubstr("errors.gain_sd), +"), HasSubstr(" %:"))));
+  EXPECT_THAT(far_deviations(all, {}),
+              ElementsAre(AllOf(HasSubstr("the gain of " + all[0].gauge + " by +"), HasSubstr("errors.gain_sd), +"), HasSubstr(" %:"))));
 }
 
 TEST(PriorDeviations, NameTheEnergyWhereAllGaugesAreWrong) {
