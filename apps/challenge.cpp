@@ -59,7 +59,7 @@ ExitStatus make(const CommandLine& command, const Notes& notes) {
                                   : fmt::format("{} cases in {}, {} made now", summary.cases - summary.failed.size(), words.directory.string(), summary.made)));
   if (summary.failed.empty()) return ExitStatus::done;
   notes.warn(
-      fmt::format("{} could not be made: {}; truth/NAME.log says why, the same command tries them again", summary.failed.size(), few_of(summary.failed)));
+      fmt::format("{} could not be made: {}; truth/NAME.log gives the reason; the same command tries again", summary.failed.size(), few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }
 
@@ -90,7 +90,7 @@ ExitStatus run(const CommandLine& command, const Notes& notes) {
   notes.say(
       stage_line(stage, fmt::format("{} of {} cases have a diagnosis, {} made now", summary.cases - summary.failed.size(), summary.cases, summary.diagnosed)));
   if (summary.failed.empty()) return ExitStatus::done;
-  notes.warn(fmt::format("{} could not be diagnosed: {}; results/NAME/diagnose.log says why, the same command tries them again", summary.failed.size(),
+  notes.warn(fmt::format("{} could not be diagnosed: {}; results/NAME/diagnose.log gives the reason; the same command tries again", summary.failed.size(),
                          few_of(summary.failed)));
   return ExitStatus::not_to_be_trusted;
 }

@@ -70,7 +70,7 @@ Json read_json(const std::filesystem::path& path) {
   try {
     return Json::parse(read_text(path));
   } catch (const Json::exception& e) {
-    throw InputError({.problem = std::string("not valid JSON: ") + e.what(), .suggestion = "make it anew with --fresh", .file = path.string()});
+    throw InputError({.problem = std::string("not valid JSON: ") + e.what(), .suggestion = "make it again with --fresh", .file = path.string()});
   }
 }
 

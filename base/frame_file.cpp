@@ -30,7 +30,7 @@ std::string frame(std::string_view payload) {
 
 InputError unwritable(const std::filesystem::path& path) {
   return InputError({.problem = std::string("cannot be written: ") + std::strerror(errno),
-                     .suggestion = "check the free space and the rights; what is finished is kept",
+                     .suggestion = "check the free space and the permissions; finished work is kept",
                      .file = path.string()});
 }
 

@@ -40,7 +40,7 @@ MakeSummary make_suite(const SuiteOptions& options, std::uint64_t seed, const fs
   const auto provenance = provenance_of(options, seed);
   if (reusable(out / "suite.json", provenance) == Reuse::nothing_there) {
     if (fs::exists(out / "cases"))
-      throw InputError({.problem = "holds cases, but no suite.json that says of which suite", .suggestion = "use another --out", .file = out.string()});
+      throw InputError({.problem = "has cases, but no suite.json that names their suite", .suggestion = "use another --out", .file = out.string()});
     write_json(out / "suite.json", {{"cases", cases_of(options, seed).size()}, {"provenance", provenance.json()}});
   }
   const fs::path truths = out / "truth", work = out / "making";

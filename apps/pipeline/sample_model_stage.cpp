@@ -100,7 +100,7 @@ Judged judge(const Problem& problem, const ErrorOptions& options, const ModelPos
   const ErrorModel& errors = *posterior.errors();
   const Eigen::VectorXd prediction = errors.grid().apply(posterior.prediction(mode));
   if (!prediction.allFinite())
-    return {.fit = Json::object(), .warnings = {"the model gave no answer at its mode: whether it contradicts the records is not known"}};
+    return {.fit = Json::object(), .warnings = {"the model returned no result at its mode, so whether it contradicts the records is unknown"}};
   const FitResidual left = residual_of(errors, prediction, std::size_t(posterior.dimension()));
   const GoodnessOfFit goodness = goodness_of_fit(left);
   Judged out{.fit = {{"mode",
@@ -138,7 +138,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   if (wait > long_wait)
     notes.warn(
         {fmt::format("the chains will take about {:.0f} minutes by the model itself, {:.2g} calls of it; add a [surrogate] table to sample on an emulator, or "
-                     "ask for fewer sampler.draws",
+                     "reduce sampler.draws",
                      wait / 60, calls)});
   const auto modes = modes_of(call, posterior, density);
   const SamplerStart start = start_at_modes(modes);
@@ -178,7 +178,7 @@ ExitStatus sample_model_stage(StageCall& call) {
   json["model"] = {{"evaluations", result.summary.evaluations}, {"without_an_answer", posterior.failed()}};
   write_sample(call, groups, json, provenance);
   notes.say(draws_lines(convergence));
-  if (posterior.failed() > 0) notes.warn({fmt::format("the model gave no answer {} times; its density counts as zero there", posterior.failed())});
+  if (posterior.failed() > 0) notes.warn({fmt::format("the model returned no result {} times; the density counts as zero there", posterior.failed())});
   notes.warn(alarms);
   notes.warn(warnings);
   notes.say(stage_line("sample", convergence_sentence(convergence)));

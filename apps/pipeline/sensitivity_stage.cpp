@@ -60,7 +60,7 @@ std::string surrogate_sentence(const KnownRuns& runs) {
   Eigen::Index failed = 0;
   for (Eigen::Index i = 0; i < all; ++i) failed += !runs.means.col(i).allFinite();
   std::string s = "Sobol' indices and elementary effects are those of the surrogate, the polynomial is fitted to the campaign's runs of the model";
-  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate answers there all the same", failed, all);
+  if (failed > 0) s += fmt::format("; {} of its {} runs failed, and the surrogate still predicts there", failed, all);
   return s;
 }
 
@@ -131,8 +131,9 @@ ExitStatus sensitivity_stage(StageCall& call) {
                              .stop = &stop_requested()};
   Sensitivity s = analyse_sensitivity(in);
   if (!by_surrogate && inputs.runs().store().lost() > 0)
-    inputs.notes().warn({fmt::format("no answer came to {} evaluations: --fresh requests these again", inputs.runs().store().lost())});
-  if (s.doubt.empty() && upstream != ExitStatus::done) s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json say why";
+    inputs.notes().warn({fmt::format("{} evaluations got no response: --fresh requests them again", inputs.runs().store().lost())});
+  if (s.doubt.empty() && upstream != ExitStatus::done)
+    s.doubt = "the campaign or the surrogate is not to be trusted: campaign.json and train.json give the reason";
   const std::string source = by_surrogate ? surrogate_sentence(*in.runs) : "all by the model itself";
   write_sensitivity(inputs.artefact("sensitivity.nc"), s, model.shape(), in.totals ? &*in.totals : nullptr, provenance);
   write_atomically(inputs.artefact("sensitivity.csv"), sensitivity_csv(s, parameters));

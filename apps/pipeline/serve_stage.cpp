@@ -97,12 +97,12 @@ void expect_within(const ModelShape& shape, const std::vector<double>& theta) {
   for (std::size_t k = 0; k < theta.size(); ++k)
     if (const auto& p = shape.parameters[k]; theta[k] < p.min || theta[k] > p.max)
       throw InputError(
-          {.problem = "the surrogate knows nothing beyond its bounds", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
+          {.problem = "the surrogate is valid within its bounds only", .key = p.name, .value = number_text(theta[k]), .range = Range{p.min, p.max}.text()});
 }
 
 /// Errors: InputError where the summary does not stand, or is not of this case; the seed does not matter.
 void expect_of_case(const std::filesystem::path& summary, Provenance now) {
-  if (!std::filesystem::exists(summary)) throw InputError({.problem = "is not there, so that it is not known of which case it is", .file = summary.string()});
+  if (!std::filesystem::exists(summary)) throw InputError({.problem = "is missing, so the case of the surrogate is unknown", .file = summary.string()});
   now.seed = read_json(summary).value(Json::json_pointer("/provenance/seed"), now.seed);
   (void)reusable(summary, now);
 }

@@ -23,7 +23,7 @@ Why why_of_base(const Diagnosis& d, const std::string& name, const Gates& gates)
     if (d.verdict.kind == VerdictKind::unknown)
       return {"The base model does not explain the records, and no explanation that was tried passes every test.",
               "An effect that passes all tests: offer more mechanisms, or add one."};
-    return {"It stands for any cause that was not tried.", "A base model that does not explain the records, while no explanation passes the tests."};
+    return {"It represents any cause that was not tried.", "A base model that does not explain the records, while no explanation passes the tests."};
   }
   const std::string chi2 = chi2_words(base.chi2, base, gates);
   if (base.chi2 <= greatest_plausible(base, gates))

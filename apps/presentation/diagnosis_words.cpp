@@ -97,11 +97,10 @@ std::string one_place(const Diagnosis& d, const Gates& gates) {
 PlainSummary unknown_summary(const Diagnosis& d, std::span<const ParameterGroup> groups, const Gates& gates) {
   const std::string misfit = percent(d.misfits.before);
   const std::string look = fmt::format(
-      "Look first {}.{} Something outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not "
-      "take calibrated values for properties of the material.",
+      "Look first {}.{} An effect outside the catalogue may be missing, such as a part of the geometry, or several effects at once. Until it is found, do not "
+      "use calibrated values as properties of the material.",
       where(d.location), one_place(d, gates));
-  const PlainSummary nothing{fmt::format("The simulation leaves something out (misfit {}), and none of the effects that were tried explains it.", misfit),
-                             look};
+  const PlainSummary nothing{fmt::format("The simulation leaves something out (misfit {}), and none of the effects that were tried explains it.", misfit), look};
   const auto all = d.by_evidence();
   if (all.empty()) return nothing;
   const Alternative& best = *d.alternative(all[0].name);
@@ -165,7 +164,7 @@ std::string separating_text(const std::optional<SeparatingMeasurement>& m) {
 
 std::string missing_sentence(const MissingTerms& m) {
   if (m.terms.empty())
-    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce what is missing.", m.screened);
+    return fmt::format("None of {} simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce the missing effect.", m.screened);
   std::vector<std::string> all;
   for (const auto& t : m.terms) all.push_back(fmt::format("of {} by {} {}", t.what, plain_term(t), t.place));
   const std::string change = fmt::format("What is missing acts like a change {}.", listed(all)), with = all.size() == 1 ? "it" : "them";

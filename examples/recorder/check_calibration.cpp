@@ -73,7 +73,7 @@ void check_comparison(const std::filesystem::path& out, Checks& holds) {
   holds(read_text(out / "report.html").find("How far the calibrations lie apart") != std::string::npos, "report.html shows how far they lie apart");
 }
 
-/// The chains have converged, the true model lies where the emulator says, and the truth lies within the posterior.
+/// The chains have converged, the true model agrees with the emulator, and the truth lies within the posterior.
 void check_posterior(const std::filesystem::path& out, const std::function<double(const std::string&)>& true_value, const std::vector<std::string>& names,
                      double most_sds, Checks& holds) {
   const Json posterior = read_json(out / "posterior.json");

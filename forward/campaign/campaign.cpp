@@ -91,7 +91,7 @@ Json identity_options(const CampaignOptions& options) {
 
 Eigen::MatrixXd design_points(const std::string& design, std::span<const Parameter> parameters, std::size_t runs, std::uint64_t seed) {
   if (parameters.empty())
-    throw InputError({.problem = "a campaign needs at least one parameter to vary, the case has none",
+    throw InputError({.problem = "a campaign needs at least one parameter to vary, and the case has none",
                       .key = "parameter",
                       .suggestion = "add [parameter.NAME] with min and max"});
   Eigen::MatrixXd points = designs().get(design, "campaign.design").points(parameters.size(), runs, seed);
@@ -152,7 +152,7 @@ CampaignSummary run_campaign(const ModelShape& shape, const CampaignOptions& opt
       provenance);
   judge(summary, messages, options.allowed_failures);
   if (const auto lost = std::count_if(requests.begin(), requests.end(), [&](const auto& r) { return runs.store().lost(r); }); lost > 0)
-    summary.message += fmt::format("; no answer came to {} of them: --fresh requests these again", lost);
+    summary.message += fmt::format("; {} of them got no response: --fresh requests them again", lost);
   summary.message += no_floor;
   summary.wall_s = seconds();
   write_summary(directory, summary, options, messages, floor ? floor_json(*floor) : Json(), provenance);

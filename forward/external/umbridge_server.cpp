@@ -114,7 +114,7 @@ std::size_t index_of(const Json& body, const char* key, std::size_t size) {
 
 Json given(const std::vector<double>& values) {
   for (const double x : values)
-    if (!std::isfinite(x)) throw NumericsError("the model's answer is not finite");
+    if (!std::isfinite(x)) throw NumericsError("the model's result is not finite");
   return values;
 }
 

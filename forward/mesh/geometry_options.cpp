@@ -207,7 +207,7 @@ void GeometryOptions::validate() const {
     require(height, "height", kind), require(element_size, "element_size", kind);
   }
   if (wall_elements == 1)
-    throw InputError({.problem = "one element through a wall carries none of its bending", .key = "wall_elements", .value = "1", .range = "0, or at least 2"});
+    throw InputError({.problem = "one element through a wall cannot represent its bending", .key = "wall_elements", .value = "1", .range = "0, or at least 2"});
   const GeometryOptions g = resolved();
   if (!bar) {
     leave_mercury(g, *g.height, "height", {"top", "bottom"});

@@ -39,14 +39,14 @@ struct SolverOptions {
     v("time_step_safety", time_step_safety, {.range = between(0.05, 1), .doc = "share of the stable step that is used"});
     v("subcycles", subcycles, {.range = between(1, 8), .doc = "mercury away from the steel is advanced at every so many steps at most; 1 = at every step"});
     v("rear_reference", rear_reference,
-      {.doc = "what lies behind a non-reflecting rear face: equally heated mercury, or none (zero)", .choices = {"heated", "zero"}});
+      {.doc = "mercury behind a non-reflecting rear face: equally heated, or unheated (zero)", .choices = {"heated", "zero"}});
     v("kinematics", kinematics,
       {.doc = "strain of the elements: of small displacements, or Green's in the reference configuration", .choices = {"small", "finite"}});
     v("steel_element", steel_element,
       {.doc = "assumed strain, exact in bending, or the selectively reduced B-bar element that checks it (locks in thin walls; small strain only)",
        .choices = {"assumed_strain", "b_bar"}});
     v("checkpoint", checkpoint,
-      {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which a run that was cut off goes on; 0 = none"});
+      {.unit = "s", .range = at_least(0), .doc = "wall time between the checkpoints of simulate, from which an interrupted run resumes; 0 = none"});
     v("energy_balance", energy_balance, {.doc = "energy balance of every step in simulate (a seventh to a third slower)"});
     v.renamed("booking", "solver.energy_balance");
   }

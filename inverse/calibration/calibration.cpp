@@ -144,8 +144,8 @@ void decide_by_true_model(Calibration& out, const Problem& problem, const Forwar
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const double share = (out.theta[k] - parameters[k].min) / (parameters[k].max - parameters[k].min);
     if (share < 1e-3 || share > 1 - 1e-3)
-      out.warnings.push_back(fmt::format("{} = {} sits on its {} bound: the data would have it outside, or do not determine it", parameters[k].name,
-                                         fmt::format("{:.6g}", out.theta[k]), share < 0.5 ? "lower" : "upper"));
+      out.warnings.push_back(fmt::format("{} = {} lies on its {} bound: its best value is beyond the bound, or the data do not determine it",
+                                         parameters[k].name, fmt::format("{:.6g}", out.theta[k]), share < 0.5 ? "lower" : "upper"));
   }
 }
 

@@ -123,8 +123,8 @@ Json calibration_json(const Calibration& s, const Problem& problem, const Json& 
                     {"nominal", s.at_nominal.objective_model ? number(*s.at_nominal.objective_model) : Json()}};
   j["product"] = s.product;
   j["meaning"] =
-      "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They take up "
-      "whatever the model leaves out, and the published objective mixes percent with strain.";
+      "tuned: the values with which this model imitates these recordings best within the case's bounds; not a material property. They compensate for "
+      "whatever the model omits, and the published objective mixes percent with strain.";
   j["accuracy"] = accuracy(s.best);
   j["mae"] = average(s.best, &Score::mae);
   j["nominal_accuracy"] = accuracy(s.at_nominal);

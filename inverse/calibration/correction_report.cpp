@@ -41,19 +41,20 @@ void report_correction(Calibration& out, const Problem& problem, const MeshCorre
     m.calibrated = without(out.theta, out.calibrated);
     m.best = score(problem, m.calibrated);
     m.difference = relative_difference(problem, correction.shift(out.theta), m.calibrated);
-    m.sentence += fmt::format("; at the answer that is {:.2g} % of the histories", 100 * m.difference);
+    m.sentence += fmt::format("; at the calibrated point the correction is {:.2g} % of the histories", 100 * m.difference);
   }
-  if (!m.without.empty()) m.sentence += fmt::format("; against the answer without it: {}", moves(problem.shape, m.without, out.theta));
+  if (!m.without.empty()) m.sentence += fmt::format("; difference from the calibration without it: {}", moves(problem.shape, m.without, out.theta));
   const auto mark = [&](Candidate& c) { c.inside_emulator = correction.inside(c.theta); };
   mark(out.best), mark(out.at_nominal);
   for (auto* list : {&out.candidates, &out.failed})
     for (auto& c : *list) mark(c);
   if (!out.at_nominal.inside_emulator)
-    m.sentence += "; the nominal point lies outside the emulator's box, so that its scores are surer on the case's own mesh (working_mesh)";
+    m.sentence += "; the nominal point lies outside the emulator's box, so that its scores are more reliable on the case's own mesh (working_mesh)";
   out.warnings.insert(out.warnings.end(), correction.reservations.begin(), correction.reservations.end());
   if (!out.best.inside_emulator)
     out.warnings.push_back(
-        "the answer lies outside the box about the posterior in which the emulator knows the mesh: its correction is that of the box's nearest point. See "
+        "the answer lies outside the box about the posterior in which the emulator knows the mesh error: its correction is that of the box's nearest point. "
+        "See "
         "where `calomel "
         "sample` finds the parameters, and whether they are bounded too widely");
 }

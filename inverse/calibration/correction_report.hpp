@@ -15,8 +15,8 @@ void visit_mesh_correction(V& v, bool& mesh_correction) {
     {.doc = "predictions are corrected for the mesh by the emulator, whose runs are those of [emulator]: finest mesh less the case's own; false: bare, as "
             "published"});
   v.renamed("mesh_pairs", "mesh_correction = true | false decides; the runs are those of [emulator]");
-  v.renamed("mesh_beyond", "mesh_correction leads to the finest mesh of [emulator]; what lies beyond it is part of the posterior (errors.beyond)");
-  v.renamed("draws", "the answer is a point estimate; `calomel sample` reports how well the records determine the parameters");
+  v.renamed("mesh_beyond", "mesh_correction leads to the finest mesh of [emulator]; the error of that mesh is part of the posterior (errors.beyond)");
+  v.renamed("draws", "the calibration is a point estimate; `calomel sample` reports how well the records determine the parameters");
 }
 
 /// Scores and histories on the case's own mesh, where those of the calibration itself are corrected for it.

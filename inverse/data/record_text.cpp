@@ -332,7 +332,7 @@ RecordRows parse_record_text(std::string_view text, const std::string& file) {
     double x = 0;
     if (fields.size() >= 2 && std::all_of(fields.begin(), fields.end(), [&](auto f) { return parse_number(f, x) != Field::text; })) {
       of_strange_time();
-      fail(file, lines.number(), "missing header: numbers stand before any line that names the columns", "",
+      fail(file, lines.number(), "missing header: numbers precede the line that names the columns", "",
            "begin with sensor,pulse,time,strain or with time and one name a sensor");
     }
     if (looks_like_header(fields)) {

@@ -37,7 +37,7 @@ std::optional<double> strains_in(const std::string& unit) {
 std::pair<double, std::string> inner_unit(const std::string& own, const std::string& asked, const std::string& file) {
   if (const auto strains = strains_in(own)) {
     if (asked != "strain" && !(asked == "microstrain" && *strains == microstrain))
-      throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\"", file, own),
+      throw InputError({.problem = fmt::format("the file {} states that its values are in \"{}\"", file, own),
                         .key = "recordings.unit",
                         .value = '"' + asked + '"',
                         .suggestion = fmt::format("write unit = \"{}\"", *strains == microstrain ? "microstrain" : "strain")});
@@ -53,9 +53,9 @@ double factor_to_model(const std::string& own, const std::string& unit, const st
   if (own.empty() || own == unit) return 1;
   const auto from = reading_unit(own), to = reading_unit(unit);
   if (from && to && from->quantity == to->quantity) return from->size / to->size;
-  throw InputError({.problem = fmt::format("the file {} says that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit),
+  throw InputError({.problem = fmt::format("the file {} states that its values are in \"{}\", the model's are in \"{}\" (case.sensor_unit)", file, own, unit),
                     .key = "recordings.file",
-                    .suggestion = fmt::format("bring both to one unit; calomel import --unit {} says what a text file is in", unit)});
+                    .suggestion = fmt::format("bring both to one unit; calomel import --unit {} states the unit of a text file", unit)});
 }
 
 Recordings read_netcdf(const std::filesystem::path& path, const std::string& unit, bool as_it_is = false) {
@@ -146,7 +146,7 @@ std::pair<double, std::string> unit_of_strain(const RecordRows& table, const std
       throw InputError({.problem = fmt::format("the column of values is called {} in {}", other, table.files[0]),
                         .key = "recordings.unit",
                         .value = '"' + unit + '"',
-                        .suggestion = "call it strain if it is strain; of other readings say the unit (unit, and sensor_unit under [case])"});
+                        .suggestion = "name it strain if it is strain; for other readings state the unit (unit, and sensor_unit under [case])"});
   if (table.value_column == "microstrain") {  // strain is the customary header, whatever the unit
     own = table.value_column;
     if (unit != "microstrain")
@@ -359,7 +359,8 @@ ImportSummary import_recordings(std::span<const std::filesystem::path> files, co
   for (const auto& path : files) {
     RecordRows table;
     std::string name;
-    if (!std::filesystem::is_regular_file(path)) throw InputError({.problem = "there is no such file", .suggestion = "check the name", .file = path.string()});
+    if (!std::filesystem::is_regular_file(path))
+      throw InputError({.problem = "the file does not exist", .suggestion = "check the name", .file = path.string()});
     if (is_netcdf(path)) {
       const Recordings record = read_netcdf(path, options.unit);
       table = rows_of(record);

@@ -70,7 +70,7 @@ std::string sentence_of(const EncAgreement& a, const ModelShape& shape) {
   if (a.objectives.size() > 1)
     s += std::string(s.empty() ? "" : " ") + (a.objectives_agree
                                                   ? fmt::format("The objectives agree within {:g} of the bounds.", agreement_tolerance)
-                                                  : "The objectives disagree: " + apart + ". The answer depends on the formulation of the misfit.");
+                                                  : "The objectives disagree: " + apart + ". The result depends on the formulation of the misfit.");
   return s;
 }
 

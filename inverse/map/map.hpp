@@ -34,7 +34,7 @@ struct MapOptions {
               "and a discrepancy",
        .choices = {"tuned", "physical"}});
     v("score_tests", score_tests,
-      {.doc = "score tests: whether the residual at the answer points where a mechanism that the case does not enable would show; one or two runs a key on the "
+      {.doc = "score tests: whether the residual at the mode resembles the effect of a mechanism that the case does not enable; one or two runs a key on the "
               "next to finest mesh, about two dozen"});
     v.renamed("screen", "map.score_tests");
     v("compare_with", compare_with,
@@ -47,7 +47,7 @@ struct MapOptions {
     v.renamed("mesh_beyond_sd", "errors.beyond_sd");
     v.renamed("mesh_error", "errors.mesh");
     v.renamed("stable", "emulator.stable");
-    v.renamed("widen", "nothing is multiplied afterwards: what the errors are is set in [errors]");
+    v.renamed("widen", "nothing is multiplied afterwards: set the errors in [errors]");
     v.renamed("likelihood", "[errors]: values, band, energy_scale_sd, gain_sd, baseline, coherent_noise for all methods");
     v.renamed("discrepancy", "errors.discrepancy, errors.discrepancy_times, errors.discrepancy_distance");
     v.renamed("unknowns", "errors.young_sd, errors.gauge_place_sd");

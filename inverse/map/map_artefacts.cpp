@@ -42,7 +42,7 @@ Json map_json(const MapSummary& s, const PosteriorInputs& in, const PosteriorFit
   Json own;
   if (s.product == "physical")
     own["meaning"] =
-        "physical: handbook priors, and a discrepancy that takes up what the model leaves out; a material property only as far as that discrepancy is a fair "
+        "physical: handbook priors, and a discrepancy that represents omitted physics; a material property only as far as that discrepancy is a fair "
         "picture of it.";
   own["parameters"] = Json::array();
   own["sd"] = Json::object();

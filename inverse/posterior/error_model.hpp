@@ -56,8 +56,9 @@ struct ErrorOptions {
     v("wall_film", wall_film,
       {.unit = "m",
        .range = between(0, 5e-4),
-       .doc = "mercury that stays on a wetted wall where it gives way there (material.mercury.wall_film), which nobody knows and which weighs on the wall: "
-              "prior mean"});
+       .doc =
+           "mercury that remains on a wetted wall when it cavitates there (material.mercury.wall_film); its thickness is unknown and it adds mass to the wall: "
+           "prior mean"});
     v("wall_film_sd", wall_film_sd,
       {.unit = "m", .range = between(0, 5e-4), .doc = "its prior sd; it is a coordinate of the posterior, as the modulus is; 0 holds it at the case's own"});
     v("gauge_place_sd", gauge_place_sd,
@@ -66,33 +67,33 @@ struct ErrorOptions {
       {.unit = "s",
        .range = at_least(0),
        .doc = "sd of the instant on the record's clock at which the simulation starts (recordings.trigger_offset), the same for all gauges; marginalised to "
-              "first order. 0: it is known"});
+              "first order. 0: exactly known"});
     v("beyond", beyond,
-      {.range = between(-1, 3), .doc = "how far past the finest mesh the records lie, in units of its difference to the next coarser mesh: prior mean"});
+      {.range = between(-1, 3), .doc = "multiple of the difference between the two finest meshes that is added to the finest mesh: prior mean"});
     v("beyond_sd", beyond_sd, {.range = between(0, 3), .doc = "prior sd of that multiple, which is a coordinate of the posterior; 0 holds it"});
-    v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "what no multiple of that difference takes away, over its local amplitude"});
+    v("beyond_rest", beyond_rest, {.range = between(0, 3), .doc = "error of the mesh that no multiple of that difference removes, over its local amplitude"});
     v("record_noise", record_noise,
       {.range = between(0, 10),
        .doc = "numerical noise that the records carry as one realisation of a chaotic law, its sd over that of a run of the finest mesh about the emulator; of "
               "a gauge whose noise is given times sqrt(campaign.pulses / pulses recorded)"});
     v("mesh", mesh,
       {.range = between(0, 1),
-       .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which nothing measures; default 0.08 per millimetre of element "
+       .doc = "error of the mesh over the local amplitude where the emulator has one mesh only, which no run measures; default 0.08 per millimetre of element "
               "size"});
     v("discrepancy", discrepancy,
       {.range = between(0, 1),
-       .doc = "what the model leaves out, of the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; "
+       .doc = "omitted physics, for the physical product: scale of the half-normal prior of its sd over the local amplitude of the mean record; "
               "marginalised"});
     v("discrepancy_times", discrepancy_times,
       {.unit = "s", .range = above(0), .doc = "its correlation times (Matern 3/2), each as likely as the others", .least_size = 1});
     v("amplitude_time", amplitude_time,
       {.unit = "s",
        .range = above(0),
-       .doc = "time over which a local amplitude is taken, of the discrepancy and of what a mesh or the emulator misses; far below the record's length"});
+       .doc = "averaging time of the local amplitude, for the discrepancy and the errors of mesh and emulator; far below the record's length"});
     v("arrival_share", arrival_share,
       {.range = between(0, 1),
-       .doc = "before a record's first value beyond this share of its greatest the model leaves nothing out; default 0.05, of a line 0, where what it leaves "
-              "out may be how fast a wave comes"});
+       .doc = "before the first value of a record that exceeds this share of its greatest value the model omits nothing; default 0.05, for a line 0, because "
+              "the omitted effect may be the wave speed"});
     v("discrepancy_distance", discrepancy_distance,
       {.unit = "m", .range = above(0), .doc = "distance over which neighbouring gauges share it, exp(-distance)"});
   }

@@ -188,7 +188,7 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     for (Eigen::Index k = 0; k < d; ++k) cost += std::pow(search.prior_residual(k, design(k, i)), 2);
     if (std::isfinite(cost)) order.emplace_back(cost, i);
   }
-  if (order.empty() && options.starts.empty()) throw NumericsError("no run of the model came through: " + search.message());
+  if (order.empty() && options.starts.empty()) throw NumericsError("no run of the model succeeded: " + search.message());
   std::sort(order.begin(), order.end());
   std::vector<Eigen::VectorXd> from;
   for (const auto& start : options.starts) from.push_back(search.coordinates(start));
@@ -247,7 +247,7 @@ PosteriorFit held_to_the_model(const PosteriorInputs& in, PosteriorFit fit) {
                                              .tolerance = polish_tolerance,
                                              .starts = {m.at.theta},
                                              .errors = &likeliest.errors});
-  } catch (const NumericsError&) {  // no run came through
+  } catch (const NumericsError&) {  // no run succeeded
     return fit;
   }
   // The better one by the model itself: the box may end before the polished one.

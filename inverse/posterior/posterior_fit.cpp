@@ -239,7 +239,7 @@ void Fit::fit() {
     for (const auto& r : out_.runs)
       if (!r.record.done) reason = r.record.message;
     throw NumericsError(
-        fmt::format("the emulator has {} coefficients and only {} runs came through in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
+        fmt::format("the emulator has {} coefficients and only {} runs succeeded in its box, {} of them on the finest mesh; {}", needed, n, fine, reason));
   }
   const Eigen::MatrixXd histories = out_.histories();
   const bool slopes =

@@ -33,7 +33,7 @@ struct EmulatorOptions {
     v("element_sizes", element_sizes,
       {.unit = "m",
        .range = above(0),
-       .doc = "of the meshes whose runs train the emulator, finest last; default: the case's element_size and its half. The answer is that of the last one"});
+       .doc = "of the meshes whose runs train the emulator, finest last; default: the case's element_size and its half. The result is that of the last one"});
     v("viscosity", viscosity,
       {.unit = "Pa s",
        .range = above(0),
@@ -46,8 +46,8 @@ struct EmulatorOptions {
     v("rounds", rounds, {.range = between(0, 100), .doc = "later rounds at most"});
     v("enough", enough,
       {.range = above(0),
-       .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean stays"});
-    v("stable", stable, {.range = above(0), .doc = "the mean stays when a round moves it by less than this, in standard deviations"});
+       .doc = "no more runs once the emulator's variance, in units of one run's numerical noise, is below this over the posterior and the mean is stable"});
+    v("stable", stable, {.range = above(0), .doc = "the mean is stable if a round changes it by less than this, in standard deviations"});
     v("start", start,
       {.doc = "middle of the first box: the nominal values, the best point of the campaign's surrogate, or the one where every parameter has a prior and the "
               "other where not (auto)",

@@ -1,5 +1,5 @@
 #pragma once
-/// Whether the true model lies where the emulator says, in the emulator's own deviations.
+/// Whether the true model agrees with the emulator, in the emulator's own deviations.
 #include <cstdint>
 #include <vector>
 

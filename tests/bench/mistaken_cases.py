@@ -82,7 +82,7 @@ def run(args):
 def short(sentence):
     """The finding of a sentence, without its explanation."""
     sentence = re.sub(r"the records shift (.*) by (\S+) of its prior standard deviations.*", r"\1 \2 sd", sentence)
-    sentence = re.sub(r"(\S+) sits (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
+    sentence = re.sub(r"(\S+) is (\S+) prior standard deviations (above|below).*", lambda m: f"{m[1]} {'-' if m[3] == 'below' else '+'}{m[2]} sd", sentence)
     return re.sub(r" \((log Bayes factor|correlation).*", "", sentence).split(":")[0]
 
 

@@ -210,7 +210,7 @@ TEST(Line, IsDiagnosedAndReported) {
   const auto page = run(dir, "report case.toml --csv");
   ASSERT_EQ(page.status, 0) << page.said;
   const auto html = calomel::read_text(dir / "case.out" / "report.html");
-  for (const char* part : {"What the simulation leaves out", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"})
+  for (const char* part : {"Physics that the simulation omits", "sensor_response", "wave_speed", "neither a surface nor the places of its sensors"})
     EXPECT_THAT(html, HasSubstr(part));
 }
 

@@ -133,7 +133,7 @@ std::vector<Edit> edits() {
       {"no_elements", mesh.substr(mesh.find("*ELEMENT")), "", {"target.inp", "no elements"}},
       {"no_text", mesh, std::string("CDF\x01\0\0", 6), {"target.inp:1"}},
       {"empty", mesh, "", {"target.inp", "no elements"}},
-      {"absent", "", "", {"absent.inp", "no such file"}, "target.inp", "absent.inp"},
+      {"absent", "", "", {"absent.inp", "does not exist"}, "target.inp", "absent.inp"},
       {"format", "", "", {"target.stl", ".inp", ".exo"}, "target.inp", "target.stl"},
       {"not_exodus", "", "", {"target.exo", "no Exodus II file"}, "target.inp", "target.exo"},
       {"foreign_key", "", "", {"case.toml:4", "geometry.wall", "no such key"}, "[geometry.sets]", "wall = 0.004\n[geometry.sets]"},

@@ -59,7 +59,7 @@ TEST(Simulate, InterruptedAtAnyInstantItResumesToTheSameResult) {
   }
   const auto last = run(dir, "simulate case.toml --fields --out killed --threads 2");
   ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("resumes from step"));
   EXPECT_FALSE(fs::exists(dir / "killed" / "simulate.checkpoint"));
   EXPECT_FALSE(fs::exists(dir / "killed" / "fields.exo.part"));
 
@@ -91,7 +91,7 @@ TEST(Simulate, StoppedOnRequestItSavesAndResumes) {
   EXPECT_TRUE(fs::exists(dir / "killed" / "simulate.checkpoint"));
   const auto last = run(dir, "simulate case.toml --fields --out killed");
   ASSERT_EQ(last.status, 0) << last.said;
-  EXPECT_THAT(last.said, HasSubstr("goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("resumes from step"));
   for (const auto& [file, variable] : {std::pair{"simulate.nc", "strain"}, {"fields.exo", "vals_nod_var1"}})
     EXPECT_EQ(NetcdfReader(dir / "whole" / file).doubles(variable), NetcdfReader(dir / "killed" / file).doubles(variable)) << file;
 }
@@ -123,7 +123,7 @@ peak_pressure = 30e6
   ASSERT_EQ(last.status, 0) << last.said;
   EXPECT_THAT(last.said, HasSubstr("condition low is finished and kept"));
   EXPECT_THAT(last.said, HasSubstr("condition middle is finished and kept"));
-  EXPECT_THAT(last.said, HasSubstr("condition high goes on from step"));
+  EXPECT_THAT(last.said, HasSubstr("condition high resumes from step"));
   EXPECT_EQ(fs::last_write_time(killed / "fields.exo"), untouched);
   for (const char* condition : {"0", "1", "2"}) EXPECT_FALSE(fs::exists(killed / (std::string("simulate.checkpoint.") + condition)));
 

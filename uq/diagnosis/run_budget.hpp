@@ -18,7 +18,7 @@ struct SkippedStep {
     fit,               ///< `name`: its fit was not begun, which takes `runs` runs
     search_cut_short,  ///< `name`: the limit ended a search for its fit; the best that was found is reported
     fit_ended,         ///< `name`: the limit ended its fit, with `message`
-    missing_terms,     ///< the terms that describe what is missing, which take `runs` runs
+    missing_terms,     ///< the terms that describe the missing effect, which take `runs` runs
   };
   Kind kind = Kind::fit;
   std::string name, message;

@@ -17,7 +17,7 @@ struct DelayedAcceptanceOptions {
   template <class V>
   void visit(V& v) {
     v("first_stage", first_stage, {.range = at_least(1), .doc = "transitions of DRAM on the emulator between two runs of the true model"});
-    v("settle", settle, {.range = at_least(0), .doc = "last transitions of the warm-up that ask the true model already; those before ask the emulator alone"});
+    v("settle", settle, {.range = at_least(0), .doc = "last transitions of the warm-up that already use the true model; earlier ones use the emulator alone"});
   }
 };
 

@@ -96,7 +96,7 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   unfitted.first_order_log_bayes_factor = 6;
   unfitted.status.kind = FitStatus::Kind::first_order;
   failed.explanation.fitted = false;
-  failed.status = {.kind = FitStatus::Kind::failed, .message = "no run came through"};
+  failed.status = {.kind = FitStatus::Kind::failed, .message = "no run succeeded"};
   unsupported.explanation.fitted = false;
   const Diagnosis d =
       judged({beam(), wall(Gates{}.log_bayes_factor / 1.44), called("none_of_it", wall(0)), unfitted, failed, unsupported, called("other", wall(60))});
@@ -116,7 +116,7 @@ TEST(Why, EveryEntryOfTheRankingHasAReason) {
   EXPECT_EQ(why_of(d, "unfitted").why,
             "It was estimated to first order only (log Bayes factor 6), because other explanations had more evidence and were fitted.");
   EXPECT_EQ(why_of(d, "unfitted").would_change, "A fit of its own: raise diagnosis.leaders.");
-  EXPECT_EQ(why_of(d, "failed").why, "Its fit failed: no run came through.");
+  EXPECT_EQ(why_of(d, "failed").why, "Its fit failed: no run succeeded.");
   EXPECT_EQ(why_of(d, "failed").would_change, "A fit that succeeds.");
   EXPECT_EQ(why_of(d, "unsupported").why, "Nothing in these records supports it.");
   EXPECT_EQ(why_of(d, "other").why, "The proton beam's profile explains the records better (evidence 108 against 59).");
@@ -133,7 +133,7 @@ TEST(Why, TheBaseModelMayOrMayNotExplainTheRecords) {
   EXPECT_EQ(why_of(none, "none").why,
             "The base model differs from the records by no more than their known errors (chi-squared 66 for 100 values, where up to 135.8 is plausible).");
   EXPECT_EQ(why_of(none, "none").would_change, "More pulses or better known gauges: smaller errors show smaller effects.");
-  EXPECT_EQ(why_of(named, "unknown").why, "It stands for any cause that was not tried.");
+  EXPECT_EQ(why_of(named, "unknown").why, "It represents any cause that was not tried.");
   EXPECT_EQ(why_of(named, "unknown").would_change, "A base model that does not explain the records, while no explanation passes the tests.");
   EXPECT_EQ(why_of(unknown, "unknown").why, "The base model does not explain the records, and no explanation that was tried passes every test.");
   EXPECT_EQ(why_of(unknown, "unknown").would_change, "An effect that passes all tests: offer more mechanisms, or add one.");

@@ -315,7 +315,7 @@ TEST(DiagnosisWords, DataThatAreNotInOrderComeFirst) {
 
 TEST(DiagnosisWords, MissingTermsAreAHintAndNoName) {
   MissingTerms m{.screened = 135};
-  EXPECT_EQ(missing_sentence(m), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce what is missing.");
+  EXPECT_EQ(missing_sentence(m), "None of 135 simple terms, each in a part of the mercury or on a stretch of a wall, would reproduce the missing effect.");
   const MissingTerm mass{.what = "mass", .place = "on the top wall", .unit = "kg/m^2", .value = -4.5, .sd = 0.7},
       share{.what = "bulk modulus", .place = "in all of the mercury", .unit = "", .value = 0.031, .sd = 0.004};
   m = {.terms = {mass}, .screened = 135, .misfit_before = 0.05, .misfit_after = 0.04};

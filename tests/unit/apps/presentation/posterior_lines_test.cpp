@@ -32,7 +32,7 @@ TEST(PosteriorLines, AMeshThatDoesNotResolveTheFrontIsReportedWithOneThatDoes) {
 
 TEST(PosteriorLines, AnAbsorptionNamesItsSide) {
   EXPECT_EQ(absorption_sentence("density", -3.14159),
-            "density sits 3.1 prior standard deviations below what was known of it: the model leaves something else out, which it absorbs");
+            "density is 3.1 prior standard deviations below its prior mean: it compensates for an omitted effect");
   EXPECT_THAT(absorption_sentence("density", 2.5), testing::HasSubstr("2.5 prior standard deviations above"));
 }
 
@@ -54,7 +54,7 @@ TEST(PosteriorLines, TheVerdictGivesTheGravestReason) {
 TEST(PosteriorLines, TheInflationNamesItsRangeAndTheParameterOfTheLargest) {
   const NoiseInflation w{.sd_ratio = {1.02, 1.31, 0.98}, .sd_ratio_alike = {}, .shift = {}, .plug_in_draws = 100, .weights = {0.5, 0.5}, .effective_draws = 2};
   EXPECT_EQ(inflation_sentence(w, {"density", "sound_speed", "cutoff"}),
-            "averaged over 2 draws of the emulator's noise, worth 2.0: deviations are 0.98 to 1.31 times those with its estimate alone, most of sound_speed");
+            "averaged over 2 draws of the emulator's noise (2.0 effective): standard deviations are 0.98 to 1.31 times those with its estimate alone, the largest ratio for sound_speed");
 }
 
 TEST(PosteriorLines, RefinementsAreCountedWithTheirRunsAndWhyTheyEnded) {

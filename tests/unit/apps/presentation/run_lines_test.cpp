@@ -54,7 +54,7 @@ TEST(RunLines, EverySurrogateHasALine) {
 TEST(RunLines, WhatIsFoundAndWhatIsMadeFirst) {
   EXPECT_EQ(reused_line("train"), "train: reused");
   EXPECT_EQ(made_first_line("finished campaign", "a.out", "running"), "no finished campaign in a.out: running it first");
-  EXPECT_EQ(resumed_line("", 120, false), "simulate: goes on from step 120");
+  EXPECT_EQ(resumed_line("", 120, false), "simulate: resumes from step 120");
   EXPECT_EQ(resumed_line("low", 120, true), "simulate: condition low is finished and kept");
   EXPECT_EQ(simulate_line({.values = {}, .steps = 160, .elements = 1200, .wall_s = 0.5, .element_steps_per_s = 384000}, 2),
             "simulate: 1200 elements, 160 steps, 0.5 s, 0.384 million element-steps a second");

@@ -285,6 +285,6 @@ TEST(OutsideMesh, WallsAreCountedThroughTheSteel) {
 
 TEST(OutsideMesh, TheFormatFollowsFromTheEnding) {
   EXPECT_THAT(message_of(from(scratch_file("target.msh"))), HasSubstr(".inp"));
-  EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("no such file"));
+  EXPECT_THAT(message_of(from(scratch_file("absent.inp"))), HasSubstr("does not exist"));
   EXPECT_THROW(write_mesh(make_mesh(box(0.01)), scratch_file("target.vtk")), InputError);
 }
