@@ -47,7 +47,7 @@ std::vector<PriorDeviation> prior_deviations(const FitResidual& left) {
   return all;
 }
 
-std::string nuisance_words(const std::string& term, const std::string& gauge) {
+std::string nuisance_name(const std::string& term, const std::string& gauge) {
   const Words* w = words_of(term);
   return (w ? w->number : term) + (gauge.empty() ? "" : " of " + gauge);
 }
@@ -66,7 +66,7 @@ std::vector<std::string> far_deviations(const std::vector<PriorDeviation>& devia
                       value = w && w->sd ? fmt::format(", {:+.2g} {}", p.deviation * errors.*(w->sd) * w->shown, w->unit) : "";
     sentences.push_back(fmt::format(
         "the records shift {} by {:+.1f} of its prior standard deviations{}{}: its prior is wrong, or it compensates for an effect that the model omits",
-        nuisance_words(p.term, p.gauge), p.deviation, key, value));
+        nuisance_name(p.term, p.gauge), p.deviation, key, value));
   }
   if (more > 0) sentences.back() += fmt::format("; {} further nuisance parameters also deviate by more than three (mode.pulls)", more);
   return sentences;

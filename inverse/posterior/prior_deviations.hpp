@@ -22,6 +22,6 @@ struct PriorDeviation {
 [[nodiscard]] std::vector<std::string> far_deviations(const std::vector<PriorDeviation>& deviations, const ErrorOptions& errors);
 
 /// "the gain of T2"
-[[nodiscard]] std::string nuisance_words(const std::string& term, const std::string& gauge);
+[[nodiscard]] std::string nuisance_name(const std::string& term, const std::string& gauge);
 
 }  // namespace calomel

@@ -97,7 +97,7 @@ Table prior_deviation_table(const Study& study) {
   Table t{.id = "pulls", .caption = "Estimates of the marginalised nuisance parameters, the largest deviation first."};
   t.columns = {{"number", "Number", 4, true}, {"pull", "Deviation [sd of the prior]", -1}, {"sd", "Sd [sd of the prior]", -2}};
   for (const auto& p : list_at(emulator_of(study), "pulls"))
-    if (t.rows.size() < most) t.rows.push_back({nuisance_words(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
+    if (t.rows.size() < most) t.rows.push_back({nuisance_name(text_at(p, "term"), text_at(p, "gauge")), number_at(p, "pull"), number_at(p, "sd")});
   t.note = "If a deviation exceeds three, the prior is wrong, or the parameter compensates for an effect that the model omits.";
   return t;
 }

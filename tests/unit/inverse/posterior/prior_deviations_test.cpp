@@ -26,7 +26,7 @@ TEST(PriorDeviations, AreSmallWhereThePriorsAreRight) {
 TEST(PriorDeviations, NameTheGaugeWhoseGainIsWrong) {
   const auto all = prior_deviations(residual_of(FourGauges({.gauge = 2, .gain = 1.08}).fit));
   EXPECT_EQ(all[0].term, "gain");
-  EXPECT_EQ(nuisance_words(all[0].term, all[0].gauge), "the gain of " + all[0].gauge);
+  EXPECT_EQ(nuisance_name(all[0].term, all[0].gauge), "the gain of " + all[0].gauge);
   EXPECT_NEAR(all[0].deviation, 8 * (1 - all[0].sd * all[0].sd), 1);  // nuisance parameters that the records do not determine remain at their prior
   EXPECT_LT(all[0].sd, 0.6);
   EXPECT_THAT(far_deviations(all, {}),
