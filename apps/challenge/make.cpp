@@ -27,7 +27,7 @@ bool make_case(const fs::path& spec, const fs::path& work, const fs::path& into,
   if (!whole) return false;
   for (const char* file : {"case.toml", "recordings.csv"}) sync_to_disk(made / file);
   rename_durably(made_truth, truth);
-  if (!fs::exists(into)) rename_durably(made, into);  // last: a case that stands has its truth
+  if (!fs::exists(into)) rename_durably(made, into);  // last, so that every complete case has its truth
   return true;
 }
 

@@ -56,7 +56,7 @@ bool record_rule(const fs::path& directory, const Rule& rule, const std::string&
                                       "results were seen needs a suite of another seed",
                         .file = path.string()});
     }
-    set_aside(directory / "results");  // first: results of one rule never stand beside the name of another
+    set_aside(directory / "results");  // first: results of one rule are never beside the name of another
     set_aside(path);
     write_json(path, record);
     return false;

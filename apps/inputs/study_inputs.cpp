@@ -49,7 +49,7 @@ void expect_strain(const StudyCase& study, const Recordings& recordings) {
            unit == "strain" ? "if they are in microstrain, write unit = \"microstrain\"" : "see whether that sample is a dropout, and write nan for it"}));
 }
 
-/// Holds what the case says of times and units against its records. Errors: those of expect_strain.
+/// Compares the times and units of the case with its records. Errors: those of expect_strain.
 void expect_alike(const StudyCase& study, const ModelShape& shape, const Recordings& recordings, std::vector<std::string>& warnings) {
   if (study.capabilities().strain_gauges) expect_strain(study, recordings);
   if (recordings.time.size() < 2) return;

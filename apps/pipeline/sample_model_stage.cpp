@@ -33,7 +33,7 @@ constexpr double search_share = 0.01;                          ///< of the chain
 constexpr std::size_t fewest_points = 64, most_points = 1024;  ///< of its design
 constexpr double edge = 0.02;                                  ///< share of the bounds' distance at either end that the design leaves out
 
-/// The density, which is zero everywhere once the user asked to stop: so that a search ends.
+/// The density, which is zero everywhere once the user requested a stop: so that a search ends.
 class UntilStopped final : public LogDensity {
  public:
   explicit UntilStopped(const LogDensity& density) : density_(density) {}
@@ -90,7 +90,7 @@ std::optional<ErrorModel> errors_of(StudyInputs& inputs) {
                     {.energy_slope = {}, .gauge_places = {}, .last_difference = {}, .mesh = study.errors.mesh.value_or(0)});
 }
 
-/// What the records say of the model at a mode: for posterior.json, and as warnings.
+/// Information of the records on the model at a mode: for posterior.json, and as warnings.
 struct Judged {
   Json fit;
   std::vector<std::string> warnings;

@@ -9,7 +9,7 @@ namespace calomel {
 
 namespace {
 
-/// "METHOD: SENTENCE" for those that say something.
+/// "METHOD: SENTENCE" for sentences that are not empty.
 std::vector<std::string> of_method(const std::string& method, std::span<const std::string> sentences) {
   std::vector<std::string> lines;
   for (const auto& s : sentences)

@@ -10,7 +10,7 @@
 
 namespace calomel {
 
-/// What is a method's own, once its artefacts stand.
+/// Lines about one method, once its artefacts exist.
 std::vector<std::string> enc_lines(const EncSummary& summary);
 std::vector<std::string> spe_lines(const SpeSummary& summary);
 std::vector<std::string> map_lines(const MapSummary& summary);

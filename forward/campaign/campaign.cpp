@@ -15,7 +15,7 @@ namespace calomel {
 
 namespace {
 
-/// Whether a finished archive of this identity stands. Errors: InputError when one of another does.
+/// Whether a finished archive of this identity exists. Errors: InputError if one of another identity exists.
 bool archive_stands(const std::filesystem::path& directory, const Provenance& provenance) {
   const auto file = directory / "campaign.nc";
   if (!std::filesystem::exists(file)) {

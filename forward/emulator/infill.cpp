@@ -33,7 +33,7 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
         best = k;
       }
     }
-    if (best < 0) continue;  // every draw has a run beside it: there is nothing more to learn here
+    if (best < 0) continue;  // every draw has a run beside it: further runs here give no information
     now = now.with_run(draws.col(best), level);
     of_level.conservativeResize(Eigen::NoChange, of_level.cols() + 1);
     of_level.col(of_level.cols() - 1) = draws.col(best);

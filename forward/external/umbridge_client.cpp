@@ -52,7 +52,7 @@ Answered<std::vector<double>> numbers_of(const Json& list, std::size_t size) {
   return {std::move(out), ""};
 }
 
-/// The JSON of an answer, or what is said of a body that is none. NaN and Infinity, which are no JSON, are named.
+/// The JSON of an answer, or a description of a body that is not JSON. NaN and Infinity, which are no JSON, are named.
 Answered<Json> json_of(const std::string& body) {
   Json json = shallow_json(body);
   if (!json.is_discarded()) return {std::move(json), ""};

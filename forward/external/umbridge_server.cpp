@@ -193,7 +193,7 @@ void UmbridgeServer::route() {
   const auto unknown_path = [](const httplib::Request& request) {
     return Refusal{404, "NotFound", fmt::format("{} {} is not part of UM-Bridge 1.0", request.method, request.path.substr(0, 100))};
   };
-  // The library closes a connection when an answer cannot be written whole, and of its own accord never: what is said last says that it cannot go on.
+  // The library closes a connection when an answer cannot be written whole, and of its own accord never: the last message states that it cannot continue.
   const auto refused = [send](httplib::Response& response, const Refusal& r) {
     send(response, r.status, {{"error", {{"type", r.type}, {"message", r.message}}}});
     if (!r.closes) return;
@@ -204,7 +204,7 @@ void UmbridgeServer::route() {
       return false;
     });
   };
-  // The body is JSON whatever its Content-Type says, so the library must not read it as a form, which it limits to 8 KB, nor as parts of one.
+  // The body is JSON whatever its Content-Type is, so the library must not read it as a form, which it limits to 8 KB, nor as parts of one.
   // It hands out its own request, which is not const where it was made.
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
     auto& own = const_cast<httplib::Request&>(request);
@@ -269,7 +269,7 @@ void UmbridgeServer::route() {
   };
   server.Post(".*", unknown).Put(".*", unknown).Patch(".*", unknown).Delete(".*", unknown);
   server.set_error_handler([refused, unknown_path](const httplib::Request& request, httplib::Response& response) {
-    if (!response.body.empty() || response.has_header("Connection")) return;  // already said
+    if (!response.body.empty() || response.has_header("Connection")) return;  // already reported
     refused(response, response.status == 404 ? unknown_path(request) : Refusal{response.status, "InvalidRequest", "the request cannot be read"});
   });
 }

@@ -2,7 +2,7 @@
 /// Mercury that gives way below a tensile cutoff (Riemer 2005, as quoted by Radaideh et al., section 2.2):
 ///   p = max(p0 - K e_v - eta de_v/dt, -sigma_c),  K = rho c^2,
 /// pressure p [Pa] positive in compression, volumetric strain e_v [-] positive in expansion, no shear, reversible:
-/// when e_v comes back the ordinary equation of state resumes. eta stands inside the max(), so the law is monotone and
+/// when e_v comes back the ordinary equation of state resumes. eta is inside the max(), so the law is monotone and
 /// the viscosity can only dissipate.
 #include <algorithm>
 

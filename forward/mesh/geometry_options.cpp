@@ -150,7 +150,7 @@ JetFlowPlan jet_flow_plan(const GeometryOptions& g) {
   std::sort(plan.angles.begin(), plan.angles.end());
   plan.angles.erase(std::unique(plan.angles.begin(), plan.angles.end()), plan.angles.end());
   plan.corner = std::size_t(std::find(plan.angles.begin(), plan.angles.end(), corner) - plan.angles.begin());
-  // The radial lines converge by a factor of two or three from the outer face to the core: the size asked for is met half way down the layers.
+  // The radial lines converge by a factor of two or three from the outer face to the core: the requested size is met half way down the layers.
   const double wall = std::max({g.wall_thickness("top"), g.wall_thickness("bottom"), *g.window}),
                layers = wall + (plates ? g.jet.channel + g.jet.thickness : 0);
   for (std::size_t i = 0; i + 1 < plan.angles.size(); ++i)

@@ -37,7 +37,7 @@ struct JetOptions {
   }
 };
 
-/// Names of the sets of a mesh file (kind = "mesh"); case does not matter. An empty list stands for the default.
+/// Names of the sets of a mesh file (kind = "mesh"); case does not matter. An empty list represents the default.
 struct SetOptions {
   std::vector<std::string> steel, mercury, symmetry_x, symmetry_y, symmetry_z, rear, loaded, outer;
   template <class V>
@@ -64,7 +64,7 @@ struct SetOptions {
 struct GeometryOptions {
   std::string kind;                             ///< box | jet_flow | bar | mesh
   std::optional<double> length, width, height;  ///< outer [m]
-  std::optional<double> wall;                   ///< thickness where `walls` says nothing [m]
+  std::optional<double> wall;                   ///< thickness of walls that `walls` omits [m]
   WallOptions walls;
   std::string rear = "non_reflecting";  ///< | wall
   bool plane_strain = false;

@@ -92,11 +92,11 @@ struct RunSetup {
   /// the mercury [-]; it rises as p0 does. Empty: none.
   std::vector<double> thermal_strain;
   /// Traction, tension positive, at which the mercury gives way at a wetted face [Pa]: steel and mercury of a slip pair come apart there, pull on each other
-  /// with that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, stay together.
+  /// with that traction while apart, and meet again, without rebound, when the gap is gone. Pairs of more than one normal, along edges, remain together.
   /// Infinite: none comes apart, and half a layer of mercury elements moves with the wall when the mercury has given way.
   double wetted_cutoff = std::numeric_limits<double>::infinity();
-  /// Mercury that stays on a wetted face when a pair comes apart [m]: the cavity opens that far from the wall. At most `greatest_film` of the half element that
-  /// the face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
+  /// Mercury that remains on a wetted face when a pair comes apart [m]: the cavity opens that far from the wall. At most `greatest_film` of the half element
+  /// that the face's nodes carry. Below 0 the wall is the lighter for it, which no wall is, so that an estimate near 0 has two sides.
   double wall_film = 0;
   /// A face that holds less than the mercury does: traction at which it comes apart, per row of Mesh::slip, infinite: as the mercury [Pa]. Apart it carries no
   /// normal traction but slip_hold, 0 where that is empty [Pa]. Empty: none.

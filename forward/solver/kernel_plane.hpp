@@ -17,7 +17,7 @@ CALOMEL_INLINE void to_plane_corners(const V* m, V* n) {
   n[3] = m[1] + d1;
 }
 
-inline constexpr int plane_volume = 6, plane_x = 7, plane_last = 9;  ///< where volume, X, and h or K stand in the terms
+inline constexpr int plane_volume = 6, plane_x = 7, plane_last = 9;  ///< places of volume, X, and h or K in the terms
 
 template <class V, class Geometry>
 CALOMEL_INLINE void plane_gradients(const V (&u)[2][3], Geometry g, V (&grad)[2][2]) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The train stage: the campaign's runs are split once, every kind asked for learns from the same training runs and is
+/// The train stage: the campaign's runs are split once, every requested kind is trained on the same training runs and is
 /// scored on the same held-out ones.
 #include <filesystem>
 #include <memory>

@@ -40,7 +40,7 @@ struct ForwardCase {
   TimeOptions time;
   SolverOptions solver;
   std::vector<SensorOptions> sensors;
-  std::vector<ConditionOptions> conditions;    ///< empty: one, as the load says
+  std::vector<ConditionOptions> conditions;    ///< empty: one, that of the load
   std::vector<Parameter> parameters;           ///< declared order, nominal filled
   std::vector<EnabledMechanism> mechanisms;    ///< part of the model
   std::vector<std::string> listed_mechanisms;  ///< that have a table, enabled or not

@@ -35,7 +35,7 @@ AddedParameter shape_of(const std::string& mechanism, const MechanismKey& k) {
   return a;
 }
 
-/// Where a stretch begins or ends: looked at first where it is said to.
+/// Where a stretch begins or ends: examined first at its given place.
 AddedParameter place_of(const std::string& mechanism, const std::string& key, double low, double at, double high, double sd) {
   AddedParameter a;
   Parameter& p = a.parameter;

@@ -8,7 +8,7 @@
 
 namespace calomel {
 
-/// The option of ENC and SPE that corrects for the mesh, and what became of those that stood in its place.
+/// The option of ENC and SPE that corrects for the mesh, and the options that it replaced.
 template <class V>
 void visit_mesh_correction(V& v, bool& mesh_correction) {
   v("mesh_correction", mesh_correction,
@@ -24,7 +24,7 @@ struct CorrectionReport {
   bool used = false;
   std::string scores_on = "the case's own mesh";   ///< which mesh the scores of the calibration itself are on, in words
   double difference = 0;                           ///< |correction| / |history| at the answer, mean over the observations
-  std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory says how each method takes it
+  std::vector<double> without;                     ///< the answer without the correction, (n_parameters); docs/theory describes how each method obtains it
   std::vector<double> calibrated, nominal_values;  ///< (condition, sensor, time) without the correction; empty where failed
   Score best, at_nominal;                          ///< of these
   std::string sentence;

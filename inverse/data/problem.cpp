@@ -174,7 +174,7 @@ bool constant(const Observation& o) {
   return low == high;
 }
 
-/// Takes out the gauges that are dead, and says so. Errors: InputError where all are.
+/// Takes out the dead gauges and adds a warning. Errors: InputError where all are.
 void leave_out_dead(Problem& p, const Recordings& recordings) {
   if (p.observations.empty()) return;
   std::vector<double> squares;

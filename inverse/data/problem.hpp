@@ -56,7 +56,7 @@ struct Problem {
   [[nodiscard]] std::string label(const Observation& o) const;
 };
 
-/// What is said of dead gauges, of which there is one at least.
+/// The warning about dead gauges, of which there is at least one.
 std::string plain_dead(std::span<const std::string> labels);
 
 /// Band of each sensor: mean +- t(0.975, n - 1) s, with s the sd over its n pulses; `band = "mean"` divides s by sqrt(n); one

@@ -47,7 +47,7 @@ std::pair<double, std::string> inner_unit(const std::string& own, const std::str
   return {1, own.empty() || asked != "strain" ? asked : own};
 }
 
-/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 where the file says none. Errors: InputError where it is another that is
+/// Of records that are in a model's own unit: the factor from the file's unit to it; 1 if the file states none. Errors: InputError where it is another that is
 /// not known to be the same quantity.
 double factor_to_model(const std::string& own, const std::string& unit, const std::string& file) {
   if (own.empty() || own == unit) return 1;

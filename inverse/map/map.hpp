@@ -1,6 +1,6 @@
 #pragma once
 /// Maximum a posteriori: the mode of the posterior on the multilevel emulator, verified by runs of the true model, with what the data pin and leave free,
-/// whether the fit is adequate, where the residual points, and what a nested model is worth.
+/// whether the fit is adequate, where the residual points, and the evidence of a nested model.
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
@@ -54,7 +54,7 @@ struct MapOptions {
   }
 };
 
-/// What the posterior says of a coordinate that is no parameter of the case.
+/// The posterior of a coordinate that is no parameter of the case.
 struct Nuisance {
   std::string name;
   double value = 0, sd = 0;

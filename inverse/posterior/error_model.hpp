@@ -1,5 +1,5 @@
 #pragma once
-/// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term stands once.
+/// The errors of mean records and of the models behind them, as a list of named Gaussian covariances on one coarse grid. Every term occurs once.
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
@@ -107,7 +107,7 @@ TimeKernel matern32(double time);
 /// whose correlation along a record is 0.27, 0.17 and 0.05 over 1, 2 and 3 us, and which gauges do not share (docs/benchmarks/mesh_error.md).
 TimeKernel white_noise(const Decimation& grid);
 
-/// Names of the terms that stand for the mesh and for the numerical noise.
+/// Names of the terms for the mesh and for the numerical noise.
 inline constexpr const char* beyond_term = "beyond the finest mesh";
 inline constexpr const char* mesh_term = "mesh";
 inline constexpr const char* record_noise_term = "numerical noise of the records";
@@ -132,10 +132,10 @@ struct ErrorDirections {
   Eigen::VectorXd last_difference;  ///< (values): finest mesh less the next coarser one, or empty
   double mesh = 0;                  ///< error of the mesh over the local amplitude that is taken for granted, where there is one mesh only
   int pulses = 1;                   ///< whose mean a run is
-  double energy_sd = 0;             ///< relative, from pulse to pulse, where the recordings do not say it
+  double energy_sd = 0;             ///< relative, from pulse to pulse, if the recordings do not contain it
 };
 
-/// Mean records on the coarse grid and the covariance of all that stands between them and the emulator's mean.
+/// Mean records on the coarse grid and the covariance of all errors between them and the emulator's mean.
 class ErrorModel {
  public:
   /// Errors: InputError for a single pulse without noise.

@@ -210,7 +210,7 @@ MultistartFit multistart_least_squares(const PosteriorInputs& in, const Multista
     solver.function_tolerance = options.tolerance;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
-    if (!summary.IsSolutionUsable()) continue;  // its cost says nothing: of a start that could not be evaluated it is -1
+    if (!summary.IsSolutionUsable()) continue;  // its cost is meaningless: -1 for a start that could not be evaluated
     std::vector<double> end;
     for (Eigen::Index k = 0; k < d; ++k) end.push_back(std::clamp(search.parameter(k).natural(x[k]), search.parameter(k).min, search.parameter(k).max));
     out.ends.push_back(end);

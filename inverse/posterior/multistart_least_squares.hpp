@@ -12,7 +12,7 @@ struct MultistartFit {
   std::vector<std::vector<double>> ends;  ///< of all descents, among them `theta`
   double chi2 = 0;                        ///< of the records' errors
   Eigen::Index values = 0;                ///< records' values compared
-  int runs = 0;                           ///< that were asked for
+  int runs = 0;                           ///< that were requested
 };
 
 /// Where the search begins.

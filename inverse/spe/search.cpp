@@ -40,7 +40,7 @@ std::vector<Optimum> distinct(std::vector<DgsTrial> trials) {
   return out;
 }
 
-/// Median over the surrogates of what they say at points of the unit box, as a cost.
+/// Median over the surrogates of their predictions at points of the unit box, as a cost.
 std::vector<double> median_costs(const std::vector<SparsePolynomial>& surrogates, const Eigen::MatrixXd& units, const std::string& transform) {
   std::vector<std::vector<double>> all(std::size_t(units.cols()));
   std::vector<double> values(all.size());

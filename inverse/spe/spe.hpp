@@ -48,7 +48,7 @@ struct SpeSummary : Calibration {
   std::vector<SpeMode> modes;       ///< densest first
   std::size_t optima_left_out = 0;  ///< of the last round, where runs are likely to fail
   std::vector<SpeZoom> zooms;
-  std::vector<std::string> fit_warnings;  ///< of the last fits; they stand among `warnings` too
+  std::vector<std::string> fit_warnings;  ///< of the last fits; they are among `warnings` too
   double fit_s = 0;                       ///< wall time of the fits, of search_s [s]
 };
 

@@ -30,7 +30,7 @@ namespace {
 
 constexpr double steel_density = 7960, young = 193e9, poisson = 0.29, mercury_density = 13500, mercury_speed = 1450;
 constexpr double bulk_modulus = mercury_density * mercury_speed * mercury_speed;
-constexpr double shear_share = 1e-5;  ///< G / K of the elastic body that stands for the liquid
+constexpr double shear_share = 1e-5;  ///< G / K of the elastic body that represents the liquid
 
 /// Relative strain over a pair of nodes.
 struct Gauge {

@@ -6,7 +6,7 @@
 //   bench_solver --kinds                               what an element costs by material and form
 //   bench_solver --ratios                              on one thread and a slice of about 20 000 elements: what gauges cost, what eight runs in the lanes save
 //
-// --jitter moves the nodes at random by up to that share of the shortest edge, so that no element stays a parallelepiped.
+// --jitter moves the nodes at random by up to that share of the shortest edge, so that no element remains a parallelepiped.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -102,7 +102,7 @@ void measure(const std::string& name, const ForwardCase& c, double jitter, const
       }
 }
 
-/// What the elements ask for, part by part.
+/// What the elements request, part by part.
 void print_element_work() {
   fmt::print("flops of an element: modes, gradients, strain and stress (pressure), hourglass, spread, corners; all; numbers of geometry\n");
   for (const bool liquid : {true, false})

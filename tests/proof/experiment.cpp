@@ -64,7 +64,7 @@ const Known& known(const std::string& effect) {
   return found->second;
 }
 
-/// Reads a table's numbers into variables and complains about keys that nobody has asked for.
+/// Reads a table's numbers into variables and complains about keys that nobody has requested.
 class Table {
  public:
   Table(const toml::table* table, std::string name) : table_(table), name_(std::move(name)) {}

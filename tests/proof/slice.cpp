@@ -394,7 +394,7 @@ std::vector<double> Slice::run(double energy, double end, double interval, std::
   const double dt = interval / steps;
   const auto samples = std::size_t(std::lround(end / interval)) + 1;
   State s = rest();
-  if (initial) {  // the heat of the pulse before stays: its mercury is stretched from p0 / K
+  if (initial) {  // the heat of the pulse before remains: its mercury is stretched from p0 / K
     const Real a = Real(initial_scale);
     for (const auto field : {&State::vx, &State::vz, &State::ux, &State::uz, &State::sxx, &State::szz, &State::sxz})
       for (std::size_t c = 0; c < (s.*field).size(); ++c) (s.*field)[c] = a * (initial->*field)[c];

@@ -1,4 +1,4 @@
-// `calomel check` as a whole: a screenful for people, the resolved case as JSON when it is asked for.
+// `calomel check` as a whole: a screenful for people, the resolved case as JSON when it is requested.
 #include <algorithm>
 
 #include "base/artefact.hpp"
@@ -36,7 +36,7 @@ TEST(Check, PrintsThePlannedRunsAndTheirCostInAScreenful) {
                            "parameters: density 1.3e+04 to 1.36e+04", "study: campaign of 40 ensemble means of 8", "calibrate by enc", "cost on "})
     EXPECT_THAT(out.said, HasSubstr(part));
   EXPECT_THAT(run(dir, "check case.toml").said, HasSubstr("warning: "));  // warnings go where errors go
-  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);      // what was asked for is no note
+  EXPECT_EQ(printed(dir, "check case.toml --quiet").said, out.said);      // what was requested is no note
   EXPECT_FALSE(std::filesystem::exists(dir / "case.out"));
 }
 

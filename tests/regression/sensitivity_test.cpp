@@ -1,4 +1,4 @@
-// `calomel sensitivity` of dissipated energy and time at cutoff: what is made for them, and what stays as it is.
+// `calomel sensitivity` of dissipated energy and time at cutoff: what is made for them, and what remains as it is.
 #include "base/artefact.hpp"
 #include "base/json.hpp"
 #include "tests/regression/slice_case.hpp"

@@ -11,7 +11,7 @@ namespace calomel::testing {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-/// The bubble in a liquid whose pressure stays at p.
+/// The bubble in a liquid whose pressure remains at p.
 inline KellerMiksis::State under(const KellerMiksis& b, KellerMiksis::State s, double p, double span, double greatest_step = unbounded) {
   return advance_bubble(
       b, s, span, greatest_step, [p](double, double) { return p; }, [](double) { return 0.0; });

@@ -18,9 +18,9 @@ void fit_leaders(const FitContext& context, const std::vector<ScreenedCandidate>
 /// fitted before.
 void follow_many_small_numbers(const FitContext& context, const std::vector<ScreenedCandidate>& screened);
 
-/// Fits a fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number. The fault is linearised anew until its numbers
-/// stay, on the emulator of what it is added to, which knows all but this gauge. Where that does not explain the records, needs a number outside its range, or
-/// the model is searched without an emulator, the fault gets a fit of its own; the better of the two is returned.
+/// Fits a fault of one gauge beyond first order, for a low pass or a delay is far from linear in its number. The fault is linearised again until its numbers
+/// remain, on the emulator of what it is added to, which knows all but this gauge. Where that does not explain the records, needs a number outside its range,
+/// or the model is searched without an emulator, the fault gets a fit of its own; the better of the two is returned.
 [[nodiscard]] std::optional<Alternative> fit_gauge_fault(const FitContext& context, const ParameterGroup& group, const ScreenedCandidate& screened,
                                                          const Alternative* on_top_of, double best);
 

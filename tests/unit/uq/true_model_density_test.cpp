@@ -73,7 +73,7 @@ TEST(TrueModelDensity, IsTheEmulatorsIfARunEqualsItsPrediction) {
   }
 }
 
-// Where the true model is another than the emulator was trained, its parameters off by a deviation, the answer moves by that, and the emulator's stays.
+// Where the true model is another than the emulator was trained, its parameters off by a deviation, the answer moves by that, and the emulator's remains.
 TEST(TrueModelDensity, DelayedAcceptanceSamplesTheTrueModel) {
   Fitted f;
   const PosteriorDensity cheap(*f.fit.posterior);

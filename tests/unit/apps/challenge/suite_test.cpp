@@ -1,4 +1,4 @@
-// What is drawn for a suite: the same for the same seed, as many as asked for, within the ranges of docs/proof/generator.md, and readable by the generator.
+// What is drawn for a suite: the same for the same seed, as many as requested, within the ranges of docs/proof/generator.md, and readable by the generator.
 #include "apps/challenge/suite.hpp"
 
 #include <gmock/gmock.h>
@@ -96,7 +96,7 @@ TEST(Suite, EffectsAreKeptTo) {
 TEST(Suite, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({.single = 1, .effects = {"beem"}}), testing::AllOf(HasSubstr("beem"), HasSubstr("did you mean \"beam\"?")));
   EXPECT_THAT(refused({}), HasSubstr("no case"));
-  EXPECT_THAT(refused({.single = 1, .effects = {"slot"}}), HasSubstr("no case"));  // outside the library, of which none are asked for
+  EXPECT_THAT(refused({.single = 1, .effects = {"slot"}}), HasSubstr("no case"));  // outside the library, of which none are requested
   for (const double grid : {0.0, -1e-3, 0.3e-3, 1e-3, std::nan("")}) EXPECT_THAT(refused({.none = 1, .grid = grid}), HasSubstr("grid")) << grid;
   for (const double grid : {0.5e-3, 0.25e-3, 0.125e-3, 0.1e-3}) EXPECT_EQ(refused({.none = 1, .grid = grid}), "") << grid;
 }
@@ -156,7 +156,7 @@ TEST(Draw, NumbersLieInTheirRanges) {
       EXPECT_GE(spec.number("strength.greatest_scale").value(), 1);
     }
   }
-  // What is drawn fills its range: of 304 uniform numbers one tenth at either end stays empty with a chance of 1e-14.
+  // What is drawn fills its range: of 304 uniform numbers one tenth at either end remains empty with a chance of 1e-14.
   for (const auto& r : ranges) {
     if (std::string(r.key) == "pulses.energy") continue;  // normal
     EXPECT_LT(seen.at(r.key).first, r.low + 0.2 * (r.high - r.low)) << r.key;

@@ -103,7 +103,7 @@ TEST(RepeatabilityFloor, IsLeftOutWithoutATrace) {
   EXPECT_FALSE(read_json(dir / "campaign.json").contains("floor"));
 }
 
-// What was trained on an archive belongs to its bytes: a floor measured later stands in the summary alone, and stays there.
+// What was trained on an archive belongs to its bytes: a floor measured later stands in the summary alone, and remains there.
 TEST(RepeatabilityFloor, OfAFinishedCampaignGoesToTheSummaryAlone) {
   const auto dir = scratch("floor_later");
   (void)run(dir, {});

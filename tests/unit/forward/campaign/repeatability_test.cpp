@@ -89,7 +89,7 @@ TEST(Floor, ReportsTheOtherNumericalErrors) {
     EXPECT_GT(c.mean, 0) << c.name;
     EXPECT_GE(c.worst, c.mean) << c.name;
   }
-  // In 40 us chaos has not grown: 1e-6 of the parameters and the rounding of single precision stay far below an element's halving.
+  // In 40 us chaos has not grown: 1e-6 of the parameters and the rounding of single precision remain far below an element's halving.
   const double finer = comparison(floor, "finer_mesh").mean;
   EXPECT_GT(finer, 0.01);
   EXPECT_LT(comparison(floor, "single_runs").worst, 0.01 * finer);

@@ -174,7 +174,7 @@ TEST_F(UmbridgeServerTest, GreatBodiesAndUnknownPathsAreRefused) {
   }
 }
 
-/// Of the block that is asked for, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
+/// Of the block that is requested, not of all: /Gradient answers in the size of the input block, /ApplyJacobian in that of the output block.
 TEST(UmbridgeServer, DerivativesHaveTheSizeOfTheirBlock) {
   const Served served({blocks()});
   EXPECT_EQ(post(served, "/Evaluate", R"({"name": "blocks", "input": [[1, 2], [3]]})").body,

@@ -10,7 +10,7 @@
 using namespace calomel;
 using namespace calomel::testing;
 
-// The motion is a constant, a tone of 2 kHz and one of 60 kHz. The mean of all samples removes the first, the low pass the last, and the tone of 2 kHz stays
+// The motion is a constant, a tone of 2 kHz and one of 60 kHz. The mean of all samples removes the first, the low pass the last, and the tone of 2 kHz remains
 // whole, in displacement and velocity alike.
 TEST(LeftStates, AreFreeMotionWithoutHighTones) {
   LeftStates left(1e-3, 1e-6);

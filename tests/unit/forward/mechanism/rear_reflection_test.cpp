@@ -36,7 +36,7 @@ TEST(RearReflection, APlanePulseComesBackWithTheCoefficient) {
   }
 }
 
-// Liquid that is heated evenly pushes on the rear with its pressure only, so that everything stays at rest for any r.
+// Liquid that is heated evenly pushes on the rear with its pressure only, so that everything remains at rest for any r.
 TEST(RearReflection, UniformlyHeatedMercuryRemainsAtRest) {
   Mesh mesh = column(50, length, Region::mercury);
   fix(mesh, 1, plane(0, 0));

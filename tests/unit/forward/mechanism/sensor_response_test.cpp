@@ -97,7 +97,7 @@ const std::string enabled = "[mechanism.sensor_response]\nenabled = true\n";
 
 }  // namespace
 
-// The table of one gauge overrides the keys that it names; the other keys stay common.
+// The table of one gauge overrides the keys that it names; the other keys remain common.
 TEST(SensorResponse, AGaugesOwnTableOverridesWhatItNames) {
   const auto base = strain("");
   const auto own = strain(enabled + "gain = 1.1\n[mechanism.sensor_response.T]\noffset = 1e-5\n");

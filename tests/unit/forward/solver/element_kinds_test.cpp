@@ -137,7 +137,7 @@ TEST(FiniteStrain, IsSmallStrainForSmallLoads) {
     }
 }
 
-// A body that is turned as a whole has no stress and stays at rest. With small strain it would burst.
+// A body that is turned as a whole has no stress and remains at rest. With small strain it would burst.
 TEST(FiniteStrain, ARotatedBodyIsAtRest) {
   for (const bool liquid : {false, true})
     for (const double distortion : {0.0, 0.15}) {

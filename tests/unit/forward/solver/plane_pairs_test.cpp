@@ -23,7 +23,7 @@ Mesh slice(bool distorted) {
   Mesh mesh = make_mesh(g);
   for (auto& x : mesh.nodes) x[1] *= 5;  // so that the shortest edges lie in the plane, whether or not plane strain is declared
   if (!distorted) return mesh;
-  for (auto& x : mesh.nodes) {  // the same on both faces; nodes on a face stay in it
+  for (auto& x : mesh.nodes) {  // the same on both faces; nodes on a face remain in it
     const double bump = 6e-4 * std::sin(M_PI * x[0] / 0.03) * std::sin(M_PI * (x[2] - 0.004) / 0.012) * std::sin(M_PI * x[2] / 0.02);
     if (x[2] > 0.0041 && x[2] < 0.0159 && x[0] > 0.0041) x[0] += bump, x[2] -= 0.5 * bump;
   }

@@ -87,7 +87,7 @@ TEST(ThermalStrain, AFreeBarGrowsByItAndCarriesNoStress) {
           EXPECT_LT(hot.worst, (twice ? 1e-7 : 2e-4) * a * 0.012) << name;
           EXPECT_LT(hot.stress, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
           EXPECT_LT(hot.pressure, (twice ? 1e-6 : 1e-2) * youngs * a) << name;
-          s.thermal_strain.clear();  // control: without heat it stays at rest
+          s.thermal_strain.clear();  // control: without heat it remains at rest
           EXPECT_EQ(settle(mesh, s, o, {Vec3{}}).worst, 0) << name;
         }
 }
@@ -295,7 +295,7 @@ const double z_mercury = mercury_density * mercury_speed, z_steel = steel_densit
 
 }  // namespace
 
-// Mercury that moves away from a face without strength leaves the steel at rest and stays unstrained. From a face that holds, it pulls.
+// Mercury that moves away from a face without strength leaves the steel at rest and remains unstrained. From a face that holds, it pulls.
 TEST(OpeningFace, CarriesNoTension) {
   const WettedFace face;
   for (const char* precision : {"double", "single"})
@@ -371,7 +371,7 @@ TEST(OpeningFace, ClosesWhenTheGapIsGoneAndNeverPulls) {
   }
   EXPECT_GE(least_push, -1e-9);                                         // the steel is never pulled
   EXPECT_GE(least_gap, -1e-9 * gap);                                    // nothing overlaps
-  EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they stay together
+  EXPECT_LE(greatest_gap, 1e-9 * gap);                                  // they remain together
   EXPECT_GT(wall[wall.size() - 1] - mercury[mercury.size() - 1], gap);  // and separate when the pull comes
   const auto m = masses(face.mesh, s);
   double lost = 0;
@@ -420,8 +420,8 @@ TEST(PartingFace, PullsWithTheCutoffWhileApart) {
   }
 }
 
-// A plate that leaves mercury without strength keeps its own velocity, because no layer of mercury adheres to it. Control: if the faces stay together, half an
-// element of mercury adheres and takes its share of the momentum.
+// A plate that leaves mercury without strength keeps its own velocity, because no layer of mercury adheres to it. Control: if the faces remain together, half
+// an element of mercury adheres and takes its share of the momentum.
 TEST(PartingFace, HangsNoMercuryOnTheWall) {
   Mesh mesh = block({44, 1, 1}, {-0.04, 0, 0}, {0.004, 0.001, 0.001}, [](const Vec3& x) { return x[0] < 0 ? Region::mercury : Region::steel; });
   fix(mesh, 2 | 4, everywhere());

@@ -65,7 +65,7 @@ Mesh column(int n) {
 
 }  // namespace
 
-// u+ = u + dt v+, v+ = v - dt omega^2 (u + beta v): both eigenvalues stay within the unit circle up to the limit and no farther.
+// u+ = u + dt v+, v+ = v - dt omega^2 (u + beta v): both eigenvalues remain within the unit circle up to the limit and no farther.
 TEST(StableTimeStep, IsTheLimitOfADampedOscillator) {
   for (const double beta : {0.0, 1e-8, 1e-6, 1e-4})
     for (const double factor : {0.999, 1.001}) {
@@ -267,7 +267,7 @@ TEST(StableTimeStep, CountsTheViscosityOfClosingElementByElement) {
 }
 
 // A thin wall with mercury on it is faster once the mercury leaves it. Where faces may separate, the step is that of the mesh with both apart, and a run in
-// which they separate stays bounded.
+// which they separate remains bounded.
 TEST(StableTimeStep, IsThatOfPartedFacesWhereTheyMayPart) {
   Mesh mesh = block({6, 4, 5}, {0, 0, 0}, {0.012, 0.008, 0.0085}, [](const Vec3& x) { return x[2] > 0.0068 ? Region::steel : Region::mercury; });
   for (auto& x : mesh.nodes)

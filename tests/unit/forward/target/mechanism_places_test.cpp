@@ -100,7 +100,7 @@ double frequency(const ForwardCase& c) {
 
 }  // namespace
 
-// A wall that a mechanism thins rings as one that is made so thin, and its gauge stays on the outer face.
+// A wall that a mechanism thins rings as one that is made so thin, and its gauge remains on the outer face.
 TEST(MechanismPlaces, AThinnedWallHasTheFrequencyOfTheThinnerOne) {
   const ForwardCase thick = ringing_box(0.004), thin = ringing_box(0.002), thinned = with(thick, "thinner", thinner(), {{"fraction", 0.5}});
   const double f_thick = frequency(thick), f_thin = frequency(thin), f_thinned = frequency(thinned);

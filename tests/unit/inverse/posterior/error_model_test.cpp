@@ -300,7 +300,7 @@ TEST(ErrorModel, GivenNoiseIsIndependentOrKeepsItselfForATime) {
   const ErrorModel m(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_LT(s.off(m, s.noise), 1e-12);
   EXPECT_TRUE(std::isinf(m.freedom()));
-  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of the variance stays white
+  s.options.noise_time = 3e-6;  // a time step is 1 us; a hundredth of the variance remains white
   const ErrorModel coloured(s.problem, s.recordings, s.options, s.plain, {});
   EXPECT_NEAR(coloured.covariance()(10, 10), 4, 1e-12);
   EXPECT_NEAR(coloured.covariance()(10, 13), 4 * 0.99 * std::exp(-1.0), 1e-9);

@@ -117,7 +117,7 @@ TEST(LogPosterior, GradientsAreThoseOfDifferences) {
   }
 }
 
-// The likelihood is raised to a power. Prior and Jacobian stay, and the gradient agrees with finite differences.
+// The likelihood is raised to a power. Prior and Jacobian remain, and the gradient agrees with finite differences.
 TEST(LogPosterior, ToAPowerHasThatMuchLessOfTheLikelihood) {
   const Lines lines;
   const LogPosterior posterior = lines.posterior(0.3, lines.errors), weaker = posterior.to_the_power(0.5);
