@@ -89,7 +89,7 @@ TEST(BootstrapWeights, HaveTheVarianceOfTheEstimateAlsoWithManyCoefficients) {
     const Eigen::VectorXd squares = rest.row(0).cwiseAbs2().transpose();
     const double estimate = squares.sum() / left.sum();
     mean += estimate / sets, square += estimate * estimate / sets;
-    const auto spread = [&](const Eigen::VectorXd& weights_of, const Eigen::VectorXd& per_weight, double& total) {
+    const auto add_variance = [&](const Eigen::VectorXd& weights_of, const Eigen::VectorXd& per_weight, double& total) {
       double m = 0, q = 0;
       for (int b = 0; b < draws; ++b) {
         const double v = bootstrap_weights(weights_of, std::uint64_t(s), std::uint64_t(b)).dot(per_weight);
@@ -98,9 +98,9 @@ TEST(BootstrapWeights, HaveTheVarianceOfTheEstimateAlsoWithManyCoefficients) {
       total += (q - m * m) * draws / (draws - 1) / sets;
       return m;
     };
-    drawn_mean += spread(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // control: Rubin's weights, without the correction for the coefficients
-    (void)spread(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // control: uncorrected residuals
+    drawn_mean += add_variance(left, squares.cwiseQuotient(left) / left.sum(), own) / sets;
+    (void)add_variance(Eigen::VectorXd::Ones(runs), squares / left.sum(), plain);     // control: Rubin's weights, without the correction for the coefficients
+    (void)add_variance(Eigen::VectorXd::Ones(runs), squares / double(runs), shrunk);  // control: uncorrected residuals
   }
   const double variance = square - mean * mean;  // 2 / 15 of sigma^4; known to 4 %
   EXPECT_NEAR(mean, 1, 0.05);
@@ -124,13 +124,15 @@ TEST(DrawNoise, LiesAboutTheEstimateAndIsTheSameOnAnyThreads) {
     scale += d.scale / n, square += d.scale * d.scale / n, log_ratio += std::log(d.noise_ratio[1]) / n,
         ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
   }
-  const double spread = std::sqrt(square - scale * scale), ratio_spread = std::sqrt(ratio_square - log_ratio * log_ratio), truth = std::log(9.0);
+  const double sd = std::sqrt(square - scale * scale);
+  const double ratio_sd = std::sqrt(ratio_square - log_ratio * log_ratio);
+  const double truth = std::log(9.0);
   EXPECT_NEAR(scale, 1, 0.1);
-  EXPECT_GT(spread, 0.02);
-  EXPECT_LT(spread, 0.5);
+  EXPECT_GT(sd, 0.02);
+  EXPECT_LT(sd, 0.5);
   // The true ratio of the noise variances of the meshes is 9.
-  EXPECT_LT(std::abs(log_ratio - truth), 4 * ratio_spread);
-  EXPECT_GT(ratio_spread, 0.02);
+  EXPECT_LT(std::abs(log_ratio - truth), 4 * ratio_sd);
+  EXPECT_GT(ratio_sd, 0.02);
   const auto again = draw_noise(in, fit, 3, 3, 1), other = draw_noise(in, fit, 1, 4, 1);
   for (std::size_t b = 0; b < 3; ++b) EXPECT_EQ(again[b].scale, drawn[b].scale);
   EXPECT_NE(other[0].scale, drawn[0].scale);
