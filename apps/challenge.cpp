@@ -38,8 +38,11 @@ std::string few_of(const std::vector<std::string>& names) {
 SuiteOptions suite_of(const ChallengeWords& words) {
   SuiteOptions options = suites().get(words.suite, "--suite");
   const auto take = [](const std::optional<int>& given, int& value) { value = given.value_or(value); };
-  take(words.none, options.none), take(words.single, options.single), take(words.outside, options.outside), take(words.sensor, options.sensor),
-      take(words.pair, options.pair);
+  take(words.none, options.none);
+  take(words.single, options.single);
+  take(words.outside, options.outside);
+  take(words.sensor, options.sensor);
+  take(words.pair, options.pair);
   if (!words.effects.empty()) options.effects = words.effects;
   options.grid = words.grid.value_or(options.grid);
   return options;

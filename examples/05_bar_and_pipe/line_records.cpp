@@ -93,7 +93,9 @@ std::string pipe_record() {
       e[i] += dt * rate;
       p[i] = std::max(vapour, steady[i] + water * wave_speed * wave_speed * e[i] + (rate > 0 ? 0.3 * water * wave_speed * dx * rate : 0.0));
     }
-    valve = p[cells - 1], mean += valve, ++count;
+    valve = p[cells - 1];
+    mean += valve;
+    ++count;
     if (t + dt < next) continue;
     text += fmt::format("{:.4f},{:.1f}
 ", next, 1e-3 * mean / double(count) + 4 * noise.normal());  // the recorder takes the mean of a millisecond

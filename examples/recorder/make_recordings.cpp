@@ -115,7 +115,9 @@ void make_recordings(const std::string& case_path, const std::string& truth_path
   Named<int> pulses{.range = at_least(1), .doc = "recorded pulses"};
   for (const auto& p : c.parameters) parameters.of[p.name] = 0;
   for (const auto& s : c.sensors) pulses.of[s.name] = 0, noise.of[s.name] = 0;
-  truth.read("parameter", parameters), truth.read("pulses", pulses), truth.read("noise", noise);
+  truth.read("parameter", parameters);
+  truth.read("pulses", pulses);
+  truth.read("noise", noise);
   truth.expect_all_read({});
 
   std::vector<double> theta;

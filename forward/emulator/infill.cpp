@@ -37,7 +37,8 @@ InfillPoints infill(const MultilevelRegression& emulator, const Eigen::MatrixXd&
     now = now.with_run(draws.col(best), level);
     of_level.conservativeResize(Eigen::NoChange, of_level.cols() + 1);
     of_level.col(of_level.cols() - 1) = draws.col(best);
-    chosen.push_back(best), out.level.push_back(level);
+    chosen.push_back(best);
+    out.level.push_back(level);
   }
   out.u.resize(draws.rows(), Eigen::Index(chosen.size()));
   for (std::size_t i = 0; i < chosen.size(); ++i) out.u.col(Eigen::Index(i)) = draws.col(chosen[i]);

@@ -61,7 +61,8 @@ ExternalMechanism read_mechanism(CaseFile& file, const std::string& name) {
       parts.key = at + '.' + parts.key;
       throw file.located(InputError(parts));
     }
-    m.parameters.push_back(std::move(one.parameter)), m.off.push_back(one.off);
+    m.parameters.push_back(std::move(one.parameter));
+    m.off.push_back(one.off);
   }
   if (m.parameters.empty())
     throw file.located(InputError({.problem = "a mechanism of an external model is a group of its inputs, and this group is empty",

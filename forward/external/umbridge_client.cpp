@@ -198,8 +198,10 @@ class UmbridgeClient::Connections {
     const auto [wait, wait_us] = parts(options_.timeout + behind);
     const auto [connect, connect_us] = parts(std::min(options_.connect_timeout, options_.timeout));
     client->set_connection_timeout(connect, connect_us);
-    client->set_read_timeout(wait, wait_us), client->set_write_timeout(wait, wait_us);
-    client->set_keep_alive(true), client->set_tcp_nodelay(true);
+    client->set_read_timeout(wait, wait_us);
+    client->set_write_timeout(wait, wait_us);
+    client->set_keep_alive(true);
+    client->set_tcp_nodelay(true);
     return client;
   }
   void give_back(Deadlines::Client client) {

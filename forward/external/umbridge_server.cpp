@@ -209,7 +209,9 @@ void UmbridgeServer::route() {
   server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
     auto& own = const_cast<httplib::Request&>(request);
     own.headers.erase("Content-Type");
-    own.headers.erase("Range"), own.ranges.clear();  // nor is a part of an answer an answer
+    // nor is a part of an answer an answer
+    own.headers.erase("Range");
+    own.ranges.clear();
     return httplib::Server::HandlerResponse::Unhandled;
   });
   // What is no JSON, NaN and Infinity included, is refused.
@@ -281,8 +283,10 @@ UmbridgeServer::UmbridgeServer(std::vector<ServedModel> models, ServeOptions opt
   server.new_task_queue = [workers] { return new httplib::ThreadPool(std::size_t(workers)); };
   server.set_payload_max_length(options_.largest_body);
   const auto seconds = time_t(options_.timeout);
-  server.set_read_timeout(seconds), server.set_write_timeout(seconds);
-  server.set_keep_alive_max_count(1000000), server.set_keep_alive_timeout(idle);
+  server.set_read_timeout(seconds);
+  server.set_write_timeout(seconds);
+  server.set_keep_alive_max_count(1000000);
+  server.set_keep_alive_timeout(idle);
   server.set_tcp_nodelay(true);
   server.set_socket_options([](socket_t socket) {  // httplib's own let two servers share a port
     const int yes = 1;

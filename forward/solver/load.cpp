@@ -114,7 +114,8 @@ History read_history(const std::filesystem::path& path) {
     }
     if (!h.time.empty() && t <= h.time.back())
       throw InputError({.problem = "time must increase", .value = number_text(t), .file = path.string(), .line = number});
-    h.time.push_back(t), h.value.push_back(s);
+    h.time.push_back(t);
+    h.value.push_back(s);
   }
   if (h.time.size() < 2) throw InputError({.problem = "holds fewer than two samples", .file = path.string()});
   return h;

@@ -42,7 +42,9 @@ void write_plane_terms(const HexGeometry& g, const LinearElastic& steel, bool li
   }
   const HourglassStiffness k = hourglass_stiffness(g, steel);
   const int x = hourglass, z = 6 + hourglass;
-  put(4 * share * k.bending(x, x)), put(4 * share * k.bending(x, z)), put(4 * share * k.bending(z, z));
+  put(4 * share * k.bending(x, x));
+  put(4 * share * k.bending(x, z));
+  put(4 * share * k.bending(z, z));
 }
 
 /// The terms of one element in the order of `BlockData`, each handed to `put`.

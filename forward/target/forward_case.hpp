@@ -70,8 +70,12 @@ struct ForwardCase {
   /// Visits every Options of the forward layer with its table's path: f(path, options).
   template <class Self, class F>
   static void visit_tables(Self& self, F&& f) {
-    f("geometry", self.geometry), f("material.steel", self.steel), f("material.mercury", self.mercury);
-    f("load", self.load), f("time", self.time), f("solver", self.solver);
+    f("geometry", self.geometry);
+    f("material.steel", self.steel);
+    f("material.mercury", self.mercury);
+    f("load", self.load);
+    f("time", self.time);
+    f("solver", self.solver);
   }
 };
 

@@ -178,7 +178,9 @@ RecordRows rows_of(const Recordings& record) {
 /// These sensors at these samples, by their indices.
 Recordings selected(const Recordings& all, std::span<const std::size_t> sensors, std::span<const std::size_t> samples) {
   Recordings out = all;
-  out.sensors.clear(), out.sensor_lines.clear(), out.time.clear();
+  out.sensors.clear();
+  out.sensor_lines.clear();
+  out.time.clear();
   for (const auto s : sensors) out.sensors.push_back(all.sensors[s]), out.sensor_lines.push_back(all.sensor_lines[s]);
   for (const auto t : samples) out.time.push_back(all.time[t]);
   out.values.resize(all.conditions.size() * sensors.size() * all.pulses.size() * samples.size());

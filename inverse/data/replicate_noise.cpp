@@ -60,7 +60,8 @@ Pulses read_pulses(const Problem& problem, const Decimation& grid, const Recordi
     p.present.array() += there.cast<double>();
     if (double(windows - there.count()) > dropouts * double(windows)) continue;
     p.zeroed = p.zeroed && record[0] == 0;
-    p.number.push_back(k), columns.push_back(y);
+    p.number.push_back(k);
+    columns.push_back(y);
   }
   p.present = p.present.cwiseMax(1);
   p.values.resize(windows, Eigen::Index(columns.size()));
@@ -77,7 +78,8 @@ Eigen::VectorXd energies(const std::vector<Pulses>& all, std::size_t condition, 
   // Each gauge sees deviations from the mean of its own pulses: iterate so that gauges with fewer pulses share the scale.
   Eigen::VectorXd a = top;
   for (int sweep = 0; sweep < 20; ++sweep) {
-    top.setZero(), bottom.setZero();
+    top.setZero();
+    bottom.setZero();
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Pulses& p = all[i];
       if (p.condition != condition || p.number.size() < 2) continue;

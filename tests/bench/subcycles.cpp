@@ -86,7 +86,8 @@ void measure(const BuiltInModel& model, const ExplicitSolver& solver, const std:
     double balance = std::nan("");
     if (!lanes) {
       SolveOptions balanced = options;
-      balanced.energy_balance = true, balanced.subcycles = allowed[i];
+      balanced.energy_balance = true;
+      balanced.subcycles = allowed[i];
       balance = solver.solve(setup, rows, balanced).energy_balance_error;
     }
     const double seconds = median(r.seconds), rate = double(model.mesh().elements.size() * runs) * double(r.last.steps) / seconds / 1e6;

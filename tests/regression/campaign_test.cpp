@@ -62,7 +62,8 @@ TEST(CampaignVerb, InterruptedInTheFloorItResumesToTheSameBytes) {
   EXPECT_THAT(last.said, HasSubstr("3 reused"));
   EXPECT_EQ(read_text(killed / "campaign.nc"), read_text(dir / "whole" / "campaign.nc"));
   auto a = read_json(killed / "floor.json"), b = read_json(dir / "whole" / "floor.json");
-  a.erase("wall_s"), b.erase("wall_s");
+  a.erase("wall_s");
+  b.erase("wall_s");
   EXPECT_EQ(a, b);
 }
 

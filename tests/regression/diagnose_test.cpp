@@ -104,7 +104,8 @@ TEST(DiagnoseVerb, GivesItsVerdictInTwoSentencesWithWhichTheReportBegins) {
   EXPECT_TRUE(fs::exists(dir / "a" / "diagnosis.nc"));
   EXPECT_EQ(fs::file_size(dir / "a" / "runs.journal"), journal);
   Json again = read_json(dir / "a" / "diagnosis.json"), before = json;
-  again.erase("wall_s"), before.erase("wall_s");
+  again.erase("wall_s");
+  before.erase("wall_s");
   EXPECT_EQ(again, before);
 
   const auto reported = run(dir, "report case.toml --out a --csv");

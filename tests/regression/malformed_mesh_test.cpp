@@ -30,7 +30,13 @@ direction = [1, 0, 0]
 const std::string& good_mesh() {
   static const std::string text = [] {
     calomel::GeometryOptions g;
-    g.kind = "box", g.length = 0.06, g.width = 0.05, g.height = 0.04, g.wall = 0.005, g.element_size = 0.01, g.half = true;
+    g.kind = "box";
+    g.length = 0.06;
+    g.width = 0.05;
+    g.height = 0.04;
+    g.wall = 0.005;
+    g.element_size = 0.01;
+    g.half = true;
     const auto path = calomel::scratch_file("good_mesh.inp");
     calomel::write_mesh(calomel::make_mesh(g), path);
     return calomel::read_text(path);

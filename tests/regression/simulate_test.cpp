@@ -174,7 +174,8 @@ TEST(Simulate, ReportsTheGreatestWallStressAndTheTimeAtTheCutoff) {
     double dx = -at[0], dz = -at[2];
     for (std::size_t k = 0; k < 8; ++k) dx += x[std::size_t(corners[8 * e + k] - 1)] / 8, dz += z[std::size_t(corners[8 * e + k] - 1)] / 8;
     if (std::hypot(dx, dz) > nearest) continue;
-    nearest = std::hypot(dx, dz), there = 0;
+    nearest = std::hypot(dx, dz);
+    there = 0;
     for (std::size_t t = 0; t < times.size(); ++t) there = std::max(there, stress[t * elements + e]);
   }
   EXPECT_LT(nearest, 1e-6);
@@ -190,7 +191,8 @@ TEST(Simulate, ReportsTheGreatestWallStressAndTheTimeAtTheCutoff) {
       EXPECT_GE(grows, 0);
       EXPECT_LE(grows, (times[t] - times[t - 1]) * 1.001);
       if (grows < 0.999 * (times[t] - times[t - 1])) continue;
-      ++grown, held += std::abs(pressure[t * liquid + e] + 1.5e5) < 1e3;
+      ++grown;
+      held += std::abs(pressure[t * liquid + e] + 1.5e5) < 1e3;
     }
   EXPECT_GT(grown, 100u);
   EXPECT_GT(double(held), 0.95 * double(grown));

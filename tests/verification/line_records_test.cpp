@@ -56,7 +56,8 @@ Fit least(const std::function<double(const std::vector<double>&)>& f, std::vecto
     gsl_multimin_fminimizer_set(search.get(), &g, at.get(), step.get());
     for (int i = 0; i < iterations && !gsl_multimin_fminimizer_iterate(search.get()); ++i)
       if (gsl_multimin_fminimizer_size(search.get()) < 1e-6) break;
-    x = plain(search->x), value = search->fval;
+    x = plain(search->x);
+    value = search->fval;
   }
   return {x, value};
 }
@@ -87,7 +88,10 @@ TEST(LineRecords, DispersionOfTheBarIsLateralInertias) {
     int n = 0;
     for (std::size_t i = 0; i < history.size(); ++i) {
       if (double(i) * sample < 250e-6 || double(i) * sample > 420e-6) continue;
-      hh += history[i] * history[i], hy += history[i] * record.value[i], yy += record.value[i] * record.value[i], ++n;
+      hh += history[i] * history[i];
+      hy += history[i] * record.value[i];
+      yy += record.value[i] * record.value[i];
+      ++n;
     }
     return 1e3 * std::sqrt((yy - hy * hy / hh) / n);
   };
@@ -200,7 +204,9 @@ TEST(LineRecords, ColumnSeparationIsTheVapourCutoffs) {
             wall = fit({speed, friction, "mechanism.wall_viscoelasticity.compliance"}, {1319, 0.3, 0.2}, {60, 0.2, 0.1}, any_friction),
             lag = fit({speed, friction, "mechanism.sensor_response.lag"}, {1319, 0.3, 0.02}, {60, 0.2, 0.02}, any_friction);
   Numbers fitted = cutoff, level = cutoff;
-  fitted[speed] = vapour.x[0], fitted[friction] = vapour.x[1], level["line.rise"] = 0;
+  fitted[speed] = vapour.x[0];
+  fitted[friction] = vapour.x[1];
+  level["line.rise"] = 0;
   const auto returns = [&](const std::vector<double>& history) {  // when the pressure returns
     for (std::size_t i = 400;; ++i)
       if (history[i] > 200) return model.shape().times[i];

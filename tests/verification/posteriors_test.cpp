@@ -119,7 +119,9 @@ TEST(LotkaVolterra, HasPopulationsAtRest) {
   // u = gamma/delta, v = alpha/beta is stationary: on a record of it ln p consists of ln sigma and the priors.
   const double alpha = 0.5, beta = 0.025, gamma = 0.8, delta = 0.02, u = gamma / delta, v = alpha / beta;
   Json data;
-  data["ts"] = {1, 10, 20}, data["y_init"] = {u, v}, data["y"] = {{u, v}, {u, v}, {u, v}};
+  data["ts"] = {1, 10, 20};
+  data["y_init"] = {u, v};
+  data["y"] = {{u, v}, {u, v}, {u, v}};
   std::vector<double> x{alpha, beta, gamma, delta, u, v, 0.3, 0.4};
   for (double& value : x) value = std::log(value);
   const auto normal = [](double value, double mean, double sd) { return -0.5 * std::pow((value - mean) / sd, 2); };

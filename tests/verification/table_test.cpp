@@ -68,7 +68,9 @@ TEST(Table, AdditionalAndMissingRowsAreReported) {
   other.rows.push_back(two.rows[0]);
   EXPECT_THAT(compare(other, committed.page), ElementsAre(HasSubstr("recorded twice")));
   // The rows of a test that could not run may be missing.
-  other = two, other.rows.pop_back(), other.absent = {"BoxSlice.X: no reference solutions"};
+  other = two;
+  other.rows.pop_back();
+  other.absent = {"BoxSlice.X: no reference solutions"};
   EXPECT_THAT(compare(other, committed.page), IsEmpty());
 }
 

@@ -18,9 +18,11 @@ TEST(Artefact, IdentityFollowsOptionsSeedAndInputs) {
   EXPECT_EQ(a.identity(), b.identity());
   b.options["runs"] = 4;
   EXPECT_NE(a.identity(), b.identity());
-  b = a, b.seed = 2;
+  b = a;
+  b.seed = 2;
   EXPECT_NE(a.identity(), b.identity());
-  b = a, b.inputs["case"] = "y";
+  b = a;
+  b.inputs["case"] = "y";
   EXPECT_NE(a.identity(), b.identity());
 }
 

@@ -175,7 +175,8 @@ TEST(CaseFile, AnOverrideFindsAnElementOfAListByItsName) {
   for (const char* override_text : {"load.B.pulses=5", "load[1].pulses=5"}) {
     CaseFile file = with(override_text);
     Named a, b;
-    file.read("load[0]", a), file.read("load[1]", b);
+    file.read("load[0]", a);
+    file.read("load[1]", b);
     EXPECT_EQ(a.pulses, 1);
     EXPECT_EQ(b.pulses, 5);
   }

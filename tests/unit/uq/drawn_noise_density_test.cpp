@@ -56,7 +56,8 @@ TEST(DrawnNoiseDensity, IsTheMeanOfTheLikelihoodsWithItsExactGradient) {
   EXPECT_EQ(density.log_density_and_gradient({q.data(), 3}, gradient), density.log_density({q.data(), 3}));
   for (Eigen::Index k = 0; k < 3; ++k) {
     Eigen::VectorXd up = q, down = q;
-    up[k] += 1e-5, down[k] -= 1e-5;
+    up[k] += 1e-5;
+    down[k] -= 1e-5;
     const double difference = (density.log_density({up.data(), 3}) - density.log_density({down.data(), 3})) / 2e-5;
     EXPECT_NEAR(gradient[std::size_t(k)], difference, 1e-4 * (1 + std::abs(difference)));
   }

@@ -32,7 +32,8 @@ struct Steep {
   [[nodiscard]] PosteriorInputs inputs(const Experiment& experiment) {
     PosteriorInputs in = experiment.base();
     in.discrepancy = false;
-    in.emulator.rounds = 2, in.emulator.round_coarse = in.emulator.round_fine = 2;
+    in.emulator.rounds = 2;
+    in.emulator.round_coarse = in.emulator.round_fine = 2;
     in.emulator.check_coarse = in.emulator.check_fine = 8;
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> all;

@@ -68,7 +68,8 @@ TEST(TrueModelDensity, IsTheEmulatorsIfARunEqualsItsPrediction) {
                             (cheap.log_density({q.data(), 3}) - posterior.density(at).log_posterior());
     EXPECT_NEAR(exact.log_density({q.data(), 3}), expected, 1e-3 * (1 + std::abs(expected)));  // records keep single precision
     std::vector<double> a(3), b(3);
-    exact.constrain({q.data(), 3}, a), cheap.constrain({q.data(), 3}, b);
+    exact.constrain({q.data(), 3}, a);
+    cheap.constrain({q.data(), 3}, b);
     EXPECT_EQ(a, b);
   }
 }

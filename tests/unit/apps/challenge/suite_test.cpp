@@ -140,7 +140,8 @@ TEST(Draw, NumbersLieInTheirRanges) {
       EXPECT_GE(x, r.low * (1 - 1e-7)) << r.key;
       EXPECT_LE(x, r.high * (1 + 1e-7)) << r.key;
       auto& [least, most] = seen.try_emplace(r.key, x, x).first->second;
-      least = std::min(least, x), most = std::max(most, x);
+      least = std::min(least, x);
+      most = std::max(most, x);
     }
     for (const char* key : {"geometry.length", "geometry.height", "geometry.front", "geometry.top", "geometry.bottom"}) {
       const double cells = spec.number(key).value() / 0.5e-3;

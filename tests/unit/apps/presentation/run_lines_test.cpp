@@ -18,7 +18,8 @@ TEST(RunLines, TheFloorIsReportedByGaugeWithTheOtherErrors) {
           "repeatability floor of the ensemble mean over 8 jitters of mesh, viscosity and energies: 2.60 % of the signal (mean over sensors), 4.00 % at worst",
           "  A: 1.23 %", "  B: 4.00 %", "single against double precision: 0.05 % (mean over sensors), 0.06 % at worst",
           "elements of half the size: left out: too many elements"));
-  floor.conditions = {"low", "high"}, floor.relative = {0.01, 0.02, 0.03, 0.04};
+  floor.conditions = {"low", "high"};
+  floor.relative = {0.01, 0.02, 0.03, 0.04};
   const auto lines = floor_lines(floor);
   EXPECT_EQ(lines[2], "  low B: 2.00 %");
   EXPECT_EQ(lines[3], "  high A: 3.00 %");
@@ -35,7 +36,8 @@ TEST(RunLines, FailuresAreReportedWithTheirReasons) {
   Archive archive;
   archive.shape.parameters = {{.name = "density", .key = "material.mercury.density", .min = 0, .max = 1}};
   archive.theta = Eigen::RowVectorXd::LinSpaced(10, 0, 1);
-  archive.status.assign(10, RunStatus::done), archive.message.assign(10, "");
+  archive.status.assign(10, RunStatus::done);
+  archive.message.assign(10, "");
   EXPECT_THAT(failure_lines(archive, Feasibility(archive)), IsEmpty());
   for (const std::size_t run : {8u, 9u}) archive.status[run] = RunStatus::failed, archive.message[run] = "step 812: element 40 collapsed";
   const auto lines = failure_lines(archive, Feasibility(archive));

@@ -61,7 +61,8 @@ TEST(Floor, OfTheWholeRecordIsThatOfItsWindows) {
     double sd = 0, signal = 0;
     for (std::size_t w = 0; w < windows; ++w) {
       const double n = w + 1 < windows ? 10 : 11;  // the last holds the end of the record
-      sd += n * std::pow(floor.sd[row * windows + w], 2), signal += n * std::pow(floor.signal[row * windows + w], 2);
+      sd += n * std::pow(floor.sd[row * windows + w], 2);
+      signal += n * std::pow(floor.signal[row * windows + w], 2);
     }
     EXPECT_NEAR(floor.relative[row], std::sqrt(sd / signal), 1e-12 * floor.relative[row]);
   }
@@ -110,7 +111,8 @@ TEST(Floor, OfSingleRunsIsOfWhatTheirParametersDifferBy) {
 
 TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
   FloorOptions o = beside();
-  o.finer_mesh = o.precisions = false, o.single_run_shift = 0.01;
+  o.finer_mesh = o.precisions = false;
+  o.single_run_shift = 0.01;
   const auto with = [&](const char* key, const char* bounds) {
     return comparison(floor_of(small_case(std::string("[parameter.p]\nkey = \"") + key + "\"\n" + bounds), o, 7, 2), "single_runs");
   };
@@ -120,7 +122,10 @@ TEST(Floor, VariesTheCasesOwnParametersInSingleRuns) {
 
 TEST(Floor, ReportsWhyAComparisonIsLeftOut) {
   FloorOptions o = beside();
-  o.single_runs = 0, o.precisions = false, o.finer_elements = 600;  // fewer than there are now
+  // fewer than there are now
+  o.single_runs = 0;
+  o.precisions = false;
+  o.finer_elements = 600;
   const auto floor = floor_of(small_case(), o, 7, 2);
   ASSERT_EQ(floor.comparisons.size(), 1u);
   EXPECT_THAT(floor.comparisons[0].message, HasSubstr("floor.finer_elements"));

@@ -27,7 +27,9 @@ struct Trained {
     histories.resize(4, 40);
     for (int i = 0; i < 40; ++i) {
       const int level = i < 30 ? 1 : 0;
-      runs.u.col(i) = u.col(i % 30), runs.level.push_back(level), histories.col(i) = history(runs.u.col(i), level);
+      runs.u.col(i) = u.col(i % 30);
+      runs.level.push_back(level);
+      histories.col(i) = history(runs.u.col(i), level);
     }
     regression = MultilevelRegression(runs, histories, Eigen::Vector4d::Ones());
   }
@@ -126,7 +128,8 @@ TEST(CorrectedModel, AddsTheShiftToOneAndToManyAndToTheSlope) {
   for (std::size_t k = 0; k < 2; ++k) {
     auto up = at, down = at;
     const double h = 1e-5 * at[k];
-    up[k] += h, down[k] -= h;
+    up[k] += h;
+    down[k] -= h;
     double slope = 0;
     for (std::size_t i = 0; i < 4; ++i) slope += weights[i] * (corrected.evaluate(up).mean[i] - corrected.evaluate(down).mean[i]) / (2 * h);
     EXPECT_NEAR(g[Eigen::Index(k)], slope, 1e-6 * (1 + std::abs(slope)));

@@ -20,7 +20,8 @@ class DrippingServer {
  public:
   DrippingServer(std::string first, std::string again) : first_(std::move(first)), again_(std::move(again)), socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in at{};
-    at.sin_family = AF_INET, at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof at;
     (void)::bind(socket_, reinterpret_cast<const sockaddr*>(&at), size);
     (void)::listen(socket_, 4);
@@ -38,7 +39,8 @@ class DrippingServer {
     });
   }
   ~DrippingServer() {
-    thread_.request_stop(), thread_.join();
+    thread_.request_stop();
+    thread_.join();
     ::close(socket_);
   }
   DrippingServer(const DrippingServer&) = delete;

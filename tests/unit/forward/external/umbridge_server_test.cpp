@@ -30,7 +30,8 @@ class Connection {
  public:
   Connection(const char* address, int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in to{};
-    to.sin_family = AF_INET, to.sin_port = htons(std::uint16_t(port));
+    to.sin_family = AF_INET;
+    to.sin_port = htons(std::uint16_t(port));
     inet_pton(AF_INET, address, &to.sin_addr);
     open_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
   }

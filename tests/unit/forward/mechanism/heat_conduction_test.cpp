@@ -26,7 +26,8 @@ Conduction conduction(double w, double radius, double ambient, double conducts =
 
 KellerMiksis bubble(double radius, double ambient, const Conduction& heat) {
   KellerMiksis b = helium(heat.polytropic, 0.47, heat.viscosity + 1.3e-3);
-  b.radius = radius, b.ambient = ambient;
+  b.radius = radius;
+  b.ambient = ambient;
   return b;
 }
 

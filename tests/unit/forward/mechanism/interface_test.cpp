@@ -81,7 +81,8 @@ TEST(Interface, OnlyTheNamedStretchIsWeak) {
     }
     EXPECT_EQ(a.slip_strength[i], 5e4);
     EXPECT_EQ(a.slip_hold[i], 0);
-    whole += share > 1 - 1e-9, parts += share > 1e-9 && share < 1 - 1e-9;
+    whole += share > 1 - 1e-9;
+    parts += share > 1e-9 && share < 1 - 1e-9;
   }
   EXPECT_GT(whole, 4);
   EXPECT_GT(parts, 1);

@@ -93,7 +93,9 @@ TEST(NonlinearEos, ASimpleWaveSteepensAsItsCharacteristicsSay) {
     return worst / moved.back();
   };
   const double own = error(m), linear = error(1), tait = error(m - 2);
-  measured("error_of_the_wave", own), measured("of_a_linear_liquid", linear), measured("of_tait_s_exponent", tait);
+  measured("error_of_the_wave", own);
+  measured("of_a_linear_liquid", linear);
+  measured("of_tait_s_exponent", tait);
   EXPECT_LT(own, 2e-4);
   EXPECT_GT(linear, 0.03);
   EXPECT_GT(tait, 0.005);

@@ -38,7 +38,8 @@ TEST(SensorResponse, TheLowPassFollowsItsFormulaForASine) {
     Eigen::VectorXd right = Eigen::VectorXd::Zero(2);
     for (std::size_t k = 4000; k < y.size(); ++k) {
       const Eigen::Vector2d a(std::sin(2 * M_PI * f * double(k) * interval), std::cos(2 * M_PI * f * double(k) * interval));
-      normal += a * a.transpose(), right += y[k] * a;
+      normal += a * a.transpose();
+      right += y[k] * a;
     }
     const Eigen::Vector2d got = solve_symmetric(normal, right);
     const double x = f / cutoff, re = 1 - x * x, im = std::sqrt(2) * x, size = re * re + im * im;
@@ -69,7 +70,12 @@ TEST(SensorResponse, DelayGainAndOffset) {
 // A gauge that is turned towards normal x direction and has a transverse sensitivity reads exactly m.E.m + k n.E.n in a uniform strain.
 TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.08, g.width = 0.06, g.height = 0.05, g.wall = 0.004, g.element_size = 0.004;
+  g.kind = "box";
+  g.length = 0.08;
+  g.width = 0.06;
+  g.height = 0.05;
+  g.wall = 0.004;
+  g.element_size = 0.004;
   const Mesh mesh = make_mesh(g);
   Eigen::Matrix3d gradient;
   gradient << 1.1, 0.3, -0.7, 0.2, -0.4, 0.5, 0.9, -0.6, 0.8;
@@ -79,7 +85,10 @@ TEST(SensorResponse, ATurnedGaugeReadsTheTurnedStrain) {
   for (const double gauge_length : {0.0, 0.008})
     for (const auto& [angle, k] : {std::pair{7.0, 0.0}, {-10.0, 0.03}, {0.0, -0.05}, {90.0, 0.0}}) {
       SensorOptions sensor;
-      sensor.name = "A", sensor.position = {0.04, 0.005, 0.05}, sensor.direction = {0.8, 0.6, 0}, sensor.gauge_length = gauge_length;
+      sensor.name = "A";
+      sensor.position = {0.04, 0.005, 0.05};
+      sensor.direction = {0.8, 0.6, 0};
+      sensor.gauge_length = gauge_length;
       const LocatedGauge gauge = locate_gauge(mesh, sensor);
       ObservationRow row{gauge.axial.nodes, gauge.axial.weights};
       entry.gauge(values_of(entry, {{"angle", angle}, {"transverse", k}}), gauge, row);

@@ -13,7 +13,9 @@ namespace {
 GeometryOptions box(double element_size) {
   GeometryOptions g;
   g.kind = "box";
-  g.length = 0.08, g.width = 0.06, g.height = 0.05;
+  g.length = 0.08;
+  g.width = 0.06;
+  g.height = 0.05;
   g.wall = 0.003;
   g.element_size = element_size;
   return g;
@@ -180,7 +182,8 @@ TEST(Gauge, IsExactOnACurvedNoseToo) {
 TEST(Gauge, OfAQuarterBarIsMirroredInBothPlanes) {
   GeometryOptions options;
   options.kind = "bar";
-  options.length = 0.05, options.radius = 0.01;
+  options.length = 0.05;
+  options.radius = 0.01;
   const Mesh m = make_mesh(options);
   // The field is symmetric about both planes: u_x even, u_y odd in y, u_z odd in z.
   std::vector<Vec3> u;

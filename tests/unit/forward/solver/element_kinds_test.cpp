@@ -10,7 +10,8 @@ namespace {
 std::vector<double> histories(const ExplicitSolver& solver, const RunSetup& s, const std::vector<ObservationRow>& rows, const char* element,
                               const char* kinematics) {
   SolveOptions o;
-  o.steel_element = element, o.kinematics = kinematics;
+  o.steel_element = element;
+  o.kinematics = kinematics;
   return solver.solve(s, rows, o).observations;
 }
 

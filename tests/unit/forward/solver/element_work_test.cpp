@@ -49,7 +49,13 @@ TEST(ElementWork, IsTheCountOfTheFormulas) {
 
 TEST(ElementWork, OfAMeshIsTheMeanOfItsElementsAndTheirNodes) {
   GeometryOptions g;
-  g.kind = "box", g.length = 0.04, g.width = 0.04, g.height = 0.03, g.wall = 0.005, g.plane_strain = true, g.element_size = 0.0025;
+  g.kind = "box";
+  g.length = 0.04;
+  g.width = 0.04;
+  g.height = 0.03;
+  g.wall = 0.005;
+  g.plane_strain = true;
+  g.element_size = 0.0025;
   const Mesh mesh = make_mesh(g);
   const double steel = double(std::count(mesh.region.begin(), mesh.region.end(), Region::steel)) / double(mesh.region.size());
   ASSERT_GT(steel, 0.1);

@@ -38,7 +38,8 @@ TEST(BuiltInModel, TheMercurysNumericsHaveOneDefault) {
   const BuiltInModel model(small_case(), {.pulses = 1});
   const BuiltInModel other = [] {
     ForwardCase c = small_case();
-    c.mercury.hourglass = 0.02, c.mercury.collapse_viscosity = 0.7;
+    c.mercury.hourglass = 0.02;
+    c.mercury.collapse_viscosity = 0.7;
     return BuiltInModel(c, {.pulses = 1});
   }();
   EXPECT_EQ(model.setup(model.forward_case(), model.mesh(), 0, {1.0}).hourglass, RunSetup{}.hourglass);
@@ -53,7 +54,8 @@ TEST(BuiltInModel, ReportsTheElementStepsOfARun) {
   const auto d = BuiltInModel(small_case(), {.pulses = 1}).describe();
   EXPECT_EQ(d.element_steps, double(d.elements) * double(d.steps));
   ForwardCase c = small_case();
-  c.geometry.wall_elements = 6, c.solver.subcycles = 4;
+  c.geometry.wall_elements = 6;
+  c.solver.subcycles = 4;
   const auto cycled = BuiltInModel(c, {.pulses = 1}).describe();
   EXPECT_GT(cycled.subcycles, 1);
   EXPECT_LT(cycled.element_steps, double(cycled.elements) * double(cycled.steps));
@@ -84,7 +86,10 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
     double se = 0, see = 0, sy = 0, sey = 0;
     for (std::size_t r = 0; r < m; ++r) {
       const double e = p.energies[r], y = p.pulses[r * n + i];
-      se += e, see += e * e, sy += y, sey += e * y;
+      se += e;
+      see += e * e;
+      sy += y;
+      sey += e * y;
     }
     const double b = (m * sey - se * sy) / (m * see - se * se), a = (sy - b * se) / m;
     double rest = 0;
@@ -92,7 +97,8 @@ TEST(BuiltInModel, MeanSlopeAndScatterAreThoseOfItsPulses) {
     EXPECT_NEAR(p.mean[i], sy / m, 1e-6 * scale);
     EXPECT_NEAR(p.energy_slope[i], b, 2e-5 * scale);
     EXPECT_NEAR(p.scatter[i], std::sqrt(rest / (m - 2)), 1e-6 * scale);
-    slopes = std::max(slopes, std::abs(b)), scatters = std::max(scatters, p.scatter[i]);
+    slopes = std::max(slopes, std::abs(b));
+    scatters = std::max(scatters, p.scatter[i]);
   }
   EXPECT_GT(scale, 1e-6);
   EXPECT_GT(slopes, 0.5 * scale);  // about proportional to the energy
@@ -321,7 +327,8 @@ TEST(BuiltInModel, AMeshFromAFileMayLieAnywhere) {
   };
   const auto moved = [&](double dx, double dz, const std::string& mechanism) {
     ForwardCase c = small_case(mechanism);
-    c.geometry.kind = "mesh", c.load.profile.center[1] += dz;
+    c.geometry.kind = "mesh";
+    c.load.profile.center[1] += dz;
     for (auto& s : c.sensors) s.position[0] += dx, s.position[2] += dz;
     const Prediction p = BuiltInModel(c, {.pulses = 1}, 1, mesh(dx, dz)).evaluate({});
     EXPECT_TRUE(p.ok) << p.message;

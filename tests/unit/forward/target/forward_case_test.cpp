@@ -186,7 +186,8 @@ TEST(ForwardCase, ErrorsSayWhereAndWhat) {
 
 TEST(ForwardCase, AnEndThatIsNoMultipleOfTheIntervalIsRefused) {
   TimeOptions t;
-  t.end = 1.05e-5, t.output_interval = 1e-6;
+  t.end = 1.05e-5;
+  t.output_interval = 1e-6;
   EXPECT_THROW(t.validate(), InputError);
   t.end = 1e-5;
   EXPECT_NO_THROW(t.validate());

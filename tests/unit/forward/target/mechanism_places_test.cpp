@@ -104,7 +104,9 @@ double frequency(const ForwardCase& c) {
 TEST(MechanismPlaces, AThinnedWallHasTheFrequencyOfTheThinnerOne) {
   const ForwardCase thick = ringing_box(0.004), thin = ringing_box(0.002), thinned = with(thick, "thinner", thinner(), {{"fraction", 0.5}});
   const double f_thick = frequency(thick), f_thin = frequency(thin), f_thinned = frequency(thinned);
-  measured("thick", f_thick), measured("thin", f_thin), measured("thinned", f_thinned);
+  measured("thick", f_thick);
+  measured("thin", f_thin);
+  measured("thinned", f_thinned);
   EXPECT_NEAR(f_thinned, f_thin, 0.01 * f_thin);
   EXPECT_GT(f_thick, 1.2 * f_thin);  // control
   const BuiltInModel model(thinned, {.pulses = 1});

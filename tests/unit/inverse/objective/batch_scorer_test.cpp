@@ -20,7 +20,8 @@ struct Directed : Oscillations {
   explicit Directed(std::size_t n_times, Eigen::Index rank = 7) : Oscillations(n_times) {
     RandomStream random(5, 1);
     const auto values = Eigen::Index(shape().values());
-    base.offset.resize(values), base.directions.resize(values, rank);
+    base.offset.resize(values);
+    base.directions.resize(values, rank);
     for (auto& x : base.offset) x = float(1e-4 * random.normal());
     for (auto& x : base.directions.reshaped()) x = float(1e-4 * random.normal());
   }
@@ -53,7 +54,10 @@ Eigen::MatrixXd points_in(const ModelShape& shape, Eigen::Index n) {
 /// Records of a wave with noise at every time step or between the steps, with dropouts and a gauge that was not recorded.
 Recordings gauges(const ModelShape& shape, double step) {
   Recordings r;
-  r.conditions = shape.conditions, r.sensors = {"C", "A"}, r.sensor_lines = {0, 0}, r.pulses = {0, 1, 2, 3};
+  r.conditions = shape.conditions;
+  r.sensors = {"C", "A"};
+  r.sensor_lines = {0, 0};
+  r.pulses = {0, 1, 2, 3};
   for (double t = 0; t <= shape.times.back(); t += step) r.time.push_back(t);
   r.values.resize(r.sensors.size() * r.pulses.size() * r.time.size());
   RandomStream random(2, 0);

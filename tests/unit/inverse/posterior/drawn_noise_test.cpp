@@ -27,8 +27,13 @@ struct Noisy {
   [[nodiscard]] PosteriorInputs inputs() const {
     PosteriorInputs in{.problem = problem, .recordings = recordings, .recording_options = recording_options};
     in.errors = {.values = 40, .band = 1e6, .energy_scale_sd = 0, .gain_sd = 0, .beyond_sd = 0, .beyond_rest = 0};
-    in.emulator.coarse_runs = 24, in.emulator.fine_runs = 12, in.emulator.round_coarse = in.emulator.round_fine = 2;
-    in.parameters = parameters, in.levels = 2, in.centre = {2.2, 0.7}, in.half_width = {0.6, 0.6};
+    in.emulator.coarse_runs = 24;
+    in.emulator.fine_runs = 12;
+    in.emulator.round_coarse = in.emulator.round_fine = 2;
+    in.parameters = parameters;
+    in.levels = 2;
+    in.centre = {2.2, 0.7};
+    in.half_width = {0.6, 0.6};
     in.run = [this](const Eigen::MatrixXd& thetas, const std::vector<int>& level) {
       std::vector<RunRecord> all;
       for (std::size_t i = 0; i < level.size(); ++i) {
@@ -56,7 +61,8 @@ TEST(BootstrapWeights, AreThoseOfADirichletAndComeFromSeedAndDrawAlone) {
   for (int b = 0; b < n; ++b) {
     const Eigen::VectorXd a = bootstrap_weights(left, 1, std::uint64_t(b));
     EXPECT_NEAR(a.sum(), nu, 1e-12);
-    mean += a / n, square += a.cwiseAbs2() / n;
+    mean += a / n;
+    square += a.cwiseAbs2() / n;
   }
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double variance = left[i] * (nu - left[i]) / (nu + 1);
@@ -88,12 +94,14 @@ TEST(BootstrapWeights, HaveTheVarianceOfTheEstimateAlsoWithManyCoefficients) {
     const Eigen::MatrixXd rest = regression.residuals(noise());
     const Eigen::VectorXd squares = rest.row(0).cwiseAbs2().transpose();
     const double estimate = squares.sum() / left.sum();
-    mean += estimate / sets, square += estimate * estimate / sets;
+    mean += estimate / sets;
+    square += estimate * estimate / sets;
     const auto add_variance = [&](const Eigen::VectorXd& weights_of, const Eigen::VectorXd& per_weight, double& total) {
       double m = 0, q = 0;
       for (int b = 0; b < draws; ++b) {
         const double v = bootstrap_weights(weights_of, std::uint64_t(s), std::uint64_t(b)).dot(per_weight);
-        m += v / draws, q += v * v / draws;
+        m += v / draws;
+        q += v * v / draws;
       }
       total += (q - m * m) * draws / (draws - 1) / sets;
       return m;
@@ -121,8 +129,10 @@ TEST(DrawNoise, LiesAboutTheEstimateAndIsTheSameOnAnyThreads) {
   double scale = 0, square = 0, log_ratio = 0, ratio_square = 0;
   for (const auto& d : drawn) {
     EXPECT_DOUBLE_EQ(d.noise_ratio[0], 1);
-    scale += d.scale / n, square += d.scale * d.scale / n, log_ratio += std::log(d.noise_ratio[1]) / n,
-        ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
+    scale += d.scale / n;
+    square += d.scale * d.scale / n;
+    log_ratio += std::log(d.noise_ratio[1]) / n;
+    ratio_square += std::pow(std::log(d.noise_ratio[1]), 2) / n;
   }
   const double sd = std::sqrt(square - scale * scale);
   const double ratio_sd = std::sqrt(ratio_square - log_ratio * log_ratio);

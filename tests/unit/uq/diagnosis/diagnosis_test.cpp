@@ -89,7 +89,8 @@ TEST(Diagnosis, AConcealedEffectIsNamedAndGivesTheBaseParametersBack) {
   ASSERT_EQ(json["gauges"].size(), sensors);
   for (const auto& g : json["gauges"]) {
     EXPECT_LT(g["after"].get<double>(), g["before"].get<double>()) << g["name"];
-    held_out += g["heldout_before"].get<double>() / double(sensors), before += g["before"].get<double>() / double(sensors);
+    held_out += g["heldout_before"].get<double>() / double(sensors);
+    before += g["before"].get<double>() / double(sensors);
   }
   EXPECT_NEAR(held_out, d.hold_out.before, 1e-6);  // the mean over the gauges is the rule's own number
   EXPECT_NEAR(before, json["fit"]["before"]["compared_nrmse"].get<double>(), 1e-12);

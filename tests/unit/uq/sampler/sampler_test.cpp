@@ -231,7 +231,8 @@ TEST(Sampler, ProgressCountsToTheEnd) {
   std::size_t last = 0, all = 0;
   (void)run_sampler(density, about_zero(3), small, {.threads = 3, .progress = [&](std::size_t done, std::size_t of) {
                                                       EXPECT_GE(done, last);
-                                                      last = done, all = of;
+                                                      last = done;
+                                                      all = of;
                                                     }});
   EXPECT_EQ(last, 4 * 1100u);
   EXPECT_EQ(all, last);
