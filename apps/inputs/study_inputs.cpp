@@ -107,7 +107,10 @@ std::filesystem::path StudyInputs::journal(const std::string& name, const Proven
 StudyInputs::OtherRuns StudyInputs::runs_of(const Simulator& simulator, const std::string& name) const {
   const auto provenance = runs_provenance(study_, simulator);
   OtherRuns out;
-  out.store = std::make_unique<RunStore>(provenance, journal(name, provenance));
+  if (command_.verb == "serve")  // without the folder's lock, it keeps no journal
+    out.store = std::make_unique<RunStore>();
+  else
+    out.store = std::make_unique<RunStore>(provenance, journal(name, provenance));
   out.runs = std::make_unique<Runs>(simulator, *out.store, executor_, &stop_requested());
   return out;
 }

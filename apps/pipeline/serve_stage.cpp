@@ -60,13 +60,14 @@ ServedModel served(StudyInputs& inputs) {
   ServedModel out = described("forward", simulator.shape());
   std::vector<Range> ranges;
   for (const auto& p : simulator.shape().parameters) ranges.push_back(simulator.range(p));
+  Runs& runs = inputs.runs();
   const bool has_pulses = simulator.capabilities().pulses;
-  out.evaluate = [&simulator, ranges, has_pulses](const Blocks& input, const Json& config) {
+  out.evaluate = [&simulator, &runs, ranges, has_pulses](const Blocks& input, const Json& config) {
     if (!has_pulses) expect_no_config(config);
     expect_possible(simulator.shape().parameters, ranges, input[0]);
     RunRequest request = request_at(simulator.shape().parameters, input[0]);
     if (has_pulses) request.pulses = pulses_of(config);
-    return Blocks{answer_of(simulator.evaluate(request))};
+    return Blocks{answer_of(runs.evaluate(request))};
   };
   return out;
 }
